@@ -3,9 +3,7 @@
 
 use std::hint::black_box;
 
-use carom::collision_tolerant::{
-    Objective, PlanningOptions, PlanningProgram, Scenario, shortest_plan,
-};
+use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, ShortestOptions};
 use carom::internals::hybrid::{Choice, Transition};
@@ -39,12 +37,12 @@ fn sweeps(criterion: &mut Criterion) {
         )
     });
     let tube = swept.clone().tube(485).expect("485 steps are allowed");
-    let program = PlanningProgram::build(&scenario(0.005), 485, Objective::Feasibility);
+    let program = scenario(0.005).program(485, Objective::Feasibility);
     let program = program.expect("the paper's scenario is valid");
-    let variables = program.hybrid.horizon_variables();
+    let variables = program.variables().horizon_variables();
     group.bench_function("tighten", |b| {
         b.iter_batched(
-            || program.model.clone(),
+            || program.model().clone(),
             |mut model| tube.tighten(&mut model, &variables),
             BatchSize::LargeInput,
         )
@@ -67,7 +65,7 @@ fn searches(criterion: &mut Criterion) {
             group.bench_function(format!("{name}_{time_step}"), |b| {
                 b.iter(|| {
                     let mut solver = BranchAndBound::default();
-                    shortest_plan(&scenario(black_box(time_step)), &options, &mut solver)
+                    scenario(black_box(time_step)).shortest_plan(&options, &mut solver)
                 })
             });
         }
@@ -81,12 +79,12 @@ fn time_to_spare(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("time_to_spare_30_steps");
     group.sample_size(10);
     let scenario = scenario(0.1);
-    let program = PlanningProgram::build(&scenario, 30, Objective::Effort);
+    let program = scenario.program(30, Objective::Effort);
     let program = program.expect("the paper's scenario is valid");
-    let variables = program.hybrid.horizon_variables();
+    let variables = program.variables().horizon_variables();
     group.bench_function("sets", |b| {
         b.iter_batched(
-            || program.model.clone(),
+            || program.model().clone(),
             |mut model| {
                 let mut sets = scenario.reach_sets()?;
                 sets.tube(30)?.tighten(&mut model, &variables)
@@ -95,7 +93,7 @@ fn time_to_spare(criterion: &mut Criterion) {
         )
     });
     group.bench_function("solve", |b| {
-        b.iter(|| BranchAndBound::default().solve(black_box(&program.model)))
+        b.iter(|| BranchAndBound::default().solve(black_box(program.model())))
     });
     group.finish();
 }

@@ -7,9 +7,7 @@ mod instances;
 
 use std::hint::black_box;
 
-use carom::collision_tolerant::{
-    Objective, PlanningOptions, PlanningProgram as Paper, Scenario, compare,
-};
+use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
 use carom::internals::presolve::{Domain, Propagator, probe, reduce};
 use carom::internals::program::Program;
 use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation};
@@ -20,7 +18,7 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 /// The paper's tolerant program, perfectly plastic, at a feasible horizon.
 fn paper(steps: usize) -> Model {
-    match Paper::build(&Scenario::paper(), steps, Objective::Feasibility) {
+    match Scenario::paper().program(steps, Objective::Feasibility) {
         Ok(paper) => paper.model,
         Err(error) => panic!("the paper's scenario is valid: {error}"),
     }
@@ -94,7 +92,7 @@ fn search(criterion: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| {
                 let options = PlanningOptions::default();
-                compare(&scenario, &options, &mut BranchAndBound::default())
+                scenario.compare(&options, &mut BranchAndBound::default())
             });
         });
     }

@@ -5,16 +5,15 @@
 use std::error::Error as StdError;
 
 use carom::hybrid::scene::{Body, Scene, Surface};
-use carom::hybrid::{Region, Restitution, ShortestOptions};
-use carom::interval::Interval;
+use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn StdError>> {
-    let table = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)]; // m
+    let table = [0.0..=2.0, 0.0..=1.0]; // m
     // At most 3 m/s and 3 m/s² along each axis; it starts towards the far corner.
-    let puck = Body::new("puck", table, 3.0, 3.0)
-        .with_start(Region::point([1.2, 0.2, 2.0, 2.0]))
-        .with_goal(Region::point([0.4, 0.2, 0.0, 0.0]));
+    let puck = Body::new("puck", &table, 3.0, 3.0)
+        .with_start([1.2, 0.2, 2.0, 2.0])
+        .with_goal([0.4, 0.2, 0.0, 0.0]);
     let mut solver = BranchAndBound::default();
     let bounce = Surface::bounce(Restitution::new(0.9)?);
     for (name, surface) in [("avoiding", Surface::avoid()), ("banking", bounce)] {

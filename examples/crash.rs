@@ -5,8 +5,9 @@
 
 use std::error::Error as StdError;
 
+use carom::ErrorKind;
+use carom::hybrid::Restitution;
 use carom::hybrid::scene::{Avoidable, Body, Scene, ScenePlan, Solid, Surface};
-use carom::hybrid::{Region, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -14,11 +15,11 @@ const TIME_STEP: f64 = 0.1; // s
 
 /// A vehicle in the plane before a building, which it may scrape along, and a soft barrier.
 fn scene(state: [f64; 4]) -> Result<Scene, Error> {
-    let ground = [Interval::new(-10.0, 30.0), Interval::new(-10.0, 10.0)];
-    let building = [Interval::new(12.0, 20.0), Interval::new(-4.0, 5.0)];
+    let ground = [-10.0..=30.0, -10.0..=10.0];
+    let building = [12.0..=20.0, -4.0..=5.0];
     let hard = Surface::bounce(Restitution::new(0.1)?);
     Ok(Scene::new(TIME_STEP)
-        .with_body(Body::new("vehicle", ground, 20.0, 5.0).with_start(Region::point(state)))
+        .with_body(Body::new("vehicle", ground, 20.0, 5.0).with_start(state))
         .with_obstacle(Solid::cuboid("building", &building, hard)))
 }
 
@@ -32,12 +33,10 @@ fn carry_on(
     for body in &mut scene.bodies {
         body.acceleration = vec![Interval::point(0.0); 2];
     }
-    let program = scene.program(steps)?;
-    let solution = solver.solve(&program.model)?;
-    if solution.point().is_none() {
-        return Ok(None);
+    match scene.program(steps)?.solve(solver) {
+        Err(error) if matches!(error.kind(), ErrorKind::NoPoint { .. }) => Ok(None),
+        plan => plan.map(Some),
     }
-    program.certified(&solution).map(Some)
 }
 
 fn main() -> Result<(), Box<dyn StdError>> {

@@ -3,7 +3,8 @@
 //!
 //! Run with `cargo run --release --example damage_budget`.
 
-use carom::collision_tolerant::{Objective, Scenario, plan};
+use carom::ErrorKind;
+use carom::collision_tolerant::{Objective, Scenario};
 use carom::hybrid::scene::DamageRule;
 use carom::prelude::*;
 
@@ -14,18 +15,16 @@ fn main() -> Result<(), Error> {
     let mut solver = BranchAndBound::default();
 
     for budget in [None, Some(4.0), Some(0.5)] {
-        let limits = match budget {
-            Some(budget) => DamageRule::default().with_total(budget),
-            None => DamageRule::default(),
-        };
-        let task = scenario.clone().with_damage(limits);
-        let outcome = plan(&task, steps, Objective::Effort, &mut solver)?;
+        let total = |most| DamageRule::default().with_total(most);
+        let task = scenario.clone().with_damage(budget.map_or_else(DamageRule::default, total));
         let allowed = budget.map_or("no budget".into(), |b| format!("budget {b} m/s"));
-        let Some(plan) = outcome.plan() else {
-            println!("{allowed}: no plan");
-            continue;
+        let plan = match task.plan(steps, Objective::Effort, &mut solver) {
+            Err(error) if matches!(error.kind(), ErrorKind::NoPoint { .. }) => {
+                println!("{allowed}: no plan");
+                continue;
+            }
+            planned => planned?,
         };
-
         let trajectory = &plan.trajectory;
         println!(
             "{allowed}: effort {:.2} m²/s³ ({}), damage {:.3} m/s in {} impacts",

@@ -2,7 +2,7 @@
 //!
 //! Run with `cargo run --release --example explain`.
 
-use carom::collision_tolerant::{PlanningProgram, Scenario};
+use carom::collision_tolerant::Scenario;
 use carom::explain::{
     ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility, violations,
 };
@@ -16,13 +16,13 @@ fn main() -> Result<(), Error> {
     // impact may be faster than 3 m/s.
     let limits = DamageRule::default().with_per_hit(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
-    let program = PlanningProgram::explainable(&scenario, 40)?;
+    let program = scenario.explainable_program(40)?;
 
-    let why = infeasibility(&program.model, &mut solver, &ExplainOptions::default())?;
+    let why = infeasibility(program.model(), &mut solver, &ExplainOptions::default())?;
     println!("{why}\n");
     for group in why.groups() {
         let Some(point) = group.without() else { continue };
-        let found = violations(&program.model, point.as_slice(), 1e-6)?;
+        let found = violations(program.model(), point.as_slice(), 1e-6)?;
         let own = found.iter().filter(|v| Name::from(v.name.as_str()).family() == group.name());
         if let Some(worst) = own.clone().next() {
             println!(
@@ -40,7 +40,7 @@ fn main() -> Result<(), Error> {
         .with_weight("goal_position", 10.0);
     println!(
         "\nthe least that has to give: {}",
-        elastic_relaxation(&program.model, &mut solver, &options)?
+        elastic_relaxation(program.model(), &mut solver, &options)?
     );
     Ok(())
 }

@@ -6,8 +6,7 @@
 use std::error::Error as StdError;
 
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
-use carom::hybrid::{Region, Restitution, ShortestOptions};
-use carom::interval::Interval;
+use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
 
 const TIME_STEP: f64 = 0.5; // s
@@ -20,13 +19,13 @@ const FLIGHTS: [(&str, [f64; 4], [f64; 2]); 2] = [
 
 /// A robot of 10 kg and 0.16 m of radius in a room of 4 m by 3 m.
 fn scene(start: [f64; 4], [x, y]: [f64; 2], surface: Surface) -> Scene {
-    let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 3.0)];
-    let pillar = [Interval::new(1.7, 2.3), Interval::new(0.9, 2.2)];
-    let robot = Body::new("robot", room, 0.5, 0.15)
+    let room = [0.0..=4.0, 0.0..=3.0];
+    let pillar = [1.7..=2.3, 0.9..=2.2];
+    let robot = Body::new("robot", &room, 0.5, 0.15)
         .with_mass(10.0)
         .with_shape(Shape::Ball(0.16))
-        .with_start(Region::point(start))
-        .with_goal(Region::point([x, y, 0.0, 0.0]));
+        .with_start(start)
+        .with_goal([x, y, 0.0, 0.0]);
     Scene::new(TIME_STEP)
         .with_body(robot)
         .with_room("wall", &room, surface)
@@ -46,9 +45,9 @@ fn main() -> Result<(), Box<dyn StdError>> {
             // The least effort in the shortest time.
             let mut program = scene.program(steps)?;
             let effort = program.effort()?;
-            program.model.minimize(effort)?;
-            let solution = solver.solve(&program.model)?;
-            let plan = program.certified(&solution)?;
+            program.minimize(effort)?;
+            let solution = solver.solve(program.model())?;
+            let plan = program.plan(&solution)?;
             let size = |j: &Vec<f64>| j.iter().map(|j| j * j).sum::<f64>().sqrt();
             // An empty sum is -0.
             let impulse = plan.hits.iter().map(|hit| size(&hit.impulse)).sum::<f64>().abs();

@@ -5,34 +5,26 @@
 use std::error::Error as StdError;
 
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Shape, Surface};
-use carom::hybrid::{Region, Restitution, ShortestOptions};
-use carom::interval::Interval;
+use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn StdError>> {
-    let lane = [Interval::new(0.0, 6.0), Interval::new(0.0, 1.0)]; // m
     let vehicle = |name: &str, mass, half: [f64; 2]| {
+        let lane = [0.0..=6.0, 0.0..=1.0]; // m
         Body::new(name, lane, 3.0, 1.0).with_mass(mass).with_shape(Shape::Box(half.to_vec()))
     };
-    let anywhere = [Interval::new(0.0, 6.0), Interval::new(0.0, 1.0), Interval::REALS];
-    let anywhere = [&anywhere[..], &[Interval::REALS]].concat();
     let mut solver = BranchAndBound::default();
     let bumper = Surface::bounce(Restitution::new(0.8)?);
     for (name, surface) in [("avoid", Surface::avoid()), ("bump", bumper)] {
         // The carrier arrives fast and must stop; the cart may go where it likes.
-        let scene = Scene::new(0.25)
-            .with_body(
-                vehicle("carrier", 2.0, [0.3, 0.2])
-                    .with_start(Region::point([0.5, 0.5, 2.0, 0.0]))
-                    .with_goal(Region::point([2.0, 0.5, 0.0, 0.0])),
-            )
-            .with_body(
-                vehicle("cart", 1.0, [0.2, 0.2])
-                    .with_start(Region::point([2.2, 0.5, 0.0, 0.0]))
-                    .with_goal(Region::from(anywhere.clone())),
-            )
-            .with_pair("carrier", "cart", surface)
-            .with_rule(DamageRule::new("bumper", DamageMeasure::NormalImpulse).with_per_hit(4.0));
+        let carrier = vehicle("carrier", 2.0, [0.3, 0.2]).with_start([0.5, 0.5, 2.0, 0.0]);
+        let cart = vehicle("cart", 1.0, [0.2, 0.2]).with_start([2.2, 0.5, 0.0, 0.0]);
+        let mut scene = Scene::new(0.25);
+        let carrier = scene.body(carrier.with_goal([2.0, 0.5, 0.0, 0.0]))?;
+        let cart = scene.body(cart)?;
+        scene.pair(carrier, cart, surface)?;
+        let bumper = DamageRule::new("bumper", DamageMeasure::NormalImpulse);
+        let scene = scene.with_rule(bumper.with_pair(carrier, cart).with_per_hit(4.0));
         let options = ShortestOptions::default().with_max_steps(40);
         let found = scene.shortest_plan(&options, &mut solver)?;
         let Some(plan) = found.plan else {

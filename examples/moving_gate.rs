@@ -4,22 +4,21 @@
 
 use std::error::Error as StdError;
 
+use carom::hybrid::ShortestOptions;
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
-use carom::hybrid::{Region, ShortestOptions};
-use carom::interval::Interval;
 use carom::model::mps;
 use carom::prelude::*;
 
 const TIME_STEP: f64 = 0.2; // s
 
 fn main() -> Result<(), Box<dyn StdError>> {
-    let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
-    let drone = Body::new("drone", room, 1.5, 2.0)
+    let room = [0.0..=4.0, 0.0..=2.0];
+    let drone = Body::new("drone", &room, 1.5, 2.0)
         .with_shape(Shape::Ball(0.1))
-        .with_start(Region::point([0.5, 1.0, 0.0, 0.0]))
-        .with_goal(Region::point([3.5, 1.0, 0.0, 0.0]));
+        .with_start([0.5, 1.0, 0.0, 0.0])
+        .with_goal([3.5, 1.0, 0.0, 0.0]);
     // A door across the whole room that slides up from 1 s on, at 0.5 m/s.
-    let door = [Interval::new(1.9, 2.1), Interval::new(-0.5, 2.5)];
+    let door = [1.9..=2.1, -0.5..=2.5];
     let course = (0..=40).map(|t| {
         let time = f64::from(t) * TIME_STEP;
         [0.0, 0.5 * (time - 1.0).clamp(0.0, 4.0)]
@@ -52,7 +51,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
     if let Some(path) = paths.next() {
         for steps in [plan.steps() - 1, plan.steps()] {
             let program = scene.plain_program(steps)?;
-            let lowered = carom::reformulate::lower(&program.model)?;
+            let lowered = carom::reformulate::lower(program.model())?;
             std::fs::write(format!("{path}.{steps}.mps"), mps::write(lowered.model())?)?;
         }
     }

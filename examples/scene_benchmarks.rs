@@ -15,13 +15,11 @@ mod output;
 use std::error::Error as StdError;
 use std::time::Instant;
 
-use carom::collision_tolerant::{
-    Collisions, Endpoint, PlanningOptions, Scenario, damage_interval, shortest_plan,
-};
+use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario};
 use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, IntervalOptions, Scene, Solid, Surface,
 };
-use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::hybrid::{ImpactEstimate, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -34,22 +32,22 @@ const BOXES: [[f64; 4]; 4] = [
 ];
 
 fn room() -> Scene {
-    let room = [Interval::new(0.0, 10.0); 2];
+    let room = [0.0..=10.0, 0.0..=10.0];
     let point = Body::new("p", room, 2.0, 1.5)
-        .with_start(Region::point([0.5, 0.5, 0.0, 0.0]))
-        .with_goal(Region::point([9.5, 9.5, 0.0, 0.0]));
+        .with_start([0.5, 0.5, 0.0, 0.0])
+        .with_goal([9.5, 9.5, 0.0, 0.0]);
     let scene = Scene::new(0.5).with_body(point).with_estimate(ImpactEstimate::EndOfStep);
     BOXES.iter().enumerate().fold(scene, |scene, (k, [left, right, below, above])| {
-        let sides = [Interval::new(*left, *right), Interval::new(*below, *above)];
+        let sides = [*left..=*right, *below..=*above];
         scene.with_obstacle(Solid::cuboid(format!("b{k}"), &sides, Surface::avoid()))
     })
 }
 
 fn puck() -> Result<Scene, Error> {
-    let table = [Interval::new(0.0, 6.0), Interval::new(0.0, 4.0)];
-    let puck = Body::new("puck", table, 3.0, 0.8)
-        .with_start(Region::point([1.0, 3.0, -1.2, 0.6]))
-        .with_goal(Region::point([5.0, 1.0, 0.0, 0.0]));
+    let table = [0.0..=6.0, 0.0..=4.0];
+    let puck = Body::new("puck", &table, 3.0, 0.8)
+        .with_start([1.0, 3.0, -1.2, 0.6])
+        .with_goal([5.0, 1.0, 0.0, 0.0]);
     let cushion = Surface::bounce(Restitution::new(0.7)?);
     let scene = Scene::new(0.2).with_body(puck).with_room("c", &table, cushion);
     Ok(scene.with_estimate(ImpactEstimate::EndOfStep).with_corners(true))
@@ -82,15 +80,15 @@ fn programs() -> Result<(), Error> {
     for steps in [20, 30, 40] {
         let mut program = room().program(steps)?;
         let fuel = program.fuel()?;
-        program.model.minimize(fuel)?;
+        program.minimize(fuel)?;
         let by_hand = instances::generators::boxes(steps, 4, false);
-        compare(&format!("boxes, {steps} steps"), &by_hand, &program.model)?;
+        compare(&format!("boxes, {steps} steps"), &by_hand, program.model())?;
     }
     let mut program = puck()?.program(25)?;
     let effort = program.effort()?;
-    program.model.minimize(5.0 * effort)?;
+    program.minimize(5.0 * effort)?;
     let by_hand = instances::generators::puck(25, 0.2);
-    compare("puck, 25 steps", &by_hand, &program.model)?;
+    compare("puck, 25 steps", &by_hand, program.model())?;
     Ok(())
 }
 
@@ -107,7 +105,7 @@ fn rows() -> Result<Vec<(String, Scenario)>, Error> {
     for e in [0.0, 0.025] {
         let open = paper.clone().with_restitution(e)?;
         let options = IntervalOptions::default();
-        let found = damage_interval(&open, 478, &options, &mut BranchAndBound::default())?;
+        let found = open.damage_interval(478, &options, &mut BranchAndBound::default())?;
         let limit = found.middle().unwrap_or(found.lower.attained);
         let limited = open.with_damage(DamageRule::default().with_per_hit(limit));
         rows.push((format!("e = {e}, at most {limit:.3} m/s"), limited));
@@ -121,7 +119,7 @@ fn rows() -> Result<Vec<(String, Scenario)>, Error> {
 /// A scenario of the paper as a scene.
 fn on_a_line(scenario: &Scenario) -> Scene {
     let domain = scenario.domain.unwrap_or(Interval::new(0.0, 25.0));
-    let end = |end: Endpoint| Region::point([end.position, end.velocity]);
+    let end = |end: Endpoint| [end.position, end.velocity];
     let car = Body::new("car", [domain], scenario.max_speed, 0.0)
         .with_acceleration([scenario.acceleration])
         .with_start(end(scenario.start))
@@ -159,7 +157,7 @@ fn paper() -> Result<(), Error> {
         let (mut times, mut steps) = ([Vec::new(), Vec::new()], [None, None]);
         for _ in 0..RUNS {
             let start = Instant::now();
-            steps[0] = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?.steps;
+            steps[0] = scenario.shortest_plan(&PlanningOptions::default(), &mut solver)?.steps;
             let middle = Instant::now();
             let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
             steps[1] = found.steps;
@@ -180,10 +178,10 @@ fn paper() -> Result<(), Error> {
 
 /// A puck that is sooner at its goal by two cushions.
 fn bank_shot(time_step: f64) -> Result<Scene, Error> {
-    let table = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
-    let puck = Body::new("puck", table, 3.0, 3.0)
-        .with_start(Region::point([1.2, 0.2, 2.0, 2.0]))
-        .with_goal(Region::point([0.4, 0.2, 0.0, 0.0]));
+    let table = [0.0..=2.0, 0.0..=1.0];
+    let puck = Body::new("puck", &table, 3.0, 3.0)
+        .with_start([1.2, 0.2, 2.0, 2.0])
+        .with_goal([0.4, 0.2, 0.0, 0.0]);
     let cushion = Surface::bounce(Restitution::new(0.9)?);
     Ok(Scene::new(time_step).with_body(puck).with_room("cushion", &table, cushion))
 }

@@ -30,7 +30,19 @@ pub struct Interval {
 
 impl From<RangeInclusive<f64>> for Interval {
     fn from(range: RangeInclusive<f64>) -> Self {
+        Interval::from(&range)
+    }
+}
+
+impl From<&RangeInclusive<f64>> for Interval {
+    fn from(range: &RangeInclusive<f64>) -> Self {
         Interval { lower: *range.start(), upper: *range.end() }
+    }
+}
+
+impl From<&Interval> for Interval {
+    fn from(interval: &Interval) -> Self {
+        *interval
     }
 }
 

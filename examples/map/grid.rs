@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::collision_tolerant::{PlanningOptions, Scenario};
 use carom::hybrid::{Refutation, ShortestOptions, ShortestStatus, Verdict};
 use carom::prelude::*;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -129,7 +129,7 @@ struct Found {
 fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> {
     // Only the horizon matters, so impacts are not minimised.
     let options = PlanningOptions::default().with_fewest_impacts(false).with_search(search);
-    let shortest = shortest_plan(scenario, &options, &mut BranchAndBound::default())?;
+    let shortest = scenario.shortest_plan(&options, &mut BranchAndBound::default())?;
     let count = |wanted: fn(Refutation) -> bool| {
         let refuted = |verdict| matches!(verdict, Verdict::Refuted(by) if wanted(by));
         shortest.attempts.iter().filter(|attempt| refuted(attempt.verdict)).count()

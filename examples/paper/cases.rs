@@ -3,11 +3,9 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use carom::collision_tolerant::{
-    PlanningOptions, Scenario, ShortestPlan, damage_interval, shortest_plan_with,
-};
+use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
 use carom::hybrid::scene::{DamageInterval, DamageRule, IntervalOptions};
-use carom::hybrid::{HorizonEvent, Refutation, Verdict};
+use carom::hybrid::{HorizonEvent, Refutation, Shortest, Verdict};
 use carom::prelude::*;
 
 use super::progress::{Bars, Line};
@@ -50,11 +48,11 @@ impl Case {
 pub(crate) struct Solved {
     pub(crate) case: Case,
     pub(crate) scenario: Scenario,
-    pub(crate) shortest: ShortestPlan,
+    pub(crate) shortest: Shortest<Plan>,
     /// Limited cases: the limits on the impact speed that make 478 steps the shortest horizon.
     pub(crate) interval: Option<DamageInterval>,
     /// Destinations: the same goal without collisions.
-    pub(crate) without: Option<ShortestPlan>,
+    pub(crate) without: Option<Shortest<Plan>>,
 }
 
 impl Solved {
@@ -80,6 +78,12 @@ impl Solved {
     pub(crate) fn refuted_by(&self, way: Refutation) -> usize {
         let refuted = Verdict::Refuted(way);
         self.shortest.attempts.iter().filter(|attempt| attempt.verdict == refuted).count()
+    }
+
+    /// Nodes over all solves.
+    pub(crate) fn nodes(&self) -> u64 {
+        let refined = self.shortest.plan.iter().flat_map(|plan| &plan.refinements);
+        self.shortest.nodes() + refined.map(|solve| solve.nodes).sum::<u64>()
     }
 
     /// The number of programs that the search for the shortest horizon solved.
@@ -133,7 +137,7 @@ fn solve(case: Case, line: &Line) -> Result<Solved, Error> {
             line.say(&format!("{}: which limits give {LIMITED_STEPS} steps?", case.label()));
             let open = paper.with_restitution(restitution)?;
             let options = IntervalOptions::default();
-            let found = damage_interval(&open, LIMITED_STEPS, &options, &mut solver)?;
+            let found = open.damage_interval(LIMITED_STEPS, &options, &mut solver)?;
             let limit = found.middle().unwrap_or(found.lower.attained);
             interval = Some(found);
             open.with_damage(DamageRule::default().with_per_hit(limit))
@@ -155,8 +159,8 @@ fn search(
     label: String,
     solver: &mut dyn Solver,
     line: &Line,
-) -> Result<ShortestPlan, Error> {
+) -> Result<Shortest<Plan>, Error> {
     let mut horizons = line.search(label, scenario.waiting().is_free());
     let mut show = |event: &HorizonEvent| horizons.note(event);
-    shortest_plan_with(scenario, &PlanningOptions::default(), solver, &mut show)
+    scenario.shortest_plan_with(&PlanningOptions::default(), solver, &mut show)
 }

@@ -47,7 +47,7 @@ pub(crate) fn print_csv(results: &[Solved]) {
             number(shortest.refuted_steps),
             solved.seconds(),
             number(solved.impacts()),
-            shortest.nodes(),
+            solved.nodes(),
             shortest.time.as_secs_f64(),
         );
     }

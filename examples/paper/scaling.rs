@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::collision_tolerant::{PlanningOptions, Scenario};
 use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -48,7 +48,7 @@ fn measure(time_step: f64, bar: &ProgressBar) -> Result<Point, Box<dyn Error>> {
     let (mut steps, mut times) = (None, Vec::new());
     for _ in 0..REPEATS {
         let mut solver = BranchAndBound::default();
-        let shortest = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
+        let shortest = scenario.shortest_plan(&PlanningOptions::default(), &mut solver)?;
         steps = shortest.steps.filter(|_| shortest.is_found());
         times.push(shortest.time.as_secs_f64());
         bar.inc(1);

@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use carom::collision_tolerant::{ShortestPlan, Trajectory};
+use carom::collision_tolerant::{Plan, Trajectory};
+use carom::hybrid::Shortest;
 use carom::hybrid::reach::{ReachSet, Tube};
 use carom::interval::Interval;
 use carom::picture::Chart;
@@ -27,7 +28,7 @@ const IMPACT: &str = "#d55e00";
 
 /// Writes the picture into a folder, if there is a tube and a plan.
 pub(crate) fn write(
-    shortest: &ShortestPlan,
+    shortest: &Shortest<Plan>,
     folder: &Path,
 ) -> Result<Option<PathBuf>, Box<dyn Error>> {
     let (Some(tube), Some(plan)) = (&shortest.tube, &shortest.plan) else { return Ok(None) };

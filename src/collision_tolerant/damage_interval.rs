@@ -2,41 +2,44 @@
 
 use super::scenario::Scenario;
 use crate::error::Error;
+use crate::hybrid::ContactLaw;
+use crate::hybrid::horizon::Horizon;
 use crate::hybrid::scene::{DamageInterval, IntervalOptions, SceneError};
-use crate::hybrid::{ContactLaw, Horizon};
 use crate::solver::Solver;
 
-/// Finds the limits `D_max` for which a horizon is the shortest one, as
-/// [`Scene::damage_interval`](crate::hybrid::scene::Scene::damage_interval) does.
-///
-/// ```
-/// use carom::collision_tolerant::{Scenario, damage_interval};
-/// use carom::hybrid::scene::IntervalOptions;
-/// use carom::prelude::*;
-///
-/// let scenario = Scenario::paper().with_time_step(0.05);
-/// let mut solver = BranchAndBound::default();
-/// let interval = damage_interval(&scenario, 49, &IntervalOptions::default(), &mut solver)?;
-/// assert!((interval.lower.attained - 5.895).abs() < 2e-3);
-/// assert!((interval.upper.attained - 6.947).abs() < 2e-3);
-/// # Ok::<(), carom::Error>(())
-/// ```
-///
-/// # Errors
-///
-/// As for [`Scene::damage_interval`](crate::hybrid::scene::Scene::damage_interval), and
-/// [`SceneError::NoDamageInterval`] under the literal law.
-pub fn damage_interval(
-    scenario: &Scenario,
-    steps: usize,
-    options: &IntervalOptions,
-    solver: &mut dyn Solver,
-) -> Result<DamageInterval, Error> {
-    scenario.check()?;
-    if scenario.contact.law == ContactLaw::Literal {
-        let reason = "scenes do not have the literal law; choose the reflecting one".into();
-        return Err(SceneError::NoDamageInterval { reason }.into());
+impl Scenario {
+    /// Finds the limits `D_max` for which a horizon is the shortest one, as
+    /// [`Scene::damage_interval`](crate::hybrid::scene::Scene::damage_interval) does.
+    ///
+    /// ```
+    /// use carom::collision_tolerant::Scenario;
+    /// use carom::hybrid::scene::IntervalOptions;
+    /// use carom::prelude::*;
+    ///
+    /// let scenario = Scenario::paper().with_time_step(0.05);
+    /// let (options, mut solver) = (IntervalOptions::default(), BranchAndBound::default());
+    /// let interval = scenario.damage_interval(49, &options, &mut solver)?;
+    /// assert!((interval.lower.attained - 5.895).abs() < 2e-3);
+    /// assert!((interval.upper.attained - 6.947).abs() < 2e-3);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`Scene::damage_interval`](crate::hybrid::scene::Scene::damage_interval), and
+    /// [`SceneError::NoDamageInterval`] under the literal law.
+    pub fn damage_interval(
+        &self,
+        steps: usize,
+        options: &IntervalOptions,
+        solver: &mut dyn Solver,
+    ) -> Result<DamageInterval, Error> {
+        self.check()?;
+        if self.contact.law == ContactLaw::Literal {
+            let reason = "scenes do not have the literal law; choose the reflecting one".into();
+            return Err(SceneError::NoDamageInterval { reason }.into());
+        }
+        let horizon = Horizon::new(steps, self.time_step)?;
+        self.scene(&horizon).damage_interval(steps, options, solver)
     }
-    let horizon = Horizon::new(steps, scenario.time_step)?;
-    scenario.scene(&horizon).damage_interval(steps, options, solver)
 }

@@ -3,14 +3,15 @@
 use super::program::{Ends, Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::{ContactLaw, Horizon, Region};
+use crate::hybrid::horizon::Horizon;
+use crate::hybrid::{ContactLaw, Region};
 use crate::interval::Interval;
 use crate::model::{Affine, Row};
 
-impl PlanningProgram {
-    /// Writes the program of a scenario over a horizon for explanations: start, goal and limits are
+impl Scenario {
+    /// The program of the scenario over a horizon for explanations: start, goal and limits are
     /// named statements over wider domains, so that [`explain`](mod@crate::explain) can name them.
-    /// Everything else is background. The plans are the same as those of [`PlanningProgram::build`], which
+    /// Everything else is background. The plans are the same as those of [`program`](Scenario::program), which
     /// is much faster to solve. Only a limit on a sum of energies may be stricter, because the chords that
     /// bound an energy are longer over wider domains. There is no objective.
     ///
@@ -29,14 +30,14 @@ impl PlanningProgram {
     /// the given time. The goal's acceleration is never applied, so it contradicts nothing.
     ///
     /// ```
-    /// use carom::collision_tolerant::{PlanningProgram, Scenario};
+    /// use carom::collision_tolerant::Scenario;
     /// use carom::explain::{ExplainOptions, infeasibility};
     /// use carom::prelude::*;
     ///
     /// // 2 s are too short: 47 steps of 0.05 s are needed.
-    /// let program = PlanningProgram::explainable(&Scenario::paper().with_time_step(0.05), 40)?;
+    /// let program = Scenario::paper().with_time_step(0.05).explainable_program(40)?;
     /// let mut solver = BranchAndBound::default();
-    /// let why = infeasibility(&program.model, &mut solver, &ExplainOptions::default())?;
+    /// let why = infeasibility(program.model(), &mut solver, &ExplainOptions::default())?;
     /// assert!(why.is_irreducible() && why.solves() <= 20);
     /// assert!(why.groups().iter().any(|group| group.name() == "goal_position"));
     /// # Ok::<(), carom::Error>(())
@@ -44,37 +45,40 @@ impl PlanningProgram {
     ///
     /// # Errors
     ///
-    /// As for [`PlanningProgram::build`].
-    pub fn explainable(scenario: &Scenario, steps: usize) -> Result<Self, Error> {
-        scenario.check()?;
-        let wide = widened(scenario, &Horizon::new(steps, scenario.time_step)?);
+    /// As for [`program`](Scenario::program).
+    pub fn explainable_program(&self, steps: usize) -> Result<PlanningProgram, Error> {
+        self.check()?;
+        let wide = widened(self, &Horizon::new(steps, self.time_step)?);
         let mut program = PlanningProgram::write(&wide, steps, Objective::Feasibility, Ends::Open)?;
-        program.state_ends(scenario)?;
-        program.state_limits(scenario)?;
+        program.scenario = self.clone();
+        program.state_ends(self)?;
+        program.state_limits(self)?;
         Ok(program)
     }
+}
 
+impl PlanningProgram {
     fn state_ends(&mut self, scenario: &Scenario) -> Result<(), Error> {
-        let (start, last) = (&scenario.start, self.horizon.steps());
+        let (start, last) = (&scenario.start, self.steps());
         let (x, v) = (&self.position, &self.velocity);
-        self.model.add("start_position", x[0].equals(start.position))?;
-        self.model.add("start_velocity", v[0].equals(start.velocity))?;
+        self.program.add("start_position", x[0].equals(start.position))?;
+        self.program.add("start_velocity", v[0].equals(start.velocity))?;
         if let Some(value) = start.acceleration {
-            self.model.add("start_acceleration", self.acceleration[0].equals(value))?;
+            self.program.add("start_acceleration", self.acceleration[0].equals(value))?;
         }
         let Region { ranges, halfspaces, .. } = scenario.goal_states();
         for (name, variable, range) in
             [("goal_position", x[last], ranges[0]), ("goal_velocity", v[last], ranges[1])]
         {
             if range.lower == range.upper {
-                self.model.add(name, variable.equals(range.lower))?;
+                self.program.add(name, variable.equals(range.lower))?;
             } else if range != Interval::REALS {
-                self.model.add(name, variable.within(range.lower, range.upper))?;
+                self.program.add(name, variable.within(range.lower, range.upper))?;
             }
         }
         for (k, halfspace) in halfspaces.into_iter().enumerate() {
             let alone = Region::from([Interval::REALS; 2]).with_halfspace(halfspace);
-            alone.add(&mut self.model, &format!("goal_limit_{k}"), &[x[last], v[last]])?;
+            alone.add(self.program.model_mut(), &format!("goal_limit_{k}"), &[x[last], v[last]])?;
         }
         Ok(())
     }
@@ -82,24 +86,24 @@ impl PlanningProgram {
     fn state_limits(&mut self, scenario: &Scenario) -> Result<(), Error> {
         let Interval { lower, upper } = scenario.acceleration;
         let literal = scenario.contact.law == ContactLaw::Literal;
-        for (t, a) in self.acceleration.iter().enumerate().take(self.horizon.steps()) {
+        for (t, a) in self.acceleration.iter().enumerate().take(self.steps()) {
             let limited: Row = a.within(lower, upper);
             // The forced acceleration of the literal law is not limited.
             if let Some(zeta) = self.contact.as_ref().filter(|_| literal) {
-                self.model.add(("acceleration", t), zeta[t].off().implies(limited))?;
+                self.program.add(("acceleration", t), zeta[t].off().implies(limited))?;
             } else {
-                self.model.add(("acceleration", t), limited)?;
+                self.program.add(("acceleration", t), limited)?;
             }
         }
         if self.contact.is_some() && literal {
             // Stated above, with the limits that are questioned.
             ["flight_least_a", "flight_most_a"]
                 .iter()
-                .try_for_each(|f| self.model.set_background(f))?;
+                .try_for_each(|f| self.program.model_mut().set_background(f))?;
         }
         for (t, v) in self.velocity.iter().enumerate() {
             let limit = scenario.max_speed;
-            self.model.add(("speed", t), v.within(-limit, limit))?;
+            self.program.add(("speed", t), v.within(-limit, limit))?;
         }
         if scenario.collisions == Collisions::Forbidden {
             self.state_wall(scenario)?;
@@ -109,7 +113,7 @@ impl PlanningProgram {
 
     /// The limits of the rule: on the impact speed of a contact, and on sums over its window.
     fn state_damage(&mut self, scenario: &Scenario) -> Result<(), Error> {
-        let (rule, steps) = (&scenario.damage, self.horizon.steps());
+        let (rule, steps) = (&scenario.damage, self.steps());
         if let Some(most) = scenario.contact.most_speed(rule).filter(|most| most.is_finite()) {
             for (t, speed) in self.counted_speed.iter().flatten().enumerate() {
                 let limited = match &self.contact {
@@ -117,14 +121,14 @@ impl PlanningProgram {
                     Some(zeta) if most < 0.0 => zeta[t].le(0.0),
                     _ => speed.le(most),
                 };
-                self.model.add(("damage_limit", t), limited)?;
+                self.program.add(("damage_limit", t), limited)?;
             }
         }
         let Some(total) = rule.total.filter(|_| !self.damage.is_empty()) else { return Ok(()) };
         for (t, window) in self.damage.windows(rule.window.unwrap_or(steps).min(steps)).enumerate()
         {
             let sum: Affine = window.iter().cloned().sum();
-            self.model.add(("damage_budget", t), sum.le(total))?;
+            self.program.add(("damage_budget", t), sum.le(total))?;
         }
         Ok(())
     }
@@ -133,11 +137,11 @@ impl PlanningProgram {
     fn state_wall(&mut self, scenario: &Scenario) -> Result<(), Error> {
         let wall = scenario.contact.wall;
         for (t, x) in self.position.iter().enumerate() {
-            let domain = self.model.variable_ref(x)?.bounds();
+            let domain = self.program.model_mut().variable_ref(x)?.bounds();
             let gap = wall.gap(domain.lower).max(wall.gap(domain.upper));
             let (one, other) = (wall.at_gap(-gap), wall.at_gap(gap));
-            self.model.set_bounds(x, one.min(other), one.max(other))?;
-            self.model.add(("wall", t), wall.gap_of(&x.into()).ge(0.0))?;
+            self.program.model_mut().set_bounds(x, one.min(other), one.max(other))?;
+            self.program.add(("wall", t), wall.gap_of(&x.into()).ge(0.0))?;
         }
         Ok(())
     }

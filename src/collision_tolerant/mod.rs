@@ -7,24 +7,24 @@
 //! | task | item | built from |
 //! | --- | --- | --- |
 //! | describe the task | [`Scenario`] | |
-//! | write the programs, (1)-(21) | [`PlanningProgram`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
-//! | plan over a fixed horizon | [`plan()`] | any [`Solver`](crate::solver::Solver) |
-//! | find the shortest plan, with a proof | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
+//! | write the programs, (1)-(21) | [`Scenario::program`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
+//! | plan over a fixed horizon | [`Scenario::plan`] | any [`Solver`](crate::solver::Solver) |
+//! | find the shortest plan, with a proof | [`Scenario::shortest_plan`], [`Scenario::compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
 //! | read the result | [`Plan`]: a [`Trajectory`] and its [`PlanCertificate`] | two replays |
 //! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`] | [`reach`](crate::hybrid::reach) |
-//! | ask which limits prevent a plan | [`PlanningProgram::explainable`] | [`crate::explain`] |
-//! | find limits on damage | [`damage_interval()`] | |
+//! | ask which limits prevent a plan | [`Scenario::explainable_program`] | [`crate::explain`] |
+//! | find limits on damage | [`Scenario::damage_interval`] | |
 //!
 //! Every plan is replayed by two simulators that share no code with the programs' rows. A plan that
 //! disagrees with the discrete replay is an error.
 //!
 //! ```
-//! use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+//! use carom::collision_tolerant::{PlanningOptions, Scenario};
 //! use carom::prelude::*;
 //!
 //! let scenario = Scenario::paper().with_time_step(0.05);
 //! let mut solver = BranchAndBound::default();
-//! let shortest = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
+//! let shortest = scenario.shortest_plan(&PlanningOptions::default(), &mut solver)?;
 //! let plan = shortest.plan.expect("there is one");
 //! assert_eq!(plan.trajectory.impacts.len(), 1);
 //! # Ok::<(), carom::Error>(())
@@ -32,18 +32,15 @@
 
 mod damage_interval;
 mod explainable;
-pub mod plan;
-pub mod program;
+mod plan;
+mod program;
 mod reach;
-pub mod scenario;
-pub mod shortest;
-pub mod trajectory;
+mod scenario;
+mod shortest;
+mod trajectory;
 
-pub use damage_interval::damage_interval;
-pub use plan::{Plan, PlanCertificate, PlanOutcome, plan, plan_with};
+pub use plan::{Plan, PlanCertificate};
 pub use program::{Objective, PlanningProgram};
 pub use scenario::{Collisions, Endpoint, Scenario};
-pub use shortest::{
-    PlanComparison, PlanningOptions, ShortestPlan, compare, shortest_plan, shortest_plan_with,
-};
+pub use shortest::{PlanComparison, PlanningOptions};
 pub use trajectory::{Impact, Trajectory};

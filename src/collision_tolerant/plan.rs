@@ -1,14 +1,15 @@
 //! Planning over a fixed horizon, with a certificate for every plan.
 
 use super::program::{Objective, PlanningProgram};
-use super::scenario::Scenario;
+use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
+use crate::hybrid::horizon::Horizon;
 use crate::hybrid::scene::samples::{check_line_ends, replay_line};
 use crate::hybrid::scene::{SceneCertificate, SceneError, SceneHit};
 use crate::hybrid::{ContactLaw, HybridRun, RunCertificate};
 use crate::solution::{Solution, Statistics, Termination, Verification};
-use crate::solver::{Control, Solver, StopToken};
+use crate::solver::{Control, Interrupt, Solver, StopToken};
 use crate::tolerance::{self, margin_scale};
 
 /// Why a plan can be trusted.
@@ -49,165 +50,97 @@ pub struct Plan {
     pub termination: Termination,
     /// Counts and time of the solve.
     pub statistics: Statistics,
+    /// Whether it is proved that no plan of so many steps has fewer impacts (with prices of damage: a
+    /// smaller sum of impacts and prices). Only [`Scenario::shortest_plan`] looks for the fewest.
+    pub fewest_impacts: bool,
+    /// The solves that minimised the impacts.
+    pub refinements: Vec<Statistics>,
 }
 
-/// The result of planning over a fixed horizon.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-#[must_use]
-pub enum PlanOutcome {
-    /// A certified plan; see [`Plan::termination`] for whether it is optimal.
-    Planned(Box<Plan>),
-    /// There is no plan over this horizon; this is proved.
-    Infeasible(Statistics),
-    /// Stopped without a plan and without a proof.
-    Stopped {
-        /// Why.
-        reason: Termination,
-        /// Counts and time of the solve.
-        statistics: Statistics,
-    },
-}
-
-impl PlanOutcome {
-    /// The plan, if there is one.
-    pub fn plan(&self) -> Option<&Plan> {
-        match self {
-            PlanOutcome::Planned(plan) => Some(plan),
-            _ => None,
-        }
-    }
-
-    /// The plan, if there is one, by value.
-    pub fn into_plan(self) -> Option<Plan> {
-        match self {
-            PlanOutcome::Planned(plan) => Some(*plan),
-            _ => None,
-        }
-    }
-
-    /// Whether it is proved that there is no plan.
-    pub fn is_infeasible(&self) -> bool {
-        matches!(self, PlanOutcome::Infeasible(_))
-    }
-}
-
-/// Plans a scenario over a fixed horizon.
-///
-/// Reach sets come first. They may prove that there is no plan, and they fix contacts and tighten
-/// bounds of the program before it is solved. [`PlanningProgram::build`] does not use them.
-///
-/// ```
-/// use carom::collision_tolerant::{Objective, Scenario, plan};
-/// use carom::prelude::*;
-///
-/// let scenario = Scenario::paper().with_restitution(0.5)?.with_time_step(0.1);
-/// let outcome = plan(&scenario, 30, Objective::Effort, &mut BranchAndBound::default())?;
-/// let plan = outcome.plan().expect("3 s are enough");
-/// assert_eq!(plan.trajectory.steps(), 30);
-/// assert!(plan.certificate.replay.drift <= 1e-6);
-/// # Ok::<(), carom::Error>(())
-/// ```
-///
-/// # Arguments
-///
-/// * `steps`: the horizon τ.
-///
-/// # Errors
-///
-/// Those of [`Scenario::check`], of [`Horizon::new`](crate::hybrid::Horizon::new) and of the
-/// solver; [`SceneError`] if the solver's plan disagrees with its replay and cannot be certified.
-pub fn plan(
-    scenario: &Scenario,
-    steps: usize,
-    objective: Objective,
-    solver: &mut dyn Solver,
-) -> Result<PlanOutcome, Error> {
-    plan_with(scenario, steps, objective, solver, &mut Control::default())
-}
-
-/// Same as [`plan`], with progress events and an interrupt.
-///
-/// # Errors
-///
-/// As for [`plan`].
-pub fn plan_with(
-    scenario: &Scenario,
-    steps: usize,
-    objective: Objective,
-    solver: &mut dyn Solver,
-    control: &mut Control<'_>,
-) -> Result<PlanOutcome, Error> {
-    let mut program = PlanningProgram::build(scenario, steps, objective)?;
-    let token = StopToken::new(solver.options().time_limit, control.interrupt());
-    if let Some(tube) = scenario.reach_sets()?.tube_until(steps, &token)?
-        && tube.tighten(&mut program.model, &program.hybrid.horizon_variables())?.infeasible
-    {
-        return Ok(PlanOutcome::Infeasible(Statistics::default()));
-    }
-    let solution = solver.solve_with(&program.model, control)?;
-    outcome(scenario, &program, &solution)
-}
-
-/// Turns a solution into a certified plan.
-pub(super) fn outcome(
-    scenario: &Scenario,
-    program: &PlanningProgram,
-    solution: &Solution,
-) -> Result<PlanOutcome, Error> {
-    if solution.point().is_some() {
-        let plan = Plan::certify(scenario, program, solution)?;
-        return Ok(PlanOutcome::Planned(Box::new(plan)));
-    }
-    let statistics = *solution.statistics();
-    Ok(match solution.termination() {
-        Termination::Infeasible => PlanOutcome::Infeasible(statistics),
-        reason => PlanOutcome::Stopped { reason, statistics },
-    })
-}
-
-impl Plan {
-    /// Reads a plan from a solution of a program and certifies it: limits, start and goal are
-    /// checked, and its accelerations are replayed twice.
+impl Scenario {
+    /// Plans over a fixed horizon.
     ///
-    /// The program may have been extended: what the scenario says is checked against the scenario
-    /// itself, and the solution is verified against all rows of the program.
+    /// Reach sets come first. They may prove that there is no plan, and they fix contacts and tighten
+    /// bounds of the [program](Scenario::program) before it is solved.
     ///
     /// ```
-    /// use carom::collision_tolerant::{Objective, Plan, PlanningProgram, Scenario};
+    /// use carom::collision_tolerant::{Objective, Scenario};
     /// use carom::prelude::*;
     ///
-    /// let scenario = Scenario::paper().with_time_step(0.1);
-    /// let mut program = PlanningProgram::build(&scenario, 30, Objective::Effort)?;
-    /// // Speeds up to 6 m/s in the first second, and nothing in the second one.
-    /// for t in 1..=10 {
-    ///     program.model.add(("slow", t), program.velocity[t].within(-6.0, 6.0))?;
-    ///     program.model.add(("coast", t), program.acceleration[10 + t].equals(0.0))?;
-    /// }
-    /// let solution = BranchAndBound::default().solve(&program.model)?;
-    /// let plan = Plan::certify(&scenario, &program, &solution)?;
-    /// assert!(plan.trajectory.velocity[10] >= -6.0 - 1e-6);
+    /// let scenario = Scenario::paper().with_restitution(0.5)?.with_time_step(0.1);
+    /// let plan = scenario.plan(30, Objective::Effort, &mut BranchAndBound::default())?;
+    /// assert_eq!(plan.trajectory.steps(), 30);
+    /// assert!(plan.certificate.replay.drift <= 1e-6);
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///
+    /// # Arguments
+    ///
+    /// * `steps`: the horizon τ.
+    ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPoint`] if the solution has no point, [`ErrorKind::ForeignHandle`] if it is of
-    /// another model; [`RunError`](crate::hybrid::RunError) and
-    /// [`SceneError`] if the plan is not what the scenario says.
-    pub fn certify(
-        scenario: &Scenario,
-        program: &PlanningProgram,
-        solution: &Solution,
-    ) -> Result<Self, Error> {
-        scenario.check()?;
-        let mut trajectory = Trajectory::read(program, solution)?;
-        let system = scenario.system(&program.horizon, &scenario.damage)?;
-        let run = program.hybrid.read(solution)?;
+    /// Those of [`program`](Scenario::program) and of [`PlanningProgram::solve`].
+    pub fn plan(
+        &self,
+        steps: usize,
+        objective: Objective,
+        solver: &mut dyn Solver,
+    ) -> Result<Plan, Error> {
+        let mut program = self.program(steps, objective)?;
+        let token = StopToken::new(solver.options().time_limit, &Interrupt::new());
+        if let Some(tube) = self.reach_sets()?.tube_until(steps, &token)?
+            && program.tighten(&tube)?.infeasible
+        {
+            return Err(no_point(Termination::Infeasible));
+        }
+        program.solve(solver)
+    }
+}
+
+impl PlanningProgram {
+    /// Solves the program. The plan is certified: limits, start and goal are checked against the
+    /// scenario, its accelerations are replayed twice by code that shares nothing with the rows, and the
+    /// solution is verified against all rows of the program.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because it was
+    /// stopped; errors of the solver; [`RunError`](crate::hybrid::RunError) and [`SceneError`] for a plan
+    /// that is not what the scenario says.
+    pub fn solve(&self, solver: &mut dyn Solver) -> Result<Plan, Error> {
+        self.solve_with(solver, &mut Control::default())
+    }
+
+    /// Solves the program with events, warm starts and limits, as [`solve`](PlanningProgram::solve).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`solve`](PlanningProgram::solve).
+    pub fn solve_with(
+        &self,
+        solver: &mut dyn Solver,
+        control: &mut Control<'_>,
+    ) -> Result<Plan, Error> {
+        self.plan(&solver.solve_with(self.model(), control)?)
+    }
+
+    /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for those who
+    /// solve it themselves.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`solve`](PlanningProgram::solve) that do not come from the solver;
+    /// [`ErrorKind::ForeignHandle`] for a solution of another model.
+    pub fn plan(&self, solution: &Solution) -> Result<Plan, Error> {
+        self.scenario.check()?;
+        let mut trajectory = Trajectory::read(self, solution)?;
+        let horizon = Horizon::new(self.steps(), self.scenario.time_step)?;
+        let system = self.scenario.system(&horizon, &self.scenario.damage)?;
+        let run = self.variables().read(solution)?;
         let checked = system.certify(&run)?;
-        let replay = replay(scenario, program, &checked, &mut trajectory)?;
-        let no_point =
-            || Error::from(ErrorKind::NoPoint { termination: solution.termination().to_string() });
+        let replay = replay(&self.scenario, &horizon, &checked, &mut trajectory)?;
+        let no_point = || no_point(solution.termination());
         let verification = solution.verification().cloned().ok_or_else(no_point)?;
         let objective = solution.objective().ok_or_else(no_point)?;
         Ok(Plan {
@@ -218,9 +151,17 @@ impl Plan {
             bound: solution.bound(),
             termination: solution.termination(),
             statistics: *solution.statistics(),
+            fewest_impacts: self.scenario.collisions == Collisions::Forbidden,
+            refinements: Vec::new(),
         })
     }
+}
 
+fn no_point(termination: Termination) -> Error {
+    ErrorKind::NoPoint { termination: termination.to_string() }.into()
+}
+
+impl Plan {
     /// A plan with the same contacts and steps whose accelerations are extreme: all but a few are at
     /// the ends of their range, where they are only near in a plan from the middle of many. Bound
     /// and objective stay those of this plan. The plan itself if there is nothing to choose.
@@ -231,30 +172,25 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// As for [`plan`](super::plan()).
+    /// As for [`Scenario::plan`].
     pub fn extreme(&self, scenario: &Scenario, solver: &mut dyn Solver) -> Result<Plan, Error> {
-        let steps = self.trajectory.steps();
-        let program = PlanningProgram::build(scenario, steps, Objective::Feasibility)?;
-        match program.hybrid.extreme(&program.model, &self.run, solver)? {
-            None => Ok(self.clone()),
-            Some(solution) => {
-                let Plan { objective, bound, termination, statistics, .. } = *self;
-                let found = Plan::certify(scenario, &program, &solution)?;
-                Ok(Plan { objective, bound, termination, statistics, ..found })
-            }
-        }
+        let program = scenario.program(self.trajectory.steps(), Objective::Feasibility)?;
+        let solution = program.variables().extreme(program.model(), &self.run, solver)?;
+        let Some(solution) = solution else { return Ok(self.clone()) };
+        let Plan { trajectory, run, certificate, .. } = program.plan(&solution)?;
+        Ok(Plan { trajectory, run, certificate, ..self.clone() })
     }
 }
 
 /// Replays a trajectory and completes its impacts.
 fn replay(
     scenario: &Scenario,
-    program: &PlanningProgram,
+    horizon: &Horizon,
     run: &RunCertificate,
     trajectory: &mut Trajectory,
 ) -> Result<SceneCertificate, Error> {
     let e = scenario.contact.restitution.value();
-    let scene = scenario.scene(&program.horizon);
+    let scene = scenario.scene(horizon);
     let certificate = if scenario.contact.law == ContactLaw::Literal {
         check_line_ends(&scene, &trajectory.samples())?;
         // The wall pushes from the start of the step on.

@@ -1,13 +1,15 @@
 //! The programs of the paper, for one horizon, row by row with their equation numbers.
 
-use std::borrow::{Borrow, BorrowMut};
-
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::contact::IMPACT_SPEED;
+use crate::hybrid::horizon::Horizon;
+use crate::hybrid::program::owns_program;
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::scene::SceneProgram;
-use crate::hybrid::{ContactLaw, Horizon, When};
+use crate::hybrid::{ContactLaw, HybridProgram};
 use crate::model::{Affine, Family, Model, Quadratic};
 
 /// The objective of a plan over a fixed horizon.
@@ -35,17 +37,33 @@ pub(super) enum Ends {
     Open,
 }
 
-/// The program of one horizon: its model and the handles of its variables.
+/// The program of one horizon: a [`HybridProgram`], and the paper's variables in it by step.
 ///
-/// The model may be extended by rows and costs of your own. A solution of it becomes a plan by
-/// [`Plan::certify`](super::Plan::certify).
+/// It may be extended by rows and costs of your own. What the scenario says is then checked against the
+/// scenario itself.
+///
+/// ```
+/// use carom::collision_tolerant::{Objective, Scenario};
+/// use carom::prelude::*;
+///
+/// let scenario = Scenario::paper().with_time_step(0.1);
+/// let mut program = scenario.program(30, Objective::Effort)?;
+/// // Speeds up to 6 m/s in the first second, and nothing in the second one.
+/// for t in 1..=10 {
+///     program.add(("slow", t), program.velocity[t].within(-6.0, 6.0))?;
+///     program.add(("coast", t), program.acceleration[10 + t].equals(0.0))?;
+/// }
+/// let plan = program.solve(&mut BranchAndBound::default())?;
+/// assert!(plan.trajectory.velocity[10] >= -6.0 - 1e-6);
+/// # Ok::<(), carom::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PlanningProgram {
-    /// The model.
-    pub model: Model,
-    /// Its horizon.
-    pub horizon: Horizon,
+    /// (3)-(7), and (8)-(13) or the reflecting law instead.
+    pub(super) program: HybridProgram,
+    /// The scenario, against which plans are certified.
+    pub scenario: Scenario,
     /// x(0), ..., x(τ), in m.
     pub position: Family,
     /// v(0), ..., v(τ), in m/s.
@@ -56,9 +74,6 @@ pub struct PlanningProgram {
     pub contact: Option<Family>,
     /// Impact speed of each step, in m/s, valid if ζ(t) = 1; empty if collisions are forbidden.
     pub impact_speed: Vec<Affine>,
-    /// The system's variables by name: (3)-(7), and (8)-(13) or the reflecting law instead.
-    #[doc(hidden)]
-    pub hybrid: SystemVariables,
     /// D(0), ..., D(τ-1), in the unit of the scenario's rule, at least the damage of the step; empty
     /// if the rule has neither a total nor a price.
     pub damage: Vec<Affine>,
@@ -66,29 +81,11 @@ pub struct PlanningProgram {
     pub(super) counted_speed: Option<Family>,
 }
 
-impl Borrow<Model> for PlanningProgram {
-    fn borrow(&self) -> &Model {
-        &self.model
-    }
-}
+owns_program!(PlanningProgram);
 
-impl BorrowMut<Model> for PlanningProgram {
-    fn borrow_mut(&mut self) -> &mut Model {
-        &mut self.model
-    }
-}
-
-impl PlanningProgram {
-    /// Writes the program of a scenario over a horizon.
-    ///
-    /// ```
-    /// use carom::collision_tolerant::{Objective, PlanningProgram, Scenario};
-    ///
-    /// let program = PlanningProgram::build(&Scenario::paper(), 457, Objective::Feasibility)?;
-    /// let zeta = program.contact.expect("collisions are tolerated");
-    /// assert_eq!(zeta.len(), 457);
-    /// # Ok::<(), carom::Error>(())
-    /// ```
+impl Scenario {
+    /// The program of the scenario over a horizon, row by row. [`plan`](Scenario::plan) tightens it by reach
+    /// sets before it is solved.
     ///
     /// # Arguments
     ///
@@ -96,12 +93,15 @@ impl PlanningProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`Scenario::check`] and of [`Horizon::new`].
-    pub fn build(scenario: &Scenario, steps: usize, objective: Objective) -> Result<Self, Error> {
-        scenario.check()?;
-        PlanningProgram::write(scenario, steps, objective, Ends::Fixed)
+    /// Those of [`Scenario::check`]; [`ErrorKind::OutOfRange`] for a number of steps that is not from 1 to
+    /// [`MAX_STEPS`](crate::tolerance::MAX_STEPS).
+    pub fn program(&self, steps: usize, objective: Objective) -> Result<PlanningProgram, Error> {
+        self.check()?;
+        PlanningProgram::write(self, steps, objective, Ends::Fixed)
     }
+}
 
+impl PlanningProgram {
     /// Writes the program of a scenario that has been checked.
     pub(super) fn write(
         scenario: &Scenario,
@@ -114,7 +114,6 @@ impl PlanningProgram {
             Collisions::Tolerated => "collision_tolerant",
             Collisions::Forbidden => "collision_free",
         });
-
         let hybrid = scenario.system(&horizon, &scenario.damage)?.write(&mut model, "", steps)?;
         // a(τ) does not enter the dynamics.
         let limits = scenario.acceleration;
@@ -130,9 +129,9 @@ impl PlanningProgram {
             }
             _ => hybrid.output(IMPACT_SPEED)?.to_vec(),
         };
+        let mut program = HybridProgram::from_parts(model, hybrid);
         if ends == Ends::Fixed {
-            let families = [&position, &velocity, &acceleration];
-            fix_ends(scenario, &mut model, &hybrid, families)?;
+            fix_ends(scenario, &mut program, [&position, &velocity, &acceleration])?;
         }
         // (14)-(20).
         let hit = match scenario.contact.law {
@@ -140,30 +139,26 @@ impl PlanningProgram {
             ContactLaw::Literal => Some("contact"),
             _ => Some("impact"),
         };
-        let mut program = SceneProgram::on_line(scenario.scene(&horizon), model, hybrid, hit)?;
+        let mut program = SceneProgram::on_line(scenario.scene(&horizon), program, hit)?;
         set_objective(&mut program, objective)?;
-        let (damage, counted_speed) = (program.damage_by_step(), program.counted_speed());
-        let SceneProgram { model, hybrid, .. } = program;
         Ok(PlanningProgram {
-            model,
-            horizon,
+            damage: program.damage_by_step(),
+            counted_speed: program.counted_speed(),
+            program: program.into(),
+            scenario: scenario.clone(),
             position,
             velocity,
             acceleration,
             contact,
             impact_speed,
-            hybrid,
-            damage,
-            counted_speed,
         })
     }
 
     /// Adds the row `contact_needed`, `Σ ζ(t) >= 1`, for a horizon whose collision-free program is
     /// known to be infeasible. This bounds the number of contacts from below.
     pub(super) fn require_contact(&mut self) -> Result<(), Error> {
-        let contacts = self.contact.iter().flatten();
-        let total: Affine = contacts.sum();
-        self.model.add("contact_needed", total.ge(1.0))?;
+        let total: Affine = self.contact.iter().flatten().sum();
+        self.add("contact_needed", total.ge(1.0))?;
         Ok(())
     }
 }
@@ -176,22 +171,23 @@ fn set_objective(program: &mut SceneProgram, objective: Objective) -> Result<(),
         Objective::LargestDamage => program.largest_impact()?.into(),
     };
     let price = program.price();
-    program.model.minimize(cost + price)
+    program.minimize(cost + price)
 }
 
 /// (1), (2), (21c)-(21h), on the positions, velocities and accelerations.
 fn fix_ends(
     scenario: &Scenario,
-    model: &mut Model,
-    hybrid: &SystemVariables,
+    program: &mut HybridProgram,
     [x, v, a]: [&Family; 3],
 ) -> Result<(), Error> {
-    let (start, goal, last) = (&scenario.start, &scenario.goal, hybrid.horizon().steps());
+    let (start, goal, last) = (&scenario.start, &scenario.goal, program.steps());
+    if scenario.goal_region.is_some() {
+        program.goal(scenario.goal_states())?;
+    }
+    let model = program.model_mut();
     model.fix(x[0], start.position)?; // (1), (21c)
     model.fix(v[0], start.velocity)?; // (21e)
-    if scenario.goal_region.is_some() {
-        hybrid.require(model, "goal", &scenario.goal_states(), When::At(last))?;
-    } else {
+    if scenario.goal_region.is_none() {
         model.fix(x[last], goal.position)?; // (2), (21d)
         model.fix(v[last], goal.velocity)?; // (21f)
     }

@@ -3,13 +3,13 @@
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
+use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use crate::hybrid::scene::line::half_line;
 use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use crate::hybrid::system::Transition;
 use crate::hybrid::{
-    ContactLaw, Horizon, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem,
-    Waiting,
+    ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem, Waiting,
 };
 use crate::interval::Interval;
 use crate::tolerance;
@@ -31,8 +31,9 @@ impl Scenario {
         self.check()?;
         let longest = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
         let most = [self.damage.per_hit, self.damage.total].into_iter().flatten();
-        let per_hit = most.reduce(f64::min);
-        self.system(&longest, &DamageRule { per_hit, ..self.damage.clone() })
+        let mut rule = self.damage.clone();
+        rule.per_hit = most.reduce(f64::min);
+        self.system(&longest, &rule)
     }
 
     /// The system over a horizon, of a scenario that has been checked, with the limit of a rule on
@@ -133,7 +134,7 @@ impl HorizonModel for Programs {
     type Program = PlanningProgram;
 
     fn build(&self, steps: usize) -> Result<Self::Program, Error> {
-        PlanningProgram::build(&self.scenario, steps, Objective::Feasibility)
+        self.scenario.program(steps, Objective::Feasibility)
     }
 
     fn waiting(&self) -> Waiting {
@@ -161,11 +162,11 @@ impl HorizonModel for Programs {
         program: &mut PlanningProgram,
         statements: &mut dyn FnMut(&mut HybridProgram),
     ) {
-        HybridProgram::lend(&mut program.model, &program.hybrid, statements);
+        statements(program);
     }
 
     fn variables(&self, program: &PlanningProgram) -> HorizonVariables {
-        program.hybrid.horizon_variables()
+        program.variables().horizon_variables()
     }
 
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = PlanningProgram> + '_>> {

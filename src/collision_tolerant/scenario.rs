@@ -3,11 +3,13 @@
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
-use crate::hybrid::scene::DamageRule;
+use crate::hybrid::horizon::Horizon;
+use crate::hybrid::scene::{DamageRule, region_where};
 use crate::hybrid::{
-    Contact, ContactLaw, FreeSide, Horizon, ImpactEstimate, Region, Restitution, Waiting, Wall,
+    Contact, ContactLaw, FreeSide, ImpactEstimate, Region, Restitution, State, Waiting, Wall,
 };
 use crate::interval::Interval;
+use crate::model::Row;
 use crate::setters::setters;
 use crate::tolerance;
 
@@ -109,10 +111,11 @@ impl Scenario {
         start: Endpoint,
         goal: Endpoint,
         wall: Wall,
-        acceleration: Interval,
+        acceleration: impl Into<Interval>,
         max_speed: f64,
         time_step: f64,
     ) -> Self {
+        let acceleration = acceleration.into();
         Scenario {
             start,
             goal,
@@ -134,7 +137,7 @@ impl Scenario {
         let start = Endpoint::at_rest(10.0).with_acceleration(0.0);
         let goal = Endpoint::at_rest(0.3).with_acceleration(0.0);
         let wall = Wall::default();
-        Scenario::new(start, goal, wall, Interval::new(-6.0, 6.0), 15.0, 0.005)
+        Scenario::new(start, goal, wall, -6.0..=6.0, 15.0, 0.005)
     }
 
     setters! {
@@ -157,31 +160,39 @@ impl Scenario {
         self.with_goal(goal)
     }
 
-    /// Lets the plan end anywhere in a region of position (m) and velocity (m/s): a point, a box, a
-    /// polyhedron. The acceleration of the goal stays as it is.
+    /// Lets the plan end anywhere in a region of position (m) and velocity (m/s): a point or a range for
+    /// each. The acceleration of the goal stays as it is.
+    #[must_use]
+    pub fn with_goal_region(mut self, region: impl Into<Region>) -> Self {
+        self.goal_region = Some(region.into());
+        self
+    }
+
+    /// Lets the plan end wherever rows of the position (m) and the velocity (m/s) hold.
     ///
     /// ```
-    /// use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
-    /// use carom::hybrid::{Halfspace, Region};
-    /// use carom::interval::Interval;
+    /// use carom::collision_tolerant::{PlanningOptions, Scenario};
     /// use carom::prelude::*;
     ///
     /// // At most 0.5 m from the wall, and slow enough: |v| <= 2 x.
-    /// let parked = Region::from([Interval::new(0.0, 0.5), Interval::REALS])
-    ///     .with_halfspace(Halfspace::new("not too fast away from it", [-2.0, 1.0], 0.0))
-    ///     .with_halfspace(Halfspace::new("not too fast towards it", [-2.0, -1.0], 0.0));
-    /// let scenario = Scenario::paper().with_time_step(0.05).with_goal_region(parked);
-    /// let found =
-    ///     shortest_plan(&scenario, &PlanningOptions::default(), &mut BranchAndBound::default())?;
+    /// let scenario = Scenario::paper().with_time_step(0.05);
+    /// let parked = scenario.with_goal_where(|x, v| [x.le(0.5), v.le(2.0 * x), v.ge(-2.0 * x)])?;
+    /// let found = parked.shortest_plan(&PlanningOptions::default(), &mut BranchAndBound::default())?;
     /// let trajectory = found.plan.expect("there is one").trajectory;
     /// let (x, v) = (trajectory.position[trajectory.steps()], trajectory.velocity[trajectory.steps()]);
     /// assert!(x < 0.5 + 1e-6 && v.abs() < 2.0 * x + 1e-6);
     /// # Ok::<(), carom::Error>(())
     /// ```
-    #[must_use]
-    pub fn with_goal_region(mut self, region: impl Into<Region>) -> Self {
-        self.goal_region = Some(region.into());
-        self
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HybridSystem::region`](crate::hybrid::HybridSystem::region).
+    pub fn with_goal_where<R: IntoIterator<Item = Row>>(
+        self,
+        rows: impl FnOnce(State, State) -> R,
+    ) -> Result<Self, Error> {
+        let region = region_where(1, |x, v| rows(x[0], v[0]))?;
+        Ok(self.with_goal_region(region))
     }
 
     /// Sets the coefficient of restitution e (no unit).
@@ -199,8 +210,6 @@ impl Scenario {
         with_law(law: ContactLaw) => contact.law = law;
         /// The same scenario with collisions forbidden.
         collision_free() => collisions = Collisions::Forbidden;
-        /// Sets the limits of the acceleration, in m/s².
-        with_acceleration(lower: f64, upper: f64) => acceleration = Interval::new(lower, upper);
         /// Sets the largest speed, in m/s.
         with_max_speed(speed: f64) => max_speed = speed;
         /// Sets the time step, in s.
@@ -209,8 +218,18 @@ impl Scenario {
         with_damage(rule: DamageRule) => damage = rule;
         /// Sets which speed counts as the impact speed.
         with_estimate(wanted: ImpactEstimate) => estimate = wanted;
-        /// Sets the allowed positions, in m.
-        with_domain(lower: f64, upper: f64) => domain = Some(Interval::new(lower, upper));
+    }
+
+    /// Sets the limits of the acceleration, in m/s².
+    #[must_use]
+    pub fn with_acceleration(self, limits: impl Into<Interval>) -> Self {
+        Scenario { acceleration: limits.into(), ..self }
+    }
+
+    /// Sets the allowed positions, in m.
+    #[must_use]
+    pub fn with_domain(self, positions: impl Into<Interval>) -> Self {
+        Scenario { domain: Some(positions.into()), ..self }
     }
 
     /// Refuses scenarios that contradict themselves.

@@ -1,19 +1,16 @@
 //! The shortest plan: the smallest feasible horizon, with a proof, and the fewest impacts on it.
 
-use web_time::Duration;
-
-use super::plan::{Plan, PlanOutcome, outcome};
+use super::plan::Plan;
 use super::program::{Objective, PlanningProgram};
 use super::reach::Programs;
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::program::HybridProgram;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::reach::Tube;
-use crate::hybrid::{
-    Attempt, HorizonEvent, ShortestOptions, ShortestStatus, Solved, shortest_horizon_with,
-};
+use crate::hybrid::{HorizonEvent, Shortest, ShortestOptions, Solved, shortest_horizon_with};
 use crate::setters::setters;
-use crate::solution::{Solution, Statistics};
+use crate::solution::Solution;
 use crate::solver::{Solver, StopToken};
 
 /// Options of a search for the shortest plan.
@@ -48,114 +45,75 @@ impl PlanningOptions {
     }
 }
 
-/// The result of a search for the shortest plan.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-#[must_use]
-pub struct ShortestPlan {
-    /// How the search ended.
-    pub status: ShortestStatus,
-    /// The shortest horizon, in steps; if the search was stopped, the smallest one found feasible.
-    pub steps: Option<usize>,
-    /// The largest horizon proved infeasible together with every smaller one, in steps.
-    pub refuted_steps: Option<usize>,
-    /// A plan over `steps`, with the fewest impacts if they were minimised.
-    pub plan: Option<Plan>,
-    /// Whether it is proved that no plan over `steps` has fewer impacts (with prices of
-    /// damage: a smaller sum of impacts and prices).
-    pub fewest_impacts: bool,
-    /// The tube of `steps`, if reach sets were used: what any plan of that horizon can do at each
-    /// step.
-    pub tube: Option<Tube>,
-    /// The horizons that the search decided, in order, and how.
-    pub attempts: Vec<Attempt>,
-    /// The subsequent solves that minimised the impacts.
-    pub refinements: Vec<Statistics>,
-    /// Wall-clock time of the search and of all solves.
-    pub time: Duration,
-}
-
-impl ShortestPlan {
-    /// Whether the shortest horizon was found and proved.
-    pub fn is_found(&self) -> bool {
-        self.status == ShortestStatus::Found
+impl Scenario {
+    /// Finds the shortest plan and proves that it is the shortest.
+    ///
+    /// ```
+    /// use carom::collision_tolerant::{PlanningOptions, Scenario};
+    /// use carom::prelude::*;
+    ///
+    /// let scenario = Scenario::paper().with_time_step(0.05);
+    /// let (options, mut solver) = (PlanningOptions::default(), BranchAndBound::default());
+    /// let careful = scenario.clone().collision_free().shortest_plan(&options, &mut solver)?;
+    /// let tolerant = scenario.shortest_plan(&options, &mut solver)?;
+    /// assert!(tolerant.is_found() && tolerant.steps < careful.steps);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`plan`](Scenario::plan); [`ErrorKind::OutOfRange`] for bad options.
+    pub fn shortest_plan(
+        &self,
+        options: &PlanningOptions,
+        solver: &mut dyn Solver,
+    ) -> Result<Shortest<Plan>, Error> {
+        self.shortest_plan_with(options, solver, &mut |_| {})
     }
 
-    /// Nodes over all solves.
-    pub fn nodes(&self) -> u64 {
-        self.statistics().map(|s| s.nodes).sum()
+    /// Same as [`shortest_plan`](Scenario::shortest_plan), with progress events on the calling thread.
+    ///
+    /// # Errors
+    ///
+    /// As for [`shortest_plan`](Scenario::shortest_plan).
+    pub fn shortest_plan_with(
+        &self,
+        options: &PlanningOptions,
+        solver: &mut dyn Solver,
+        progress: &mut dyn FnMut(&HorizonEvent),
+    ) -> Result<Shortest<Plan>, Error> {
+        self.check()?;
+        let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
+        let programs = Programs { scenario: self.clone(), upper_hint: options.upper_hint };
+        let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
+        let mut found = found.try_map(|Solved { program, solution }| program.plan(&solution))?;
+        if options.fewest_impacts && found.is_found() {
+            let search = &options.search;
+            let mut refinement = Refinement { scenario: self, solver, token: &token, search };
+            let tube = found.tube.as_ref();
+            found.plan = found.plan.map(|plan| refinement.run(plan, tube)).transpose()?;
+        }
+        found.time = token.elapsed();
+        Ok(found)
     }
 
-    /// Relaxations over all solves.
-    pub fn relaxations(&self) -> u64 {
-        self.statistics().map(|s| s.relaxations).sum()
+    /// Finds the shortest plans without and with collisions. The first is a hint for the second.
+    ///
+    /// # Errors
+    ///
+    /// As for [`shortest_plan`](Scenario::shortest_plan).
+    pub fn compare(
+        &self,
+        options: &PlanningOptions,
+        solver: &mut dyn Solver,
+    ) -> Result<PlanComparison, Error> {
+        let free = self.clone().collision_free().shortest_plan(options, solver)?;
+        let mut options = options.clone();
+        options.upper_hint = free.steps.or(options.upper_hint);
+        let tolerant = Scenario { collisions: Collisions::Tolerated, ..self.clone() };
+        let tolerant = tolerant.shortest_plan(&options, solver)?;
+        Ok(PlanComparison { free, tolerant })
     }
-
-    fn statistics(&self) -> impl Iterator<Item = &Statistics> {
-        self.attempts.iter().map(|attempt| &attempt.statistics).chain(&self.refinements)
-    }
-}
-
-/// Finds the shortest plan of a scenario and proves that it is the shortest.
-///
-/// ```
-/// use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
-/// use carom::prelude::*;
-///
-/// let scenario = Scenario::paper().with_time_step(0.05);
-/// let mut solver = BranchAndBound::default();
-/// let careful = shortest_plan(&scenario.clone().collision_free(), &PlanningOptions::default(), &mut solver)?;
-/// let tolerant = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
-/// assert!(tolerant.is_found() && tolerant.steps < careful.steps);
-/// # Ok::<(), carom::Error>(())
-/// ```
-///
-/// # Errors
-///
-/// As for [`plan`](super::plan()); [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for bad
-/// options.
-pub fn shortest_plan(
-    scenario: &Scenario,
-    options: &PlanningOptions,
-    solver: &mut dyn Solver,
-) -> Result<ShortestPlan, Error> {
-    shortest_plan_with(scenario, options, solver, &mut |_| {})
-}
-
-/// Same as [`shortest_plan`], with progress events on the calling thread.
-///
-/// # Errors
-///
-/// As for [`shortest_plan`].
-pub fn shortest_plan_with(
-    scenario: &Scenario,
-    options: &PlanningOptions,
-    solver: &mut dyn Solver,
-    progress: &mut dyn FnMut(&HorizonEvent),
-) -> Result<ShortestPlan, Error> {
-    scenario.check()?;
-    let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
-    let programs = Programs { scenario: scenario.clone(), upper_hint: options.upper_hint };
-    let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
-    let certify = |solved: Solved<_>| Plan::certify(scenario, &solved.program, &solved.solution);
-    let found = found.try_map(certify)?;
-    let mut shortest = ShortestPlan {
-        status: found.status,
-        steps: found.steps,
-        refuted_steps: found.refuted_steps,
-        plan: found.plan,
-        fewest_impacts: scenario.collisions == Collisions::Forbidden,
-        tube: found.tube,
-        attempts: found.attempts,
-        refinements: Vec::new(),
-        time: found.time,
-    };
-    if options.fewest_impacts && shortest.is_found() && !shortest.fewest_impacts {
-        Refinement { scenario, solver, token: &token, options: &options.search }
-            .run(&mut shortest)?;
-    }
-    shortest.time = token.elapsed();
-    Ok(shortest)
 }
 
 /// Minimises the impacts of a plan on its proved horizon.
@@ -163,60 +121,52 @@ struct Refinement<'a> {
     scenario: &'a Scenario,
     solver: &'a mut dyn Solver,
     token: &'a StopToken,
-    options: &'a ShortestOptions,
+    search: &'a ShortestOptions,
 }
 
 impl Refinement<'_> {
-    fn run(&mut self, shortest: &mut ShortestPlan) -> Result<(), Error> {
-        let (Some(steps), Some(plan)) = (shortest.steps, &shortest.plan) else { return Ok(()) };
-        let impacts = plan.trajectory.impacts.len();
-        let proved = shortest.tube.as_ref().and_then(Tube::fewest_events).unwrap_or(0);
-        if impacts == 0 || (impacts <= proved && !self.scenario.damage.has_price()) {
-            shortest.fewest_impacts = true;
-            return Ok(());
+    fn run(&mut self, mut plan: Plan, tube: Option<&Tube>) -> Result<Plan, Error> {
+        let (impacts, steps) = (plan.trajectory.impacts.len(), plan.trajectory.steps());
+        let proved = tube.and_then(Tube::fewest_events).unwrap_or(0);
+        let priced = self.scenario.damage.has_price();
+        if plan.fewest_impacts || impacts == 0 || (impacts <= proved && !priced) {
+            plan.fewest_impacts = true;
+            return Ok(plan);
         }
         // Without any impact?
         let mut needed = proved > 0;
         // Rows of one's own may speak of contacts, which the careful scenario does not have.
-        if !needed && !self.options.has_statements() {
+        if !needed && !self.search.has_statements() {
             let careful = self.scenario.clone().collision_free();
-            let program = PlanningProgram::build(&careful, steps, Objective::Feasibility)?;
-            let Some(solution) = self.solve(&program)? else { return Ok(()) };
-            shortest.refinements.push(*solution.statistics());
-            needed = match outcome(&careful, &program, &solution)? {
-                PlanOutcome::Planned(plan) => {
-                    shortest.plan = Some(*plan);
-                    shortest.fewest_impacts = true;
-                    return Ok(());
-                }
-                answer => answer.is_infeasible(),
-            };
+            let program = careful.program(steps, Objective::Feasibility)?;
+            let Some(solution) = self.solve(&program)? else { return Ok(plan) };
+            plan.refinements.push(*solution.statistics());
+            if solution.point().is_some() {
+                let refinements = plan.refinements;
+                return Ok(Plan { refinements, ..program.plan(&solution)? });
+            }
+            needed = solution.is_infeasible();
         }
-        if needed && impacts == 1 && !self.scenario.damage.has_price() {
-            shortest.fewest_impacts = true;
-            return Ok(());
+        if needed && impacts == 1 && !priced {
+            plan.fewest_impacts = true;
+            return Ok(plan);
         }
         // As few as possible.
-        let mut program = PlanningProgram::build(self.scenario, steps, Objective::Impacts)?;
-        let mut stated = Ok(());
-        HybridProgram::lend(&mut program.model, &program.hybrid, &mut |hybrid| {
-            stated = self.options.complete(hybrid);
-        });
-        stated?;
+        let mut program = self.scenario.program(steps, Objective::Impacts)?;
+        self.search.complete(&mut program)?;
         if needed {
             program.require_contact()?;
         }
-        if let Some(tube) = &shortest.tube {
-            let variables = program.hybrid.horizon_variables();
-            let _report = tube.tighten(&mut program.model, &variables)?;
+        if let Some(tube) = tube {
+            let _report = program.tighten(tube)?;
         }
-        let Some(solution) = self.solve(&program)? else { return Ok(()) };
-        shortest.refinements.push(*solution.statistics());
-        if let PlanOutcome::Planned(plan) = outcome(self.scenario, &program, &solution)? {
-            shortest.fewest_impacts = solution.is_optimal();
-            shortest.plan = Some(*plan);
+        let Some(solution) = self.solve(&program)? else { return Ok(plan) };
+        plan.refinements.push(*solution.statistics());
+        if solution.point().is_none() {
+            return Ok(plan);
         }
-        Ok(())
+        let (refinements, fewest_impacts) = (plan.refinements, solution.is_optimal());
+        Ok(Plan { refinements, fewest_impacts, ..program.plan(&solution)? })
     }
 
     /// Solves within the remaining time of the search; `None` if there is none.
@@ -224,7 +174,7 @@ impl Refinement<'_> {
         if self.token.is_over() {
             return Ok(None);
         }
-        self.token.solve(self.solver, &program.model, &mut |_| {}).map(Some)
+        self.token.solve(self.solver, program.model(), &mut |_| {}).map(Some)
     }
 }
 
@@ -234,9 +184,9 @@ impl Refinement<'_> {
 #[must_use]
 pub struct PlanComparison {
     /// Collisions forbidden.
-    pub free: ShortestPlan,
+    pub free: Shortest<Plan>,
     /// Collisions tolerated.
-    pub tolerant: ShortestPlan,
+    pub tolerant: Shortest<Plan>,
 }
 
 impl PlanComparison {
@@ -250,26 +200,4 @@ impl PlanComparison {
             _ => None,
         }
     }
-}
-
-/// Finds the shortest plans of a scenario without and with collisions. The first is a hint for the
-/// second.
-///
-/// # Errors
-///
-/// As for [`shortest_plan`].
-pub fn compare(
-    scenario: &Scenario,
-    options: &PlanningOptions,
-    solver: &mut dyn Solver,
-) -> Result<PlanComparison, Error> {
-    let free = shortest_plan(&scenario.clone().collision_free(), options, solver)?;
-    let mut options = options.clone();
-    options.upper_hint = free.steps.or(options.upper_hint);
-    let tolerant = shortest_plan(
-        &Scenario { collisions: Collisions::Tolerated, ..scenario.clone() },
-        &options,
-        solver,
-    )?;
-    Ok(PlanComparison { free, tolerant })
 }

@@ -58,7 +58,7 @@ impl Trajectory {
         let values = |family: &Family| {
             family.iter().map(|variable| solution.value(variable)).collect::<Result<Vec<_>, _>>()
         };
-        let (steps, time_step) = (program.horizon.steps(), program.horizon.time_step());
+        let (steps, time_step) = (program.steps(), program.scenario.time_step);
         let mut contact = vec![false; steps + 1];
         for (hits, zeta) in contact.iter_mut().zip(program.contact.iter().flatten()) {
             *hits = solution.value(zeta)? > 0.5;

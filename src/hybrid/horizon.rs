@@ -5,16 +5,6 @@ use crate::error::Error;
 use crate::tolerance;
 
 /// A horizon of `steps` steps of `time_step` seconds: samples `t = 0, 1, ..., steps`.
-///
-/// ```
-/// use carom::hybrid::Horizon;
-///
-/// let horizon = Horizon::new(510, 0.005)?;
-/// assert!((horizon.duration() - 2.55).abs() < 1e-12);
-/// assert!(Horizon::new(0, 0.005).is_err());
-/// assert!(Horizon::new(1_000_000, 0.005).is_err());
-/// # Ok::<(), carom::Error>(())
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Horizon {

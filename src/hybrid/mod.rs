@@ -1,10 +1,11 @@
 #![doc = include_str!("../../docs/modules/hybrid.md")]
 
+mod affine;
 pub mod contact;
 pub mod damage;
 pub(crate) mod exponential;
 mod flaws;
-pub mod horizon;
+pub(crate) mod horizon;
 pub mod linear;
 mod matrix;
 pub(crate) mod program;
@@ -21,7 +22,6 @@ pub mod wall;
 pub use contact::{Contact, ContactLaw, Restitution};
 pub use damage::ImpactEstimate;
 pub use flaws::{Flaw, Witness};
-pub use horizon::Horizon;
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
 pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit, When};

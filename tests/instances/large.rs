@@ -1,6 +1,6 @@
 //! Programs so large that single steps of a solve take long: for limits.
 
-use carom::collision_tolerant::{Objective, PlanningProgram, Scenario};
+use carom::collision_tolerant::{Objective, Scenario};
 use carom::prelude::*;
 
 use super::generators::{puck, wall};
@@ -27,7 +27,7 @@ pub(crate) fn large(parts: &[String]) -> Vec<(&'static str, Model)> {
 /// The scenario of the paper with shorter steps: 2.285 s in all.
 fn tolerant(steps: usize, objective: Objective) -> Model {
     let scenario = Scenario::paper().with_time_step(2.285 / steps as f64);
-    PlanningProgram::build(&scenario, steps, objective).unwrap().model
+    scenario.program(steps, objective).unwrap().model().clone()
 }
 
 /// `rows` sparse rows over `columns` columns, every other one binary, with a point that satisfies

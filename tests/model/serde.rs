@@ -3,7 +3,7 @@
 
 use crate::common::config;
 use carom::ErrorKind;
-use carom::collision_tolerant::{Objective, Plan, Scenario, plan};
+use carom::collision_tolerant::{Objective, Plan, Scenario};
 use carom::model::{PiecewiseAffine, VariableKind};
 use carom::prelude::*;
 use carom::solver::{MipStart, PoolMode, RelaxationMethod};
@@ -144,8 +144,8 @@ fn pools_leaves_and_starts_survive() {
 #[test]
 fn plans_survive() {
     let scenario = Scenario::paper().with_time_step(0.1);
-    let outcome = plan(&scenario, 30, Objective::Feasibility, &mut BranchAndBound::default());
-    let plan = outcome.unwrap().into_plan().expect("3 s are enough");
+    let plan = scenario.plan(30, Objective::Feasibility, &mut BranchAndBound::default());
+    let plan = plan.expect("3 s are enough");
     let again: Plan = copy(&plan);
     assert_eq!(again.trajectory, plan.trajectory);
     assert_eq!(again.certificate, plan.certificate);

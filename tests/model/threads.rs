@@ -1,10 +1,10 @@
 //! What users hold can be sent to other threads and shared between them.
 
-use carom::collision_tolerant::{Plan, Scenario, ShortestPlan};
+use carom::collision_tolerant::{Plan, Scenario};
 use carom::explain::Explanation;
 use carom::hybrid::HybridSystem;
 use carom::hybrid::reach::ReachSets;
-use carom::hybrid::{Contact, LinearSystem};
+use carom::hybrid::{Contact, LinearSystem, Shortest};
 use carom::prelude::*;
 use carom::reformulate::{BigMReport, Lowered};
 use carom::solution::Pool;
@@ -31,7 +31,7 @@ const _: fn() = || {
     shared::<ReachSets>();
     shared::<Scenario>();
     shared::<Plan>();
-    shared::<ShortestPlan>();
+    shared::<Shortest<Plan>>();
 };
 
 /// A model that two threads solve at once, and a solution that they both read.

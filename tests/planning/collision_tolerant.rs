@@ -1,20 +1,27 @@
 //! The paper's figures, the scenario's checks, and what a plan promises.
 
-use carom::collision_tolerant::{
-    Collisions, Endpoint, Objective, Plan, PlanOutcome, PlanningOptions, PlanningProgram, Scenario,
-    compare, damage_interval, plan, shortest_plan,
-};
+use carom::ErrorKind;
+use carom::collision_tolerant::{Collisions, Endpoint, Objective, Plan, PlanningOptions, Scenario};
 use carom::hybrid::scene::{DamageMeasure, DamageRule, IntervalOptions};
 use carom::hybrid::{ContactLaw, ImpactEstimate, ShortestOptions, ShortestStatus, Verdict, Wall};
+use carom::interval::Interval;
 use carom::prelude::*;
 
 fn solver() -> BranchAndBound {
     BranchAndBound::default()
 }
 
+/// How a solve without a plan ended.
+fn ending(planned: Result<Plan, Error>) -> String {
+    match planned.unwrap_err().kind() {
+        ErrorKind::NoPoint { termination } => termination.clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
 /// Shortest horizon with the next smaller one refuted, plan certified.
 fn shortest(scenario: &Scenario) -> (usize, usize) {
-    let found = shortest_plan(scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+    let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
     assert_eq!(found.status, ShortestStatus::Found);
     let steps = found.steps.unwrap();
     assert_eq!(found.refuted_steps, Some(steps - 1));
@@ -23,7 +30,7 @@ fn shortest(scenario: &Scenario) -> (usize, usize) {
     let plan = found.plan.expect("a found horizon has a plan");
     assert!(plan.certificate.verification.holds());
     assert!(plan.certificate.replay.drift <= 1e-6);
-    assert!(found.fewest_impacts);
+    assert!(plan.fewest_impacts);
     (steps, plan.trajectory.impacts.len())
 }
 
@@ -50,12 +57,12 @@ fn the_literal_law_never_pays_off() {
     for e in [0.0, 0.5] {
         let scenario = Scenario::paper().with_time_step(0.05).with_restitution(e).unwrap();
         let literal = scenario.clone().with_law(ContactLaw::Literal);
-        let both = compare(&literal, &PlanningOptions::default(), &mut solver()).unwrap();
+        let both = literal.compare(&PlanningOptions::default(), &mut solver()).unwrap();
         assert!(both.free.is_found() && both.tolerant.is_found());
         assert_eq!(both.tolerant.steps, both.free.steps);
         assert_eq!(both.hitting_pays(), Some(false));
         // The reflecting law does pay off here.
-        let both = compare(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+        let both = scenario.compare(&PlanningOptions::default(), &mut solver()).unwrap();
         assert_eq!(both.hitting_pays(), Some(true));
     }
 }
@@ -63,8 +70,7 @@ fn the_literal_law_never_pays_off() {
 #[test]
 fn the_damage_limit_of_table_4_is_an_interval() {
     let interval =
-        damage_interval(&Scenario::paper(), 478, &IntervalOptions::default(), &mut solver())
-            .unwrap();
+        Scenario::paper().damage_interval(478, &IntervalOptions::default(), &mut solver()).unwrap();
     assert_eq!(interval.stopped, None);
     assert!(interval.lower.resolution() <= 1.01e-3 && interval.upper.resolution() <= 1.01e-3);
     assert!((interval.lower.attained - 6.1709).abs() < 2e-3, "{interval:?}");
@@ -72,7 +78,7 @@ fn the_damage_limit_of_table_4_is_an_interval() {
 
     let limit = interval.middle().unwrap();
     let limited = Scenario::paper().with_damage(DamageRule::default().with_per_hit(limit));
-    let found = shortest_plan(&limited, &PlanningOptions::default(), &mut solver()).unwrap();
+    let found = limited.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
     assert_eq!((found.steps, found.refuted_steps), (Some(478), Some(477))); // 2.39 s
     let plan = found.plan.unwrap();
     assert!(plan.trajectory.largest_damage() <= limit + 1e-6);
@@ -82,10 +88,9 @@ fn the_damage_limit_of_table_4_is_an_interval() {
 fn minimising_the_largest_damage_agrees_with_the_interval() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let options = IntervalOptions::default();
-    let interval = damage_interval(&scenario, 49, &options, &mut solver()).unwrap();
+    let interval = scenario.damage_interval(49, &options, &mut solver()).unwrap();
     for (steps, end) in [(49, interval.lower), (48, interval.upper)] {
-        let outcome = plan(&scenario, steps, Objective::LargestDamage, &mut solver()).unwrap();
-        let plan = outcome.plan().unwrap();
+        let plan = scenario.plan(steps, Objective::LargestDamage, &mut solver()).unwrap();
         assert_eq!(plan.termination, Termination::Optimal);
         assert!(end.bound <= plan.objective + 1e-6 && plan.objective <= end.attained + 1e-6);
         assert!((plan.trajectory.largest_damage() - plan.objective).abs() < 1e-6);
@@ -97,7 +102,7 @@ fn hitting_stops_paying_for_far_goals() {
     // In continuous time a plastic stop pays for goals nearer than about 0.67 m.
     for (goal, pays) in [(0.3, true), (0.5, true), (1.0, false)] {
         let scenario = Scenario::paper().with_time_step(0.025).with_goal_position(goal);
-        let both = compare(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+        let both = scenario.compare(&PlanningOptions::default(), &mut solver()).unwrap();
         assert_eq!(both.hitting_pays(), Some(pays), "goal at {goal} m");
         // Where it does not pay, the plan does not hit without need.
         let impacts = both.tolerant.plan.unwrap().trajectory.impacts.len();
@@ -124,7 +129,7 @@ fn walls_elsewhere_and_facing_the_other_way_change_nothing() {
         for scenario in [moved(-4.0, 1.0), moved(7.0, 1.0), moved(0.0, -1.0), moved(3.0, -1.0)] {
             assert_eq!(shortest(&scenario), (wanted, impacts));
             let literal = scenario.with_law(ContactLaw::Literal);
-            let both = compare(&literal, &PlanningOptions::default(), &mut solver()).unwrap();
+            let both = literal.compare(&PlanningOptions::default(), &mut solver()).unwrap();
             assert_eq!(both.hitting_pays(), Some(false));
         }
     }
@@ -133,10 +138,10 @@ fn walls_elsewhere_and_facing_the_other_way_change_nothing() {
 #[test]
 fn a_domain_that_no_plan_leaves_changes_nothing() {
     let plain = Scenario::paper().with_time_step(0.05);
-    assert_eq!(shortest(&plain.clone().with_domain(0.0, 10.0)), shortest(&plain));
-    assert_eq!(shortest(&plain.clone().with_domain(-5.0, 500.0)), shortest(&plain));
+    assert_eq!(shortest(&plain.clone().with_domain(0.0..=10.0)), shortest(&plain));
+    assert_eq!(shortest(&plain.clone().with_domain(-5.0..=500.0)), shortest(&plain));
     // One that keeps the vehicle off the wall forbids the hit.
-    let clear = shortest(&plain.clone().with_domain(0.1, 10.0));
+    let clear = shortest(&plain.clone().with_domain(0.1..=10.0));
     assert_eq!(clear, shortest(&plain.collision_free()));
 }
 
@@ -156,7 +161,7 @@ fn waiting_is_free_only_where_the_vehicle_can_rest() {
     assert!(!no.is_free());
     assert_eq!(no.reason(), "the vehicle can rest neither at its start nor at its goal");
     assert!(paper.clone().with_start(moving).with_goal(pushed).waiting().is_free());
-    let thrust = paper.with_acceleration(1.0, 6.0).waiting();
+    let thrust = paper.with_acceleration(1.0..=6.0).waiting();
     assert_eq!(thrust.reason(), "zero acceleration is not admissible");
 }
 
@@ -171,13 +176,13 @@ fn without_waiting_every_smaller_horizon_is_refuted() {
         .with_restitution(0.8)
         .unwrap();
     assert!(!scenario.waiting().is_free());
-    let found = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+    let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
     let steps = found.steps.unwrap();
     assert!(found.is_found());
     let tried: Vec<usize> = found.attempts.iter().map(|attempt| attempt.steps).collect();
     assert_eq!(tried, (1..=steps).collect::<Vec<_>>());
 
-    let error = damage_interval(&scenario, steps, &IntervalOptions::default(), &mut solver());
+    let error = scenario.damage_interval(steps, &IntervalOptions::default(), &mut solver());
     let text = error.unwrap_err().to_string();
     assert!(text.starts_with("the scene has no damage interval: its shortest horizon"), "{text}");
 }
@@ -189,8 +194,7 @@ fn a_cumulative_budget_and_a_weight_soften_the_plan() {
     let scenario = Scenario::paper().with_time_step(0.1);
     let steps = 27;
     let effort = |scenario: &Scenario| {
-        let outcome = plan(scenario, steps, Objective::Effort, &mut solver()).unwrap();
-        let plan = outcome.into_plan().expect("feasible");
+        let plan = scenario.plan(steps, Objective::Effort, &mut solver()).unwrap();
         assert_eq!(plan.termination, Termination::Optimal);
         plan
     };
@@ -213,9 +217,9 @@ fn a_cumulative_budget_and_a_weight_soften_the_plan() {
 fn impacts_are_reported_with_their_physics() {
     let e = 0.5;
     let scenario = Scenario::paper().with_time_step(0.05).with_restitution(e).unwrap();
-    let outcome = plan(&scenario, 52, Objective::Impacts, &mut solver()).unwrap();
-    assert_eq!(outcome.plan().unwrap().trajectory.impacts.len(), 0); // 52 steps need none
-    let found = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+    let plan = scenario.plan(52, Objective::Impacts, &mut solver()).unwrap();
+    assert_eq!(plan.trajectory.impacts.len(), 0); // 52 steps need none
+    let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
     let trajectory = found.plan.unwrap().trajectory;
     let impact = trajectory.impacts[0];
     let t = impact.step;
@@ -235,8 +239,8 @@ fn impacts_are_reported_with_their_physics() {
 
 #[test]
 fn end_conditions_pin_the_first_and_the_last_acceleration() {
-    let program = PlanningProgram::build(&Scenario::paper(), 3, Objective::Feasibility).unwrap();
-    let bounds = |variable| program.model.variable_ref(variable).unwrap().bounds();
+    let program = Scenario::paper().program(3, Objective::Feasibility).unwrap();
+    let bounds = |variable| program.model().variable_ref(variable).unwrap().bounds();
     let fixed = |variable, value: f64| {
         let found = bounds(variable);
         (found.lower, found.upper) == (value, value)
@@ -246,8 +250,8 @@ fn end_conditions_pin_the_first_and_the_last_acceleration() {
     assert!(fixed(program.position[0], 10.0) && fixed(program.position[3], 0.3));
     // a(τ) is in no row.
     let last = program.acceleration[3];
-    let rows = program.model.constraints().flat_map(|row| row.terms());
-    let switched = program.model.indicators().flat_map(|indicator| indicator.terms());
+    let rows = program.model().constraints().flat_map(|row| row.terms());
+    let switched = program.model().indicators().flat_map(|indicator| indicator.terms());
     assert!(rows.chain(switched).all(|&(variable, _)| variable != last));
 }
 
@@ -256,23 +260,21 @@ fn limits_that_exclude_zero_acceleration_hold() {
     // Nothing here hovers: at 1 m/s² and more it leaves, and comes back never.
     let rest = Endpoint::at_rest(0.5);
     let scenario = Scenario::paper().with_start(rest).with_goal(rest).with_time_step(0.1);
-    let pushed = scenario.with_acceleration(1.0, 2.0);
+    let pushed = scenario.with_acceleration(1.0..=2.0);
     for scenario in [pushed.clone().collision_free(), pushed] {
-        let program = PlanningProgram::build(&scenario, 3, Objective::Feasibility).unwrap();
+        let program = scenario.program(3, Objective::Feasibility).unwrap();
         for a in &program.acceleration {
-            let bounds = program.model.variable_ref(a).unwrap().bounds();
+            let bounds = program.model().variable_ref(a).unwrap().bounds();
             assert_eq!((bounds.lower, bounds.upper), (1.0, 2.0));
         }
-        let outcome = plan(&scenario, 3, Objective::Effort, &mut solver()).unwrap();
-        assert!(outcome.is_infeasible());
+        assert_eq!(ending(scenario.plan(3, Objective::Effort, &mut solver())), "infeasible");
     }
 }
 
 #[test]
-fn too_short_a_horizon_is_infeasible_and_no_error() {
+fn too_short_a_horizon_is_infeasible() {
     for scenario in [Scenario::paper(), Scenario::paper().collision_free()] {
-        let outcome = plan(&scenario, 1, Objective::Effort, &mut solver()).unwrap();
-        assert!(outcome.is_infeasible() && outcome.plan().is_none());
+        assert_eq!(ending(scenario.plan(1, Objective::Effort, &mut solver())), "infeasible");
     }
 }
 
@@ -282,32 +284,23 @@ fn interrupts_and_limits_are_answers() {
     interrupt.trigger();
     let options = PlanningOptions::default()
         .with_search(ShortestOptions::default().with_interrupt(&interrupt));
-    let found = shortest_plan(&Scenario::paper(), &options, &mut solver()).unwrap();
+    let found = Scenario::paper().shortest_plan(&options, &mut solver()).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
     assert!(found.plan.is_none() && found.refuted_steps.is_none());
 
     let options = IntervalOptions::default().with_interrupt(&interrupt);
-    let interval = damage_interval(&Scenario::paper(), 478, &options, &mut solver()).unwrap();
+    let interval = Scenario::paper().damage_interval(478, &options, &mut solver()).unwrap();
     assert_eq!(interval.stopped, Some(Termination::Interrupted));
     assert_eq!(interval.middle(), None);
 
     let mut control = Control::default().with_interrupt(&interrupt);
-    let scenario = Scenario::paper();
-    let outcome = carom::collision_tolerant::plan_with(
-        &scenario,
-        457,
-        Objective::Effort,
-        &mut solver(),
-        &mut control,
-    );
-    match outcome.unwrap() {
-        PlanOutcome::Stopped { reason, .. } => assert_eq!(reason, Termination::Interrupted),
-        other => panic!("{other:?}"),
-    }
+    let program = Scenario::paper().program(457, Objective::Effort).unwrap();
+    let interrupted = Termination::Interrupted.to_string();
+    assert_eq!(ending(program.solve_with(&mut solver(), &mut control)), interrupted);
 
     let options =
         PlanningOptions::default().with_search(ShortestOptions::default().with_max_steps(400));
-    let found = shortest_plan(&Scenario::paper(), &options, &mut solver()).unwrap();
+    let found = Scenario::paper().shortest_plan(&options, &mut solver()).unwrap();
     assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 400 });
     assert_eq!(found.refuted_steps, Some(400));
 }
@@ -320,10 +313,10 @@ fn damage_states_are_what_the_paper_says() {
             let scenario = Scenario::paper().with_time_step(0.1).with_law(law);
             let priced = DamageRule::default().with_price(0.5).with_total(4.0);
             let scenario = scenario.with_estimate(estimate).with_damage(priced);
-            let program = PlanningProgram::build(&scenario, 27, Objective::Effort).unwrap();
+            let program = scenario.program(27, Objective::Effort).unwrap();
             assert_eq!(program.damage.len(), 27);
-            let solution = solver().solve(&program.model).unwrap();
-            let plan = Plan::certify(&scenario, &program, &solution).unwrap();
+            let solution = solver().solve(program.model()).unwrap();
+            let plan = program.plan(&solution).unwrap();
             for (t, damage) in program.damage.iter().enumerate() {
                 let value = solution.value(damage).unwrap();
                 assert!((value - plan.trajectory.damage[t]).abs() < 1e-5, "{law:?}, {t}");
@@ -336,7 +329,7 @@ fn damage_states_are_what_the_paper_says() {
     }
     // Rules that need no variables have none.
     let limited = Scenario::paper().with_damage(DamageRule::default().with_per_hit(2.0));
-    let program = PlanningProgram::build(&limited, 10, Objective::Feasibility).unwrap();
+    let program = limited.program(10, Objective::Feasibility).unwrap();
     assert!(program.damage.is_empty());
 }
 
@@ -371,11 +364,11 @@ fn scenarios_that_contradict_themselves_are_refused() {
             "the acceleration of `goal` is inf; give a finite number",
         ),
         (
-            paper.clone().with_acceleration(6.0, -6.0),
+            paper.clone().with_acceleration(Interval::new(6.0, -6.0)),
             "bounds of `acceleration` are crossed: 6 > -6; swap or relax them",
         ),
         (
-            paper.clone().with_acceleration(f64::NEG_INFINITY, 6.0),
+            paper.clone().with_acceleration(Interval::new(f64::NEG_INFINITY, 6.0)),
             "the lower limit of `acceleration` is -inf; give a finite number",
         ),
         (
@@ -405,7 +398,7 @@ fn scenarios_that_contradict_themselves_are_refused() {
             "the goal's acceleration is 7; it must be within -6 and 6",
         ),
         (
-            paper.clone().with_domain(0.0, 5.0),
+            paper.clone().with_domain(0.0..=5.0),
             "`vehicle` starts with x 10, outside its domain, 0 to 5 m; move it, or widen the limit",
         ),
         (
@@ -424,11 +417,11 @@ fn scenarios_that_contradict_themselves_are_refused() {
     for (scenario, text) in cases {
         assert_eq!(scenario.check().unwrap_err().to_string(), text);
         // Every entry checks.
-        assert!(plan(&scenario, 10, Objective::Effort, &mut solver()).is_err());
+        assert!(scenario.plan(10, Objective::Effort, &mut solver()).is_err());
         let options = PlanningOptions::default();
-        assert!(shortest_plan(&scenario, &options, &mut solver()).is_err());
+        assert!(scenario.shortest_plan(&options, &mut solver()).is_err());
         let options = IntervalOptions::default();
-        assert!(damage_interval(&scenario, 10, &options, &mut solver()).is_err());
+        assert!(scenario.damage_interval(10, &options, &mut solver()).is_err());
     }
 }
 
@@ -436,7 +429,7 @@ fn scenarios_that_contradict_themselves_are_refused() {
 fn horizons_and_resolutions_out_of_range_are_refused() {
     let paper = Scenario::paper();
     for steps in [0, 1_000_000] {
-        let error = plan(&paper, steps, Objective::Effort, &mut solver()).unwrap_err();
+        let error = paper.plan(steps, Objective::Effort, &mut solver()).unwrap_err();
         assert_eq!(
             error.to_string(),
             format!("the number of steps is {steps}; it must be from 1 to 100000")
@@ -445,10 +438,10 @@ fn horizons_and_resolutions_out_of_range_are_refused() {
     let free = paper.clone().collision_free();
     assert_eq!(free.collisions, Collisions::Forbidden);
     let options = IntervalOptions::default();
-    assert!(damage_interval(&free, 478, &options, &mut solver()).is_err());
+    assert!(free.damage_interval(478, &options, &mut solver()).is_err());
     let fine = options.with_resolution(1e-9);
     assert_eq!(
-        damage_interval(&paper, 478, &fine, &mut solver()).unwrap_err().to_string(),
+        paper.damage_interval(478, &fine, &mut solver()).unwrap_err().to_string(),
         "the resolution (m/s) is 1e-9; it must be within [1e-5, 1e3]"
     );
 }
@@ -463,8 +456,7 @@ fn scenarios_and_plans_survive_a_file() {
     assert_ne!(bad, text);
     assert!(serde_json::from_str::<Scenario>(&bad).is_err());
 
-    let outcome = plan(&scenario, 27, Objective::Effort, &mut solver()).unwrap();
-    let plan = outcome.into_plan().unwrap();
+    let plan = scenario.plan(27, Objective::Effort, &mut solver()).unwrap();
     let text = serde_json::to_string(&plan).unwrap();
     let read: carom::collision_tolerant::Plan = serde_json::from_str(&text).unwrap();
     assert_eq!(read.trajectory, plan.trajectory);

@@ -5,13 +5,10 @@ use std::error::Error as StdError;
 
 use crate::common::config;
 use carom::ErrorKind;
-use carom::collision_tolerant::{
-    Endpoint, Objective, Plan, PlanningOptions, PlanningProgram, Scenario, ShortestPlan,
-    Trajectory, plan, shortest_plan,
-};
+use carom::collision_tolerant::{Endpoint, Objective, Plan, PlanningOptions, Scenario, Trajectory};
 use carom::explain::{ExplainOptions, infeasibility};
 use carom::hybrid::scene::SceneError;
-use carom::hybrid::{ContactLaw, Region, RunError, ShortestOptions, Wall};
+use carom::hybrid::{ContactLaw, Region, RunError, Shortest, ShortestOptions, Wall};
 use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -25,10 +22,16 @@ fn coarse() -> Scenario {
     Scenario::paper().with_time_step(0.1)
 }
 
-fn search(scenario: &Scenario, sets: bool) -> ShortestPlan {
+fn search(scenario: &Scenario, sets: bool) -> Shortest<Plan> {
     let search = ShortestOptions::default().with_max_steps(60).with_reach_sets(sets);
     let options = PlanningOptions::default().with_search(search).with_fewest_impacts(false);
-    shortest_plan(scenario, &options, &mut solver()).unwrap()
+    scenario.shortest_plan(&options, &mut solver()).unwrap()
+}
+
+/// Whether it is proved that there is no plan.
+fn is_infeasible(planned: Result<Plan, Error>) -> bool {
+    let infeasible = Termination::Infeasible.to_string();
+    matches!(planned.unwrap_err().kind(), ErrorKind::NoPoint { termination } if *termination == infeasible)
 }
 
 fn steps(scenario: &Scenario) -> usize {
@@ -99,8 +102,8 @@ proptest! {
             let state = [at(a)[0], at(b)[1]];
             if region.contains(&state, 0.0).unwrap() {
                 let goal = Endpoint::at_rest(state[0]).with_velocity(state[1]);
-                let own = plan(&scenario.clone().with_goal(goal), steps - 1, Objective::Feasibility, &mut solver());
-                prop_assert!(steps == 1 || own.unwrap().is_infeasible(), "{state:?}");
+                let own = scenario.clone().with_goal(goal).plan(steps - 1, Objective::Feasibility, &mut solver());
+                prop_assert!(steps == 1 || is_infeasible(own), "{state:?}");
             }
         }
     }
@@ -134,10 +137,10 @@ fn regions_are_named_in_explanations() {
     let shortest = steps(&scenario);
     let text = scenario.reach_sets().unwrap().explain(shortest - 1).unwrap().unwrap().to_string();
     assert!(text.starts_with(&format!("no plan has {} steps", shortest - 1)), "{text}");
-    let program = PlanningProgram::explainable(&scenario, shortest - 4).unwrap();
-    let text = program.model.to_string();
+    let program = scenario.explainable_program(shortest - 4).unwrap();
+    let text = program.model().to_string();
     assert!(text.contains("goal_limit_0[0]: -x["), "{text}");
-    let why = infeasibility(&program.model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(program.model(), &mut solver(), &ExplainOptions::default()).unwrap();
     assert!(why.groups().iter().any(|group| group.name() == "goal_position"), "{why}");
 }
 
@@ -159,7 +162,7 @@ fn regions_that_cannot_be_ends_are_refused() {
         "`vehicle` ends with vx from -30 to -16, outside its largest speed, -15 to 15 m/s; move it, \
          or widen the limit"
     );
-    let far = coarse().with_domain(0.0, 11.0).with_goal_region([Interval::new(12.0, 13.0), all]);
+    let far = coarse().with_domain(0.0..=11.0).with_goal_region([Interval::new(12.0, 13.0), all]);
     assert_eq!(
         far.check().unwrap_err().to_string(),
         "`vehicle` ends with x from 12 to 13, outside its domain, 0 to 11 m; move it, or widen the \
@@ -179,15 +182,15 @@ fn source<E: StdError + 'static>(error: &Error) -> &E {
 #[test]
 fn extended_programs_are_certified() {
     let scenario = coarse();
-    let mut program = PlanningProgram::build(&scenario, 30, Objective::Effort).unwrap();
-    let plain = solver().solve(&program.model).unwrap();
+    let mut program = scenario.program(30, Objective::Effort).unwrap();
+    let plain = solver().solve(program.model()).unwrap();
     // Never faster than 5 m/s, and no push in step 7.
     for t in 0..=30 {
-        program.model.add(("slow", t), program.velocity[t].within(-5.0, 5.0)).unwrap();
+        program.add(("slow", t), program.velocity[t].within(-5.0, 5.0)).unwrap();
     }
-    program.model.add("idle", program.acceleration[7].equals(0.0)).unwrap();
-    let solution = solver().solve(&program.model).unwrap();
-    let plan = Plan::certify(&scenario, &program, &solution).unwrap();
+    program.add("idle", program.acceleration[7].equals(0.0)).unwrap();
+    let solution = solver().solve(program.model()).unwrap();
+    let plan = program.plan(&solution).unwrap();
     assert!(plan.objective > plain.objective().unwrap());
     assert!(plan.trajectory.velocity.iter().all(|v| v.abs() <= 5.0 + 1e-6));
     assert!(plan.trajectory.acceleration[7].abs() <= 1e-6);
@@ -197,37 +200,41 @@ fn extended_programs_are_certified() {
 #[test]
 fn plans_of_other_scenarios_are_no_plans() {
     let scenario = coarse();
-    let program = PlanningProgram::build(&scenario, 30, Objective::Effort).unwrap();
-    let solution = solver().solve(&program.model).unwrap();
-    let refused = |scenario: &Scenario| Plan::certify(scenario, &program, &solution).unwrap_err();
+    let program = scenario.program(30, Objective::Effort).unwrap();
+    let solution = solver().solve(program.model()).unwrap();
+    let refused = |scenario: &Scenario| {
+        let mut of_other = program.clone();
+        of_other.scenario = scenario.clone();
+        of_other.plan(&solution).unwrap_err()
+    };
     let error = refused(&scenario.clone().with_goal_position(0.4));
     assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
     let error =
         refused(&scenario.clone().with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
     assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
-    let error = refused(&scenario.clone().with_acceleration(-1.0, 1.0));
+    let error = refused(&scenario.clone().with_acceleration(-1.0..=1.0));
     assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
     // A solution of another program.
-    let other = PlanningProgram::build(&scenario, 30, Objective::Effort).unwrap();
-    let error = Plan::certify(&scenario, &other, &solution).unwrap_err();
+    let other = scenario.program(30, Objective::Effort).unwrap();
+    let error = other.plan(&solution).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::ForeignHandle { .. }), "{error}");
 }
 
 #[test]
 fn extensions_that_bend_the_scenario_are_found() {
     let scenario = coarse();
-    let mut program = PlanningProgram::build(&scenario, 24, Objective::Effort).unwrap();
+    let mut program = scenario.program(24, Objective::Effort).unwrap();
     // Stronger than the vehicle is.
-    for a in program.acceleration.iter().skip(1).take(23) {
-        program.model.set_bounds(a, -20.0, 20.0).unwrap();
+    for a in program.acceleration.clone().iter().skip(1).take(23) {
+        program.model_mut().set_bounds(a, -20.0, 20.0).unwrap();
     }
-    let solution = solver().solve(&program.model).unwrap();
-    let error = Plan::certify(&scenario, &program, &solution).unwrap_err();
+    let solution = solver().solve(program.model()).unwrap();
+    let error = program.plan(&solution).unwrap_err();
     assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
     // Elsewhere than the goal.
     let (x, last) = (program.position.clone(), 24);
-    program.model.set_bounds(x[last], 0.0, 9.0).unwrap();
-    let solution = solver().solve(&program.model).unwrap();
-    let error = Plan::certify(&scenario, &program, &solution).unwrap_err();
+    program.model_mut().set_bounds(x[last], 0.0, 9.0).unwrap();
+    let solution = solver().solve(program.model()).unwrap();
+    let error = program.plan(&solution).unwrap_err();
     assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
 }

@@ -2,7 +2,7 @@
 //! bounds.
 
 use crate::common::config;
-use carom::collision_tolerant::{Objective, Scenario, plan};
+use carom::collision_tolerant::{Objective, Scenario};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{Contact, ContactLaw, HybridSystem, ImpactEstimate, Restitution, Wall};
 use carom::internals::scene::{Samples, advance_line, replay_line as replay};
@@ -388,8 +388,7 @@ fn plans_meet_continuous_time_as_the_step_shrinks() {
             let scenario = Scenario::paper().with_time_step(dt).with_restitution(e).unwrap();
             // 2.6 s leave time; the cheapest plan uses the wall as a brake.
             let mut solver = BranchAndBound::default();
-            let outcome = plan(&scenario, steps, Objective::Effort, &mut solver).unwrap();
-            let plan = outcome.plan().expect("feasible");
+            let plan = scenario.plan(steps, Objective::Effort, &mut solver).unwrap();
             assert!(!plan.trajectory.impacts.is_empty());
             let report = &plan.certificate.replay;
             assert!(report.dip <= penetration_bound(6.0, dt) + 1e-6);

@@ -1,6 +1,6 @@
 //! What the page shows.
 
-use carom::collision_tolerant::{PlanComparison, ShortestPlan, Trajectory};
+use carom::collision_tolerant::{PlanComparison, Trajectory};
 use carom::hybrid::reach::{ReachSet, Tube};
 use serde::Serialize;
 
@@ -93,7 +93,7 @@ struct Sets {
 }
 
 impl Side {
-    fn new(plan: &ShortestPlan, finding: &Finding<'_>) -> Self {
+    fn new(plan: &Shortest<Plan>, finding: &Finding<'_>) -> Self {
         let trajectory = plan.plan.as_ref().map(|plan| &plan.trajectory);
         let sets = trajectory.zip(plan.tube.as_ref()).map(|(path, tube)| sets(tube, path));
         Side {

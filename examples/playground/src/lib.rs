@@ -11,7 +11,7 @@ mod scene_task;
 mod task;
 mod words;
 
-use carom::collision_tolerant::{self, PlanComparison, PlanningOptions, compare};
+use carom::collision_tolerant::{self, PlanComparison, PlanningOptions};
 use carom::hybrid::ShortestOptions;
 use carom::hybrid::scene::Scene;
 use carom::prelude::*;
@@ -65,7 +65,7 @@ fn solve(task: &str) -> Result<Answer, String> {
 
 fn search(task: &Task) -> Result<PlanComparison, Error> {
     let options = PlanningOptions::default().with_search(search_options(task.max_steps()));
-    compare(&task.scenario()?, &options, &mut BranchAndBound::default())
+    task.scenario()?.compare(&options, &mut BranchAndBound::default())
 }
 
 fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, String> {

@@ -64,39 +64,40 @@ impl SceneTask {
 
     /// The scene with collisions.
     pub fn tolerant(&self) -> Result<Scene, Error> {
-        Ok(self.scene(Surface::bounce(Restitution::new(self.restitution)?)))
+        self.scene(Surface::bounce(Restitution::new(self.restitution)?))
     }
 
     /// The scene without collisions.
-    pub fn free(&self) -> Scene {
+    pub fn free(&self) -> Result<Scene, Error> {
         self.scene(Surface::avoid())
     }
 
-    fn scene(&self, surface: Surface) -> Scene {
+    fn scene(&self, surface: Surface) -> Result<Scene, Error> {
         let room = intervals(&self.room);
         let mut scene = Scene::new(self.time_step);
+        let mut bodies = Vec::new();
         for body in &self.bodies {
-            scene = scene.with_body(body.stated(&room));
+            bodies.push(scene.body(body.stated(&room))?);
         }
         if self.walls {
             scene = scene.with_room("wall", &room, surface);
         }
-        for (k, first) in self.bodies.iter().enumerate() {
-            for second in &self.bodies[k + 1..] {
-                scene = scene.with_pair(&first.name, &second.name, surface);
+        for (k, first) in bodies.iter().enumerate() {
+            for second in &bodies[k + 1..] {
+                scene.pair(*first, *second, surface)?;
             }
         }
         for Obstacle { name, sides } in &self.obstacles {
             let solid = Solid::cuboid(name, &intervals(sides), Surface::avoid());
-            scene = scene.with_obstacle(solid);
+            scene.obstacle(solid)?;
         }
-        match self.impulse_limit {
+        Ok(match self.impulse_limit {
             Some(limit) if surface.restitution().is_some() => {
                 let rule = DamageRule::new("impulse", DamageMeasure::NormalImpulse);
                 scene.with_rule(rule.with_per_hit(limit))
             }
             _ => scene,
-        }
+        })
     }
 
     /// The largest horizon that is tried, in steps.
@@ -115,7 +116,7 @@ impl BodyTask {
         let body = Body::new(&self.name, room, self.max_speed, self.max_acceleration)
             .with_mass(self.mass)
             .with_shape(shape)
-            .with_start(Region::point(self.start));
+            .with_start(self.start);
         let goal = match self.goal {
             Some(goal) => Region::point(goal),
             None => Region::from([room, &[Interval::REALS; 2]].concat()),

@@ -38,7 +38,7 @@ impl Task {
         Scenario::paper()
             .with_start(at(self.start).with_velocity(self.velocity))
             .with_goal(at(self.goal))
-            .with_acceleration(-self.max_acceleration, self.max_acceleration)
+            .with_acceleration(-self.max_acceleration..=self.max_acceleration)
             .with_max_speed(self.max_speed)
             .with_time_step(self.time_step)
             .with_damage(damage)

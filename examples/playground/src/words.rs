@@ -1,6 +1,6 @@
 //! Answers in words.
 
-use carom::collision_tolerant::ShortestPlan;
+use carom::collision_tolerant::Shortest<Plan>;
 use carom::hybrid::scene::ShortestScenePlan;
 use carom::hybrid::{Attempt, Refutation, ShortestStatus, Verdict};
 
@@ -21,7 +21,7 @@ pub struct Finding<'a> {
 
 impl<'a> Finding<'a> {
     /// The shortest plan beside a wall.
-    pub fn beside_wall(plan: &'a ShortestPlan, time_step: f64) -> Self {
+    pub fn beside_wall(plan: &'a Shortest<Plan>, time_step: f64) -> Self {
         let certificate = plan.plan.as_ref().map(|plan| &plan.certificate);
         Finding {
             status: plan.status,

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use crate::interval::Interval;
-
 /// A state and an input at which something is wrong, as pairs of name and value.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -78,19 +76,6 @@ pub enum Flaw {
         /// The transition.
         transition: String,
     },
-    /// A reset, or a flow on which no input acts, leads out of the domain.
-    LeavesDomain {
-        /// The choice.
-        choice: String,
-        /// The transition.
-        transition: String,
-        /// The state that leaves its domain, whatever the inputs are.
-        state: String,
-        /// Where the step starts.
-        witness: Witness,
-        /// How far outside the step ends, in the state's unit.
-        distance: f64,
-    },
     /// From a state, every transition leads out of the domain, whatever the inputs are, although some
     /// are possible there.
     Stuck {
@@ -100,42 +85,6 @@ pub enum Flaw {
         witness: Witness,
         /// Its distance from the states that can stay inside, as a fraction of the widths of domains.
         margin: f64,
-    },
-    /// No transition enters a mode: a run can only begin in it.
-    NeverEntered {
-        /// The choice.
-        choice: String,
-        /// The mode.
-        mode: String,
-    },
-    /// No transition begins in a mode, or none leaves it although it may not last.
-    NoWayOn {
-        /// The choice.
-        choice: String,
-        /// The mode.
-        mode: String,
-    },
-    /// No run enters a mode and keeps it for its least dwell time.
-    NeverKept {
-        /// The choice.
-        choice: String,
-        /// The mode.
-        mode: String,
-        /// The least dwell time, in samples.
-        least: usize,
-    },
-    /// An input that no flow, guard and limit contains.
-    NoEffect {
-        /// The input.
-        input: String,
-    },
-    /// A domain or range that reaches 1e9 or more in magnitude, so that it is hardly meant as one;
-    /// big-Ms derive from it.
-    Unbounded {
-        /// The state or the input.
-        name: String,
-        /// Its domain or range.
-        range: Interval,
     },
 }
 
@@ -147,21 +96,16 @@ impl fmt::Display for Flaw {
                 if let Some(mode) = mode {
                     write!(f, " in the mode `{mode}`")?;
                 }
-                write!(f, " at {witness}; check the guards, or declare it with `with_dead_ends`")
+                write!(f, " at {witness}; check the guards, or allow dead ends by `expect`")
             }
             Flaw::Overlap { choice, transitions: [a, b], witness, .. } => write!(
                 f,
                 "overlap in `{choice}`: `{a}` and `{b}` are both possible at {witness}; check the \
-                 guards, or declare it with `with_free_choice`"
+                 guards, or allow overlaps by `expect`"
             ),
             Flaw::NeverTaken { choice, transition } => write!(
                 f,
                 "`{transition}` of `{choice}` is never possible; check its guards and its next state"
-            ),
-            Flaw::LeavesDomain { transition, state, witness, distance, .. } => write!(
-                f,
-                "`{transition}` leads out of the domain of `{state}` by {distance:.6}, from {witness}; \
-                 check its reset and flow, or widen the domain"
             ),
             Flaw::Stuck { modes, witness, .. } => {
                 write!(f, "no input keeps the state in its domain at {witness}")?;
@@ -170,29 +114,9 @@ impl fmt::Display for Flaw {
                 }
                 write!(
                     f,
-                    "; widen the domain, exclude such states by a limit, or declare them with \
-                     `with_dead_ends`"
+                    "; widen the domain, exclude such states by a limit, or allow dead ends by `expect`"
                 )
             }
-            Flaw::NeverEntered { choice, mode } => {
-                write!(f, "no transition of `{choice}` enters the mode `{mode}`")
-            }
-            Flaw::NoWayOn { choice, mode } => write!(
-                f,
-                "no transition of `{choice}` leads on from the mode `{mode}`; add one, or declare it \
-                 with `with_dead_ends`"
-            ),
-            Flaw::NeverKept { choice, mode, least } => write!(
-                f,
-                "the mode `{mode}` of `{choice}` can never be kept for its {least} samples; check the \
-                 transitions that stay in it"
-            ),
-            Flaw::NoEffect { input } => write!(f, "the input `{input}` has no effect; drop it"),
-            Flaw::Unbounded { name, range } => write!(
-                f,
-                "`{name}` may be anything from {:e} to {:e}; give it limits that it really has",
-                range.lower, range.upper
-            ),
         }
     }
 }

@@ -1,47 +1,32 @@
 //! States from which every way out leads out of the domain, whatever the inputs.
 //!
-//! A move takes one transition of every choice. The states from which a move can end in the domain
-//! are a polyhedron: the inputs are eliminated from its conditions (Fourier and Motzkin). A state
-//! outside all of these polyhedra, at which some move is possible, is stuck.
+//! The states from which a move can end in the domain are a polyhedron: the inputs are eliminated from
+//! its conditions (Fourier and Motzkin). A state outside all of these polyhedra, at which some move is
+//! possible, is stuck.
 
-use super::piece::{AffineMap, Facet, Piece, combined, common};
+use super::moves::{Move, joined};
+use super::piece::{Facet, Piece};
 use super::programs::{Found, gap, is_empty_at};
 use super::{Flaw, Search, Step};
 use crate::error::Error;
-use crate::hybrid::system::HybridSystem;
 
-/// The most moves, and the most half-spaces of a projection, that are looked at.
-const MOST_MOVES: usize = 64;
+/// The most half-spaces of a projection.
 const MOST_FACETS: usize = 400;
-
-/// A step of all choices: the positions of their transitions, and what it means.
-struct Move {
-    taken: Vec<usize>,
-    /// The modes in which it begins, in choices with memory.
-    modes: Vec<(String, String)>,
-    /// Its conditions, over states and inputs.
-    piece: Piece,
-    /// The conditions, and that the next state lies in the domain.
-    inside: Piece,
-}
 
 impl Search<'_> {
     /// Reports, for each combination of modes, a state from which no move stays in the domain.
-    pub(super) fn stuck(&mut self, step: &Step) -> Result<(), Error> {
-        let system = self.system;
-        if system.choices.iter().any(|choice| choice.may_end) {
+    pub(super) fn stuck(&mut self, step: &Step, moves: &[Move]) -> Result<(), Error> {
+        if self.system.choices.iter().any(|choice| choice.may_end) {
             return Ok(());
         }
-        let Some(moves) = moves(system, step) else { return Ok(()) };
-        let mut combinations: Vec<&Vec<(String, String)>> =
-            moves.iter().map(|m| &m.modes).collect();
-        combinations.dedup();
-        for (k, modes) in combinations.iter().enumerate() {
+        let mut combinations: Vec<&[(String, String)]> = Vec::new();
+        for modes in moves.iter().map(|own| &own.modes[..]) {
             let key = format!("{modes:?}");
-            if combinations[..k].contains(modes) || !self.is_new("stuck", &key, "") {
+            if combinations.contains(&modes) || !self.is_new("stuck", &key, "") {
                 continue;
             }
-            let own: Vec<&Move> = moves.iter().filter(|m| m.modes == **modes).collect();
+            combinations.push(modes);
+            let own: Vec<&Move> = moves.iter().filter(|m| m.modes == modes).collect();
             if let Some(Found { point, margin }) = self.stuck_among(step, &own)? {
                 let mut witness = self.witness(step, &point);
                 witness.input.clear();
@@ -54,97 +39,36 @@ impl Search<'_> {
 
     /// A state at which one of the moves is possible, but none stays in the domain.
     fn stuck_among(&mut self, step: &Step, moves: &[&Move]) -> Result<Option<Found>, Error> {
-        let n = self.system.states.len();
-        let project = |piece: &Piece| projected(&joined(&[piece, &step.base]), n, step.size());
-        let inside: Option<Vec<Piece>> = moves.iter().map(|m| project(&m.inside)).collect();
-        let Some(inside) = inside else { return Ok(None) };
-        let inside: Vec<&Piece> = inside.iter().collect();
+        let (n, size) = (self.system.states.len(), step.units.size());
+        let all = |piece: &Piece| joined([piece, &step.base]);
+        let inside: Vec<Piece> = moves.iter().map(|own| all(&own.inside)).collect();
+        let projections: Option<Vec<Piece>> =
+            inside.iter().map(|piece| projected(piece, n, size)).collect();
+        let Some(projections) = projections else { return Ok(None) };
+        let projections: Vec<&Piece> = projections.iter().collect();
         for own in moves {
-            let possible = project(&own.piece).filter(|_| !self.is_reported(step, own));
-            let Some(possible) = possible else { continue };
-            let Some(mut found) = gap(&possible, &inside, step.size(), self.solver)? else {
+            let own = all(&own.piece);
+            let Some(possible) = projected(&own, n, size) else { continue };
+            let Some(mut found) = gap(&possible, &projections, size, self.solver)? else {
                 continue;
             };
             // By programs over the inputs, in case that the elimination lost too much by rounding.
-            let mut is_stuck = true;
-            for other in moves {
-                let piece = joined(&[&other.inside, &step.base]);
-                is_stuck &= is_empty_at(&piece, &found.point[..n], step.size(), self.solver)?;
+            let state = &found.point[..n];
+            let mut is_stuck = !is_empty_at(&own, state, size, false, self.solver)?;
+            for piece in &inside {
+                is_stuck = is_stuck && is_empty_at(piece, state, size, false, self.solver)?;
             }
-            let piece = joined(&[&own.piece, &step.base]);
-            if is_stuck && !is_empty_at(&piece, &found.point[..n], step.size(), self.solver)? {
-                found.point.truncate(n);
-                found.point.resize(step.size(), 0.0);
+            if is_stuck {
+                found.point[n..].fill(0.0);
                 return Ok(Some(found));
             }
         }
         Ok(None)
     }
-
-    /// Whether a move of a single choice has been looked at: no input acts on it, or its reset leads
-    /// out of the domain.
-    fn is_reported(&self, step: &Step, own: &Move) -> bool {
-        let ([choice], [j]) = (&self.system.choices[..], &own.taken[..]) else { return false };
-        let n = self.system.states.len();
-        let acts = |map: &AffineMap| map.factors[n..].iter().any(|&factor| factor != 0.0);
-        let leaves = |i| !self.is_new("leaves", &choice.name, &format!("{j}, {i}"));
-        !step.next[0][*j].iter().any(acts) || (0..n).any(leaves)
-    }
-}
-
-/// All moves; `None` if there are too many.
-fn moves(system: &HybridSystem, step: &Step) -> Option<Vec<Move>> {
-    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
-    for choice in &system.choices {
-        let count = choice.transitions.len();
-        if all.len() * count > MOST_MOVES {
-            return None;
-        }
-        let longer = |taken: &Vec<usize>| -> Vec<Vec<usize>> {
-            (0..count).map(|j| [&taken[..], &[j]].concat()).collect()
-        };
-        all = all.iter().flat_map(longer).collect();
-    }
-    let common = common(system);
-    let of = |taken: Vec<usize>| {
-        let chosen = || system.choices.iter().zip(&taken).enumerate();
-        let pieces: Vec<&Piece> = chosen().map(|(c, (_, &j))| &step.pieces[c][j]).collect();
-        let piece = joined(&pieces);
-        let mut inside = piece.clone();
-        for (i, (_, domain)) in system.states.iter().enumerate() {
-            let maps: Vec<AffineMap> =
-                chosen().map(|(c, (_, &j))| step.next[c][j][i].clone()).collect();
-            let mut next = combined(&vec![1.0; maps.len()], &maps, 0.0);
-            if let Some(common) = common.as_ref().filter(|_| maps.len() > 1) {
-                let extra = 1.0 - maps.len() as f64;
-                next = combined(&[1.0, extra], &[next, common[i].clone()], 0.0);
-            }
-            for (sign, end) in [(1.0, domain.upper), (-1.0, -domain.lower)] {
-                let factors = next.factors.iter().map(|factor| sign * factor).collect();
-                let map = AffineMap { factors, constant: sign * next.constant };
-                inside.cut(&step.units, &map, end, false);
-            }
-        }
-        let modes = chosen().filter_map(|(_, (choice, &j))| {
-            let (from, _) = choice.transitions[j].modes.as_ref()?;
-            Some((choice.name.clone(), from.clone()))
-        });
-        Move { modes: modes.collect(), taken: taken.clone(), piece, inside }
-    };
-    Some(all.into_iter().map(of).collect())
-}
-
-/// The intersection of pieces, without limits for the planner.
-fn joined(pieces: &[&Piece]) -> Piece {
-    let mut all = Piece::default();
-    for piece in pieces {
-        all.add(piece);
-    }
-    all
 }
 
 /// The points of the first `n` coordinates that some others in the unit box complete to a point of
-/// the piece; `None` if that takes too many half-spaces.
+/// the piece, without its limits for the planner; `None` if that takes too many half-spaces.
 fn projected(piece: &Piece, n: usize, size: usize) -> Option<Piece> {
     if piece.is_empty(false) {
         return Some(piece.clone());

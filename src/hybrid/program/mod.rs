@@ -7,8 +7,10 @@
 //! | starts, goals, way-points, time windows | `program/require.rs` |
 //! | sums over the steps, magnitudes, soft limits | `program/costs.rs` |
 //! | certified plans | `program/plan.rs` |
+//! | scenes and others that own such a program | `program/owner.rs` |
 
 mod costs;
+mod owner;
 mod plan;
 mod require;
 mod sample;
@@ -17,6 +19,7 @@ use std::borrow::{Borrow, BorrowMut};
 use std::sync::Arc;
 
 pub use costs::SoftLimit;
+pub(crate) use owner::owns_program;
 pub use plan::HybridPlan;
 pub use require::When;
 pub use sample::AtSample;
@@ -107,18 +110,6 @@ impl HybridProgram {
         HybridProgram { model, members }
     }
 
-    /// Hands a model and its system's variables to `statements` as a program.
-    pub(crate) fn lend(
-        model: &mut Model,
-        variables: &SystemVariables,
-        statements: &mut dyn FnMut(&mut HybridProgram),
-    ) {
-        let own = std::mem::replace(model, Model::new("lent"));
-        let mut program = HybridProgram::from_parts(own, variables.clone());
-        statements(&mut program);
-        *model = program.model;
-    }
-
     /// Adds another system with the same length of steps. Its names in the model begin with `name`, and
     /// its handles can stand in the same expressions.
     ///
@@ -159,6 +150,12 @@ impl HybridProgram {
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// The variables of the first system, by number and step.
+    #[doc(hidden)]
+    pub fn variables(&self) -> &SystemVariables {
+        self.members.first()
     }
 
     /// The model, for statements of your own.

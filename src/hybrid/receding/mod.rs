@@ -105,7 +105,8 @@ impl<'a> RecedingHorizon<'a> {
     ///
     /// Those of [`Solver::prepare`]; [`ErrorKind::DuplicateName`] if the model has a variable
     /// `measured_x` for a state `x`; [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of
-    /// the system, or a [series](HybridSystem::series), depends on the step.
+    /// the system, or a [series](HybridSystem::series), depends on the step, and for systems with modes
+    /// that last, because nothing measures in which mode a step begins.
     pub fn new(
         program: impl Into<HybridProgram>,
         solver: &'a mut dyn Solver,

@@ -5,8 +5,8 @@
 //! binaries. Changes that are proportional to each other in all transitions share one variable.
 
 use super::bound;
-use super::map::{Behaviour, Map};
 use super::switch::Region;
+use crate::hybrid::affine::{Behaviour, Map};
 use crate::hybrid::system::Transition;
 
 /// Two changes whose numbers differ by at most this fraction are proportional (no unit).

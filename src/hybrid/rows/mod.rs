@@ -6,7 +6,7 @@
 //! | handles by name and step | `rows/program.rs` |
 //! | runs that are read back | `rows/run.rs` |
 //! | extreme points near a run | `rows/extreme.rs` |
-//! | transitions as affine functions | `rows/map.rs` |
+//! | transitions as affine functions | `affine.rs`, beside this folder |
 //! | what transitions change about the next state | `rows/change.rs` |
 //! | which rows hold in every transition, which are left out | `rows/switch.rs` |
 //! | bounds of linear functions without a solver | `rows/bound.rs` |
@@ -17,7 +17,6 @@
 mod bound;
 mod change;
 mod extreme;
-mod map;
 mod modes;
 mod names;
 mod program;

@@ -1,8 +1,8 @@
 //! The variables of a hybrid system in a model, by name and step.
 
 use super::change::Changes;
-use super::map::{self, Behaviour};
 use crate::error::{Error, ErrorKind};
+use crate::hybrid::affine::{self, Behaviour};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::HorizonVariables;
 use crate::hybrid::system::HybridSystem;
@@ -244,7 +244,7 @@ impl SystemVariables {
         let n = self.system.states.len();
         let reference = &choice.transitions[program.changes.reference];
         let own = program.changes.groups[group];
-        let outputs = map::output_names(&choice.transitions);
+        let outputs = affine::output_names(&choice.transitions);
         let value = |transition: &crate::hybrid::system::Transition| -> Option<(Vec<f64>, f64)> {
             if own >= n {
                 let name = outputs.get(own - n)?;
@@ -274,8 +274,8 @@ impl SystemVariables {
     /// The transitions of a choice at a step, without the ranges of the inputs.
     pub(super) fn behaviours(&self, choice: usize, step: usize) -> Vec<Behaviour> {
         let transitions = &self.system.choices[choice].transitions;
-        let outputs = map::output_names(transitions);
-        let behaviour = |t| map::behaviour(&self.system, t, &outputs, Vec::new(), step);
+        let outputs = affine::output_names(transitions);
+        let behaviour = |t| affine::behaviour(&self.system, t, &outputs, Vec::new(), step);
         transitions.iter().map(behaviour).collect()
     }
 

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::change::{Part, quantity};
-use super::map::{self, Behaviour};
 use super::names::Names;
 use super::program::{ChoiceProgram, SystemVariables};
 use super::switch::{Label, Switch, SwitchRow};
 use super::write::expression;
 use crate::error::Error;
+use crate::hybrid::affine::{self, Behaviour};
 use crate::hybrid::system::Choice;
 use crate::interval::Interval;
 use crate::model::{Affine, Either, Literal, Method, Model, Row, Term};
@@ -143,7 +143,7 @@ impl ChoiceStep<'_> {
         let quantity = self.variables().changes.groups[group];
         match states.get(quantity) {
             Some((state, _)) => state,
-            None => map::output_names(&self.choice().transitions)
+            None => affine::output_names(&self.choice().transitions)
                 .get(quantity - states.len())
                 .copied()
                 .unwrap_or_default(),
@@ -280,9 +280,9 @@ impl ChoiceStep<'_> {
         if row.w.iter().any(|&w| w != 0.0) || !used().all(|(i, _)| self.as_predicted[i]) {
             return None;
         }
-        let flow = map::flow(&transition.flow);
+        let flow = affine::flow(&transition.flow);
         let factors = normal.iter().copied();
-        let predicted = map::combine(factors, &flow, row.z.len(), 0.0);
+        let predicted = affine::combine(factors, &flow, row.z.len(), 0.0);
         // The row may be another one where the prediction is constant.
         if predicted.is_constant() || predicted.factors != row.z {
             return None;
@@ -297,7 +297,7 @@ impl ChoiceStep<'_> {
 
     /// The left side of a row.
     fn expression(&self, row: &SwitchRow) -> Affine {
-        let z = map::Map { factors: row.z.clone(), constant: 0.0 };
+        let z = affine::Map { factors: row.z.clone(), constant: 0.0 };
         let mut sum = expression(self.program, &z, self.step);
         for (factor, family) in row.w.iter().zip(&self.variables().groups) {
             if let Some(variable) = family.get(self.step).filter(|_| *factor != 0.0) {

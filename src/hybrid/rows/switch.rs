@@ -9,7 +9,7 @@
 
 use super::bound::{self, LinearRow, most, size};
 use super::change::Changes;
-use super::map::{Behaviour, Map};
+use crate::hybrid::affine::{Behaviour, Map};
 use crate::interval::Interval;
 
 /// How much a row that holds everywhere may be violated by rounding, relative to its terms (no

@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
-use super::map::{self, Behaviour, Map};
 use super::modes;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
 use super::switch::{Region, Switch, below, switch};
 use crate::error::Error;
+use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::system::{Choice, HybridSystem};
 use crate::interval::Interval;
@@ -36,11 +36,11 @@ fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
 fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
     let width = system.states.len() + system.inputs.len();
     let limits = system.limits.iter().filter(|limit| !limit.is_limit);
-    limits.filter_map(|limit| Some(below(&map::excess(limit, width, step)?, 0.0))).collect()
+    limits.filter_map(|limit| Some(below(&affine::excess(limit, width, step)?, 0.0))).collect()
 }
 
 fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
-    let outputs = map::output_names(&choice.transitions);
+    let outputs = affine::output_names(&choice.transitions);
     let domains: Vec<Interval> = system.states.iter().map(|(_, domain)| *domain).collect();
     let alone = system.choices.len() == 1;
     let mut steps = Vec::with_capacity(count);
@@ -53,7 +53,7 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
                 let both = own.intersection(*all);
                 if both.is_empty() { own } else { both }
             });
-            map::behaviour(system, transition, &outputs, inputs.collect(), t)
+            affine::behaviour(system, transition, &outputs, inputs.collect(), t)
         };
         let own: Vec<Behaviour> = choice.transitions.iter().map(behaviour).collect();
         let region = |own: &Behaviour| Region::new(own, &domains, &known, alone);
@@ -153,7 +153,7 @@ fn variables(
         let taken = one_of(model, names, &transitions, on, steps, &[of])?;
         let modes = one_of(model, names, &choice.modes(), 1, steps + 1, &[&choice.name, "is"])?;
         let mut groups = Vec::new();
-        let outputs = map::output_names(&choice.transitions);
+        let outputs = affine::output_names(&choice.transitions);
         for (g, &quantity) in plan.changes.groups.iter().enumerate() {
             let name = match system.states.get(quantity) {
                 Some((state, _)) => names.family(&[of, "change", state]),
@@ -231,7 +231,7 @@ fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
     let mut by_choice = Vec::new();
     for (c, choice) in program.system.choices.iter().enumerate() {
         let mut of_choice = Vec::new();
-        for (o, name) in map::output_names(&choice.transitions).into_iter().enumerate() {
+        for (o, name) in affine::output_names(&choice.transitions).into_iter().enumerate() {
             let value = |t: usize| {
                 let own = &at(&plans[c].steps, t).0;
                 let changes = &program.choices[c].changes;
@@ -254,8 +254,8 @@ fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
 /// state is what is predicted.
 fn as_predicted(system: &HybridSystem) -> Vec<bool> {
     let flow = system.flow.as_ref().or(system.transitions().next().map(|t| &t.flow));
-    let Some(flow) = flow.map(map::flow) else { return Vec::new() };
-    let shared = system.transitions().all(|t| map::flow(&t.flow) == flow);
+    let Some(flow) = flow.map(affine::flow) else { return Vec::new() };
+    let shared = system.transitions().all(|t| affine::flow(&t.flow) == flow);
     let keeps = |t: &crate::hybrid::system::Transition, i: usize| match &t.reset {
         None => true,
         Some(reset) => {
@@ -290,7 +290,7 @@ impl Writer<'_> {
             let mut any = false;
             for t in 0..last {
                 let width = n + self.system.inputs.len();
-                let Some(excess) = map::excess(limit, width, t) else { continue };
+                let Some(excess) = affine::excess(limit, width, t) else { continue };
                 let mut row = expression(self.program, &excess, t).le(0.0);
                 match modes::constant(&row) {
                     None => {}
@@ -348,7 +348,7 @@ impl Writer<'_> {
         let choices = self.program.choices.iter().zip(self.plans);
         let mut choices = choices.map(|(own, plan)| (own, &at(&plan.steps, step).0));
         let mut sum = Affine::zero();
-        let flow = self.system.flow.as_ref().filter(|_| self.plans.len() > 1).map(map::flow);
+        let flow = self.system.flow.as_ref().filter(|_| self.plans.len() > 1).map(affine::flow);
         let mut common = flow.map_or(Map::constant(width, 0.0), |flow| flow[state].clone());
         let base = (self.plans.len() > 1).then(|| common.clone());
         choices.by_ref().for_each(|(choice, own)| {

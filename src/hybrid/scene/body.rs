@@ -2,12 +2,14 @@
 
 use faer::Mat;
 
+use super::ends::region_where;
 use super::error::SceneError;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
-use crate::hybrid::system::Region;
+use crate::hybrid::system::{Region, State};
 use crate::interval::Interval;
+use crate::model::Row;
 use crate::setters::setters;
 
 /// The shape of a body, around its position. It does not turn.
@@ -39,16 +41,13 @@ impl Shape {
 /// step. By default K, D and g are 0.
 ///
 /// ```
-/// use carom::hybrid::Region;
 /// use carom::hybrid::scene::{Body, Shape};
-/// use carom::interval::Interval;
 ///
 /// // A puck on a table of 2 m by 1 m, at most 3 m/s and 4 m/s² along each axis.
-/// let table = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
-/// let puck = Body::new("puck", table, 3.0, 4.0)
+/// let puck = Body::new("puck", [0.0..=2.0, 0.0..=1.0], 3.0, 4.0)
 ///     .with_shape(Shape::Ball(0.05))
 ///     .with_mass(0.2)
-///     .with_start(Region::point([0.2, 0.5, 0.0, 0.0]));
+///     .with_start([0.2, 0.5, 0.0, 0.0]);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -85,11 +84,11 @@ impl Body {
     /// * `max_speed`: along each axis, in m/s; `max_acceleration`: along each axis, in m/s².
     pub fn new(
         name: impl Into<String>,
-        domain: impl Into<Vec<Interval>>,
+        domain: impl IntoIterator<Item: Into<Interval>>,
         max_speed: f64,
         max_acceleration: f64,
     ) -> Self {
-        let domain = domain.into();
+        let domain: Vec<Interval> = domain.into_iter().map(Into::into).collect();
         let range = Interval::new(-max_acceleration, max_acceleration);
         Body {
             name: name.into(),
@@ -111,16 +110,49 @@ impl Body {
         with_mass(mass: f64) => mass = mass;
         /// Sets the shape.
         with_shape(shape: Shape) => shape = shape;
-        /// Sets where it starts: positions (m), then velocities (m/s).
-        with_start(region: Region) => start = Some(region);
-        /// Sets where it ends: positions (m), then velocities (m/s).
-        with_goal(region: Region) => goal = Some(region);
+    }
+
+    /// Sets where it starts: positions (m), then velocities (m/s), as a point or as a range for each.
+    #[must_use]
+    pub fn with_start(mut self, region: impl Into<Region>) -> Self {
+        self.start = Some(region.into());
+        self
+    }
+
+    /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each.
+    #[must_use]
+    pub fn with_goal(mut self, region: impl Into<Region>) -> Self {
+        self.goal = Some(region.into());
+        self
+    }
+
+    /// Lets it end wherever rows of its positions (m) and velocities (m/s) along the axes hold.
+    ///
+    /// ```
+    /// use carom::hybrid::scene::Body;
+    /// use carom::prelude::*;
+    ///
+    /// // Beside the line x = y, and slower along x than along y.
+    /// let puck = Body::new("puck", [0.0..=2.0, 0.0..=1.0], 3.0, 4.0)
+    ///     .with_goal_where(|x, v| [x[0].le(x[1]), v[0].le(v[1])])?;
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HybridSystem::region`](crate::hybrid::HybridSystem::region).
+    pub fn with_goal_where<R: IntoIterator<Item = Row>>(
+        self,
+        rows: impl FnOnce(&[State], &[State]) -> R,
+    ) -> Result<Self, Error> {
+        let region = region_where(self.axes(), rows)?;
+        Ok(self.with_goal(region))
     }
 
     /// Sets the range of the input along each axis, in m/s².
     #[must_use]
-    pub fn with_acceleration(mut self, ranges: impl Into<Vec<Interval>>) -> Self {
-        self.acceleration = ranges.into();
+    pub fn with_acceleration(mut self, ranges: impl IntoIterator<Item: Into<Interval>>) -> Self {
+        self.acceleration = ranges.into_iter().map(Into::into).collect();
         self
     }
 

@@ -74,14 +74,13 @@ impl ScenePlan {
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Scene, Solid, Surface};
-    /// use carom::hybrid::{Region, Restitution, ShortestOptions};
-    /// use carom::interval::Interval;
+    /// use carom::hybrid::{Restitution, ShortestOptions};
     /// use carom::prelude::*;
     ///
-    /// let ball = Body::new("ball", [Interval::new(0.0, 2.0)], 10.0, 0.0)
+    /// let ball = Body::new("ball", [0.0..=2.0], 10.0, 0.0)
     ///     .with_gravity([-9.81])
-    ///     .with_start(Region::point([0.2, 0.0]))
-    ///     .with_goal(Region::point([0.0, 0.0]));
+    ///     .with_start([0.2, 0.0])
+    ///     .with_goal([0.0, 0.0]);
     /// let floor = Surface::bounce(Restitution::new(0.3)?).with_rest();
     /// let scene = Scene::new(0.05)
     ///     .with_body(ball)
@@ -143,7 +142,7 @@ impl ScenePlan {
             let task = ScenePrograms { stated, waiting };
             let (attempt, solved) = decide(&task, steps, options, token, solver)?;
             let run = match solved.filter(|_| attempt.verdict == Verdict::Feasible) {
-                Some((program, solution)) => Some(program.certified(&solution)?.run),
+                Some((program, solution)) => Some(program.plan(&solution)?.run),
                 None => None,
             };
             Ok((attempt, run))

@@ -123,7 +123,7 @@ impl Scene {
     ///
     /// [`SceneError::NoDamageInterval`] if nothing may be hit or waiting is not free;
     /// [`ErrorKind::OutOfRange`] for a resolution out of its range; otherwise as for
-    /// [`program`](Scene::program) and [`SceneProgram::certified`].
+    /// [`program`](Scene::program) and [`SceneProgram::plan`].
     pub fn damage_interval(
         &self,
         steps: usize,
@@ -234,7 +234,7 @@ impl Enclosure<'_> {
         let mut program = self.open.program(plan.steps())?;
         program.fix_contacts(plan)?;
         let largest = program.largest_impact()?;
-        program.model.minimize(largest)?;
+        program.minimize(largest)?;
         let found = plan.largest_damage();
         Ok(match self.solve(&program)? {
             Answer::Plan(gentler) => gentler.largest_damage().min(found),
@@ -248,11 +248,11 @@ impl Enclosure<'_> {
             self.stopped = Some(reason);
             return Ok(Answer::Stopped);
         }
-        let solution = self.token.solve(self.solver, &program.model, &mut |_| {})?;
+        let solution = self.token.solve(self.solver, program.model(), &mut |_| {})?;
         self.solves += 1;
         self.nodes += solution.statistics().nodes;
         if solution.point().is_some() {
-            let plan = program.certified(&solution)?;
+            let plan = program.plan(&solution)?;
             return Ok(Answer::Plan(Box::new(plan)));
         }
         Ok(match solution.termination() {

@@ -17,8 +17,7 @@ impl SceneProgram {
             let contact = &self.contacts[c];
             let needs = |rule: &DamageRule| {
                 let faces = 0..contact.faces.len();
-                rule.needs_damage()
-                    && faces.into_iter().any(|k| rule.applies(&self.scene, contact, k))
+                rule.needs_damage() && faces.into_iter().any(|k| rule.applies(contact, k))
             };
             if self.scene.rules.iter().any(needs) {
                 self.add_damage_of(c)?;
@@ -35,7 +34,8 @@ impl SceneProgram {
         if hit_modes().next().is_none() {
             return Ok(());
         }
-        let speeds = self.hybrid.output_of(&contact.name, IMPACT_SPEED)?.map(<[Affine]>::to_vec);
+        let speeds =
+            self.variables().output_of(&contact.name, IMPACT_SPEED)?.map(<[Affine]>::to_vec);
         let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         let dt = self.scene.time_step;
         let family = format!("damage_{c}");
@@ -44,7 +44,7 @@ impl SceneProgram {
             let hits = self.hits_of(c, t);
             // Without the output, only the approach at the start counts.
             let speed = speeds.as_ref().map_or_else(Affine::zero, |speeds| speeds[t].clone());
-            let mut most = self.model.range(&speed)?.upper.max(0.0);
+            let mut most = self.program.model.range(&speed)?.upper.max(0.0);
             let mut approaches = Vec::new();
             for mode in hit_modes().filter(|_| is_sound) {
                 let face = &contact.faces[mode.face];
@@ -52,27 +52,30 @@ impl SceneProgram {
                 let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
                 let margin = sound_margin(face, dt);
                 let start = self.along(&contact, &back, t, true) + (surface + margin);
-                most = most.max(self.model.range(&start)?.upper);
+                most = most.max(self.program.model.range(&start)?.upper);
                 approaches.push((self.taken(c, mode, t)?, start));
             }
             let margin = contact.faces.iter().map(|f| sound_margin(f, dt)).fold(0.0_f64, f64::max);
             let margin = if is_sound { margin } else { 0.0 };
-            let damage = self.model.continuous((family.as_str(), t), 0.0, most + margin)?;
+            let damage = self.program.model.continuous((family.as_str(), t), 0.0, most + margin)?;
             let at_end = speed + margin * hits;
-            self.model.add((format!("{family}_end").as_str(), t), damage.ge(at_end))?;
+            self.program.add((format!("{family}_end").as_str(), t), damage.ge(at_end))?;
             for (k, (taken, start)) in approaches.into_iter().enumerate() {
                 let row = damage.ge(start);
                 let name = format!("{family}_start_{k}");
-                match taken {
-                    Some(taken) => drop(self.model.add((name.as_str(), t), taken.implies(row))?),
-                    None => drop(self.model.add((name.as_str(), t), row)?),
-                }
+                let stated = match taken {
+                    Some(taken) => {
+                        self.program.add((name.as_str(), t), taken.implies(row)).map(drop)
+                    }
+                    None => self.program.add((name.as_str(), t), row).map(drop),
+                };
+                stated?;
             }
             members.push(damage);
         }
-        self.model.set_background(&format!("{family}_end"))?;
+        self.program.model.set_background(&format!("{family}_end"))?;
         for (k, _) in hit_modes().enumerate().filter(|_| is_sound) {
-            self.model.set_background(&format!("{family}_start_{k}"))?;
+            self.program.model.set_background(&format!("{family}_start_{k}"))?;
         }
         self.damage[c] = Some(members.into_iter().collect());
         Ok(())
@@ -94,7 +97,7 @@ impl SceneProgram {
                     let sum: Affine = values.flatten().cloned().sum();
                     if !sum.terms().is_empty() {
                         let name = format!("{}_total", rule.name);
-                        self.model.add((name.as_str(), first), sum.le(most))?;
+                        self.program.add((name.as_str(), first), sum.le(most))?;
                     }
                 }
                 if let Some(most) = rule.count {
@@ -103,7 +106,7 @@ impl SceneProgram {
                     let hits: Affine = hits.map(|(c, t)| self.counted(rule, c, t)).sum();
                     if !hits.terms().is_empty() {
                         let name = format!("{}_count", rule.name);
-                        self.model.add((name.as_str(), first), hits.le(most as f64))?;
+                        self.program.add((name.as_str(), first), hits.le(most as f64))?;
                     }
                 }
             }
@@ -116,9 +119,8 @@ impl SceneProgram {
     /// variables.
     fn measure(&mut self, rule: &DamageRule, r: usize, c: usize) -> Result<Vec<Affine>, Error> {
         let contact = self.contacts[c].clone();
-        let faces: Vec<usize> = (0..contact.faces.len())
-            .filter(|&face| rule.applies(&self.scene, &contact, face))
-            .collect();
+        let faces: Vec<usize> =
+            (0..contact.faces.len()).filter(|&face| rule.applies(&contact, face)).collect();
         let (true, Some(damage), Some(&first)) =
             (rule.needs_damage(), self.damage[c].clone(), faces.first())
         else {
@@ -136,10 +138,10 @@ impl SceneProgram {
                 values.push(factor * own);
                 continue;
             }
-            let most = self.model.variable_ref(own)?.bounds().upper;
+            let most = self.program.model.variable_ref(own)?.bounds().upper;
             let largest = faces.iter().map(|&k| rule.damage(&contact, k, most)).fold(0.0, f64::max);
             let family = format!("{}_{r}_{c}", rule.name);
-            let value = self.model.continuous((family.as_str(), t), 0.0, largest)?;
+            let value = self.program.model.continuous((family.as_str(), t), 0.0, largest)?;
             for &face in &faces {
                 let hit = self.sum_of(c, t, |mode| mode.is_hit && mode.face == face);
                 for (k, (slope, constant)) in pieces(rule, &contact, face, most).iter().enumerate()
@@ -148,9 +150,9 @@ impl SceneProgram {
                     // Where the face is not hit, the right side is at most 0.
                     let off = if is_all && is_even { 0.0 } else { (slope * most).max(0.0) };
                     let right = *slope * own + (constant + off) * hit.clone() - off;
-                    self.model.add((row.as_str(), t), value.ge(right))?;
+                    self.program.add((row.as_str(), t), value.ge(right))?;
                     if t + 1 == damage.len() {
-                        self.model.set_background(&row)?;
+                        self.program.model.set_background(&row)?;
                     }
                 }
             }

@@ -218,7 +218,7 @@ impl Writer<'_> {
         let dt = self.scene.time_step;
         let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         for rule in &self.scene.rules {
-            if !rule.applies(self.scene, self.contact, face) {
+            if !rule.applies(self.contact, face) {
                 continue;
             }
             if let Some(most) = rule.most_speed(self.contact, face) {

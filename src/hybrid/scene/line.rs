@@ -13,11 +13,11 @@ use crate::error::{Error, ErrorKind};
 use crate::hybrid::contact::{Contact, ContactLaw, literal_transitions};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::rows::SystemVariables;
+use crate::hybrid::program::HybridProgram;
 use crate::hybrid::system::Transition;
 use crate::hybrid::wall::Wall;
 use crate::interval::Interval;
-use crate::model::{Affine, Family, Model};
+use crate::model::{Affine, Family};
 
 impl Contact {
     /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for a
@@ -168,8 +168,7 @@ impl SceneProgram {
     /// * `hit`: the transition that hits, of the choice `mode`.
     pub(crate) fn on_line(
         scene: Scene,
-        model: Model,
-        hybrid: SystemVariables,
+        program: HybridProgram,
         hit: Option<&str>,
     ) -> Result<Self, Error> {
         let mut contacts = contacts(&scene);
@@ -179,8 +178,7 @@ impl SceneProgram {
             contact.modes = hit.into_iter().map(mode).collect();
         }
         let damage = vec![None; contacts.len()];
-        let mut program =
-            SceneProgram { model, hybrid, scene, contacts, damage, measured: Vec::new() };
+        let mut program = SceneProgram { program, scene, contacts, damage, measured: Vec::new() };
         program.add_damage()?;
         program.add_rules()?;
         Ok(program)

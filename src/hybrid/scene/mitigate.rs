@@ -45,13 +45,12 @@ impl Scene {
     ///
     /// ```
     /// use carom::hybrid::scene::{Avoidable, Body, Scene, Solid, Surface};
-    /// use carom::hybrid::{Region, Restitution};
-    /// use carom::interval::Interval;
+    /// use carom::hybrid::Restitution;
     /// use carom::prelude::*;
     ///
     /// // One metre before a wall at 4 m/s, with brakes of 6 m/s².
-    /// let car = Body::new("car", [Interval::new(0.0, 9.0)], 9.0, 6.0)
-    ///     .with_start(Region::point([1.0, -4.0]));
+    /// let car = Body::new("car", [0.0..=9.0], 9.0, 6.0)
+    ///     .with_start([1.0, -4.0]);
     /// let wall = Surface::bounce(Restitution::new(0.2)?);
     /// let scene = Scene::new(0.05)
     ///     .with_body(car)
@@ -70,8 +69,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::program`], of the solver, and of [`SceneProgram::certified`](
-    /// super::SceneProgram::certified).
+    /// Those of [`Scene::program`], of the solver, and of [`SceneProgram::plan`].
     pub fn avoidable(&self, steps: usize, solver: &mut dyn Solver) -> Result<Avoidable, Error> {
         let mut cautious = self.clone();
         for face in cautious.obstacles.iter_mut().flat_map(|obstacle| &mut obstacle.faces) {
@@ -81,14 +79,12 @@ impl Scene {
         cautious.rules.clear();
         let stated = cautious.stated()?;
         let mut program = stated.program(steps)?;
-        if !program.tighten(&stated)? {
+        if !program.tighten_by_sets(&stated)? {
             return Ok(Avoidable::No(stated.sets()?.explain(steps)?.map(Box::new)));
         }
-        let solution = solver.solve(&program.model)?;
+        let solution = solver.solve(program.model())?;
         Ok(match solution.termination() {
-            _ if solution.point().is_some() => {
-                Avoidable::Yes(Box::new(program.certified(&solution)?))
-            }
+            _ if solution.point().is_some() => Avoidable::Yes(Box::new(program.plan(&solution)?)),
             Termination::Infeasible => Avoidable::No(None),
             other => Avoidable::Unknown(other),
         })
@@ -106,8 +102,8 @@ impl Scene {
         let price = program.price();
         let next = if price.terms().is_empty() { program.hits() } else { price };
         let largest = program.largest_impact()?;
-        program.model.minimize(largest)?;
-        let first = solver.solve(&program.model)?;
+        program.minimize(largest)?;
+        let first = solver.solve(program.model())?;
         let mut found = Mitigation {
             plan: None,
             largest: f64::INFINITY,
@@ -115,11 +111,11 @@ impl Scene {
             termination: first.termination(),
         };
         let Some(least) = first.objective() else { return Ok(found) };
-        program.model.add("least_damage", largest.le(kept(least)))?;
-        program.model.minimize(next)?;
-        let second = solver.solve(&program.model)?;
+        program.add("least_damage", largest.le(kept(least)))?;
+        program.minimize(next)?;
+        let second = solver.solve(program.model())?;
         let solution: &Solution = if second.point().is_some() { &second } else { &first };
-        let plan = program.certified(solution)?;
+        let plan = program.plan(solution)?;
         found.largest = plan.largest_damage();
         found.plan = Some(plan);
         Ok(found)
@@ -135,12 +131,11 @@ impl SceneProgram {
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Scene, Solid, Surface};
-    /// use carom::hybrid::{Region, Restitution};
-    /// use carom::interval::Interval;
+    /// use carom::hybrid::Restitution;
     /// use carom::prelude::*;
     ///
-    /// let car = Body::new("car", [Interval::new(0.0, 9.0)], 9.0, 6.0)
-    ///     .with_start(Region::point([1.0, -4.0]));
+    /// let car = Body::new("car", [0.0..=9.0], 9.0, 6.0)
+    ///     .with_start([1.0, -4.0]);
     /// let wall = Surface::bounce(Restitution::new(0.2)?);
     /// let scene = Scene::new(0.05)
     ///     .with_body(car)
@@ -149,7 +144,7 @@ impl SceneProgram {
     /// let (damage, hits, effort) = (program.largest_impact()?, program.hits(), program.effort()?);
     /// let mut solver = BranchAndBound::default();
     /// let solution = program.minimize_in_turn(&[damage.into(), hits], effort, &mut solver)?;
-    /// assert_eq!(program.certified(&solution)?.hits.len(), 1);
+    /// assert_eq!(program.plan(&solution)?.hits.len(), 1);
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///
@@ -170,15 +165,15 @@ impl SceneProgram {
         solver: &mut dyn Solver,
     ) -> Result<Solution, Error> {
         for (k, objective) in first.iter().enumerate() {
-            self.model.minimize(objective.clone())?;
-            let solution = solver.solve(&self.model)?;
+            self.minimize(objective.clone())?;
+            let solution = solver.solve(self.model())?;
             let Some(least) = solution.objective().filter(|_| solution.is_optimal()) else {
                 return Ok(solution);
             };
-            self.model.add(("in_turn", k), objective.clone().le(kept(least)))?;
+            self.add(("in_turn", k), objective.clone().le(kept(least)))?;
         }
-        self.model.minimize(last.into())?;
-        solver.solve(&self.model)
+        self.minimize(last.into())?;
+        solver.solve(self.model())
     }
 }
 

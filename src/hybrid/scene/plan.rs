@@ -9,7 +9,7 @@ use super::system::AXES;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::rows::HybridRun;
 use crate::solution::Solution;
-use crate::solver::Solver;
+use crate::solver::{Control, Solver};
 
 /// The path of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,12 +116,12 @@ impl ScenePlan {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::program`] and of [`SceneProgram::certified`].
+    /// Those of [`Scene::program`] and of [`SceneProgram::plan`].
     pub fn extreme(&self, scene: &Scene, solver: &mut dyn Solver) -> Result<ScenePlan, Error> {
         let program = scene.plain_program(self.steps())?;
-        match program.hybrid.extreme(&program.model, &self.run, solver)? {
+        match program.variables().extreme(program.model(), &self.run, solver)? {
             None => Ok(self.clone()),
-            Some(solution) => program.certified(&solution),
+            Some(solution) => program.plan(&solution),
         }
     }
 
@@ -138,13 +138,12 @@ impl Scene {
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
-    /// use carom::hybrid::{Region, Restitution};
-    /// use carom::interval::Interval;
+    /// use carom::hybrid::Restitution;
     /// use carom::prelude::*;
     ///
     /// // A crash at about 4 m/s, in a scene without rules.
-    /// let car = Body::new("car", [Interval::new(0.0, 9.0)], 9.0, 1.0)
-    ///     .with_start(Region::point([1.0, -4.0]));
+    /// let car = Body::new("car", [0.0..=9.0], 9.0, 1.0)
+    ///     .with_start([1.0, -4.0]);
     /// let wall = Surface::bounce(Restitution::new(0.2)?);
     /// let scene = Scene::new(0.1)
     ///     .with_body(car)
@@ -201,23 +200,47 @@ impl SceneProgram {
     pub(super) fn fix_contacts(&mut self, plan: &ScenePlan) -> Result<(), Error> {
         for contact in &self.contacts {
             for (step, name) in plan.run.transitions(&contact.name)?.iter().enumerate() {
-                if let Some(taken) = self.hybrid.taken(&contact.name, name, step)? {
-                    self.model.fix(taken.variable(), f64::from(u8::from(taken.is_on())))?;
+                if let Some(taken) = self.variables().taken(&contact.name, name, step)? {
+                    self.program.model.fix(taken.variable(), f64::from(u8::from(taken.is_on())))?;
                 }
             }
         }
         Ok(())
     }
 
-    /// The plan of a solution, replayed by code that reads neither the program nor its system.
+    /// Solves the program. The plan is certified: replayed through the [scene](Scene::replay) by code that
+    /// reads neither the program nor its system.
     ///
     /// # Errors
     ///
-    /// [`SceneError::Replay`](super::SceneError::Replay) for a plan that is not what the scene
-    /// does; [`ErrorKind::NoPoint`](crate::ErrorKind::NoPoint) for a solution without a point; the
-    /// errors of [`HybridProgram::certified`](crate::hybrid::HybridProgram::certified).
-    pub fn certified(&self, solution: &Solution) -> Result<ScenePlan, Error> {
-        let (run, _) = self.hybrid.certified(solution)?;
+    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because it was
+    /// stopped; [`SceneError::Replay`] for a plan that is not what the scene does; errors of the solver.
+    pub fn solve(&self, solver: &mut dyn Solver) -> Result<ScenePlan, Error> {
+        self.solve_with(solver, &mut Control::default())
+    }
+
+    /// Solves the program with events, warm starts and limits, as [`solve`](SceneProgram::solve).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`solve`](SceneProgram::solve).
+    pub fn solve_with(
+        &self,
+        solver: &mut dyn Solver,
+        control: &mut Control<'_>,
+    ) -> Result<ScenePlan, Error> {
+        self.plan(&solver.solve_with(self.model(), control)?)
+    }
+
+    /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for those who
+    /// solve it themselves.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`solve`](SceneProgram::solve) that do not come from the solver;
+    /// [`ErrorKind::ForeignHandle`] for a solution of another model.
+    pub fn plan(&self, solution: &Solution) -> Result<ScenePlan, Error> {
+        let (run, _) = self.variables().certified(solution)?;
         let mut bodies = Vec::new();
         for body in &self.scene.bodies {
             let axes = &AXES[..self.scene.axes()];

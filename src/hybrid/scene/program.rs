@@ -1,7 +1,5 @@
 //! The program of a scene over a horizon.
 
-use std::borrow::{Borrow, BorrowMut};
-
 use super::contact::{ContactFace, ContactPair, Mode};
 use super::geometry::dot;
 use super::rule::DamageRule;
@@ -9,20 +7,17 @@ use super::statement::{INSIDE, Scene};
 use super::system::{AXES, Stated};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::damage::ImpactEstimate;
-use crate::hybrid::program::{HybridProgram, When};
-use crate::hybrid::rows::SystemVariables;
+use crate::hybrid::program::{HybridProgram, owns_program};
 use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable, either};
 
-/// The program of a scene over a horizon: its model, and the variables in it.
+/// The program of a scene over a horizon: the [`HybridProgram`] of the scene's
+/// [system](Scene::hybrid_system), with the rules of the scene.
+///
+/// All that a hybrid program offers can be asked of it too. Its objective is the price of the rules, until
+/// [`minimize`](HybridProgram::minimize) sets another one.
 #[derive(Debug, Clone)]
-#[non_exhaustive]
 pub struct SceneProgram {
-    /// The model. Its objective is the price of the rules; set another one with
-    /// [`Model::minimize`].
-    pub model: Model,
-    /// The variables by name and step.
-    #[doc(hidden)]
-    pub hybrid: SystemVariables,
+    pub(super) program: HybridProgram,
     pub(super) scene: Scene,
     pub(super) contacts: Vec<ContactPair>,
     /// Damage of each contact by step, if a rule needs it.
@@ -31,22 +26,12 @@ pub struct SceneProgram {
     pub(super) measured: Vec<Vec<Vec<Affine>>>,
 }
 
-impl Borrow<Model> for SceneProgram {
-    fn borrow(&self) -> &Model {
-        &self.model
-    }
-}
-
-impl BorrowMut<Model> for SceneProgram {
-    fn borrow_mut(&mut self) -> &mut Model {
-        &mut self.model
-    }
-}
+owns_program!(SceneProgram);
 
 impl From<SceneProgram> for HybridProgram {
     /// The program with its rules, for controllers.
     fn from(program: SceneProgram) -> Self {
-        HybridProgram::from_parts(program.model, program.hybrid)
+        program.program
     }
 }
 
@@ -60,25 +45,22 @@ impl Scene {
     /// couple axes, by friction, slanted faces or pairs of bodies, there are no such sets.
     ///
     /// ```
-    /// use carom::hybrid::Region;
     /// use carom::hybrid::scene::{Body, Solid, Scene, Surface};
-    /// use carom::interval::Interval;
     /// use carom::prelude::*;
     ///
-    /// let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
-    /// let pillar = [Interval::new(1.5, 2.0), Interval::new(-0.1, 1.2)];
+    /// let room = [0.0..=4.0, 0.0..=2.0];
+    /// let pillar = [1.5..=2.0, -0.1..=1.2];
     /// let scene = Scene::new(0.25)
     ///     .with_body(
     ///         Body::new("drone", room, 2.0, 2.0)
-    ///             .with_start(Region::point([0.5, 0.5, 0.0, 0.0]))
-    ///             .with_goal(Region::point([3.5, 0.5, 0.0, 0.0])),
+    ///             .with_start([0.5, 0.5, 0.0, 0.0])
+    ///             .with_goal([3.5, 0.5, 0.0, 0.0]),
     ///     )
     ///     .with_obstacle(Solid::cuboid("pillar", &pillar, Surface::avoid()));
     /// let mut program = scene.program(16)?;
     /// let effort = program.effort()?;
-    /// program.model.minimize(effort)?;
-    /// let solution = BranchAndBound::default().solve(&program.model)?;
-    /// let plan = program.certified(&solution)?;
+    /// program.minimize(effort)?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
     /// // Touching the pillar is allowed.
     /// let inside = |p: &Vec<f64>| p[0] > 1.50001 && p[0] < 1.99999 && p[1] < 1.19999;
     /// assert!(!plan.bodies[0].position.iter().any(inside));
@@ -92,11 +74,11 @@ impl Scene {
     /// # Errors
     ///
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself, or whose
-    /// courses are shorter than the horizon; those of [`Horizon::new`].
+    /// courses are shorter than the horizon; those of [`HybridSystem::program`].
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let stated = self.stated()?;
         let mut program = stated.program(steps)?;
-        if !program.tighten(&stated)? {
+        if !program.tighten_by_sets(&stated)? {
             program.contradict()?;
         }
         Ok(program)
@@ -123,11 +105,11 @@ impl Stated {
         }
         let mut model = Model::new("scene");
         let hybrid = system.write(&mut model, "", steps)?;
-        hybrid.require(&mut model, "start", &scene.ends(system, true), When::At(0))?;
-        hybrid.require(&mut model, "goal", &scene.ends(system, false), When::At(steps))?;
+        let mut program = HybridProgram::from_parts(model, hybrid);
+        program.start(scene.ends(system, true))?;
+        program.goal(scene.ends(system, false))?;
         let mut program = SceneProgram {
-            model,
-            hybrid,
+            program,
             scene: scene.clone(),
             contacts: contacts.clone(),
             damage: vec![None; contacts.len()],
@@ -140,17 +122,12 @@ impl Stated {
         program.add_damage()?;
         program.add_rules()?;
         let price = program.price();
-        program.model.minimize(price)?;
+        program.minimize(price)?;
         Ok(program)
     }
 }
 
 impl SceneProgram {
-    /// The number of steps.
-    pub fn steps(&self) -> usize {
-        self.hybrid.horizon().steps()
-    }
-
     /// The effort `Σ Δt |u(t)|²` of all bodies, in m²/s³.
     ///
     /// # Errors
@@ -158,7 +135,7 @@ impl SceneProgram {
     /// None for programs of scenes.
     pub fn effort(&self) -> Result<Quadratic, Error> {
         let mut effort = Quadratic::zero();
-        for family in self.hybrid.inputs() {
+        for family in self.variables().inputs() {
             for variable in family {
                 effort.add_product(self.scene.time_step, variable, variable);
             }
@@ -173,15 +150,15 @@ impl SceneProgram {
     /// [`ErrorKind::DuplicateName`] at the second call.
     pub fn fuel(&mut self) -> Result<Affine, Error> {
         let mut fuel = Affine::zero();
-        for (k, family) in self.hybrid.inputs().to_vec().iter().enumerate() {
+        for (k, family) in self.variables().inputs().to_vec().iter().enumerate() {
             for (t, variable) in family.iter().enumerate() {
-                let most = self.model.variable_ref(variable)?.bounds().magnitude();
+                let most = self.program.model.variable_ref(variable)?.bounds().magnitude();
                 let name = format!("fuel_{k}");
-                let size = self.model.continuous((name.as_str(), t), 0.0, most)?;
+                let size = self.program.model.continuous((name.as_str(), t), 0.0, most)?;
                 let above = format!("fuel_above_{k}");
                 let below = format!("fuel_below_{k}");
-                self.model.add((above.as_str(), t), size.ge(variable))?;
-                self.model.add((below.as_str(), t), size.ge(-variable))?;
+                self.program.add((above.as_str(), t), size.ge(variable))?;
+                self.program.add((below.as_str(), t), size.ge(-variable))?;
                 fuel += size;
             }
         }
@@ -208,13 +185,13 @@ impl SceneProgram {
         let families: Vec<Family> = self.damage.iter().flatten().cloned().collect();
         let mut most = 0.0_f64;
         for variable in families.iter().flatten() {
-            most = most.max(self.model.variable_ref(variable)?.bounds().upper);
+            most = most.max(self.program.model.variable_ref(variable)?.bounds().upper);
         }
-        let largest = self.model.continuous("largest_damage", 0.0, most)?;
+        let largest = self.program.model.continuous("largest_damage", 0.0, most)?;
         for (k, family) in families.iter().enumerate() {
             for (t, variable) in family.iter().enumerate() {
                 let name = format!("damage_at_most_{k}");
-                self.model.add((name.as_str(), t), largest.ge(variable))?;
+                self.program.add((name.as_str(), t), largest.ge(variable))?;
             }
         }
         Ok(largest)
@@ -257,7 +234,7 @@ impl SceneProgram {
         mode: &Mode,
         step: usize,
     ) -> Result<Option<Literal>, Error> {
-        self.hybrid.taken(&self.contacts[contact].name, &mode.name, step)
+        self.variables().taken(&self.contacts[contact].name, &mode.name, step)
     }
 
     pub(super) fn sum_of(
@@ -284,15 +261,15 @@ impl SceneProgram {
     /// 1 if a contact is hit in a step at a face that a rule counts.
     pub(super) fn counted(&self, rule: &DamageRule, contact: usize, step: usize) -> Affine {
         let own = &self.contacts[contact];
-        let counts = |mode: &Mode| mode.is_hit && rule.applies(&self.scene, own, mode.face);
+        let counts = |mode: &Mode| mode.is_hit && rule.applies(own, mode.face);
         self.sum_of(contact, step, counts)
     }
 
     /// States that there is no plan.
     fn contradict(&mut self) -> Result<(), Error> {
-        let first = self.hybrid.states()[0][0];
-        let beyond = self.model.variable_ref(first)?.bounds().upper + 1.0;
-        self.model.add("no_plan_by_reach_sets", first.ge(beyond))?;
+        let first = self.variables().states()[0][0];
+        let beyond = self.program.model.variable_ref(first)?.bounds().upper + 1.0;
+        self.program.add("no_plan_by_reach_sets", first.ge(beyond))?;
         Ok(())
     }
 
@@ -301,8 +278,8 @@ impl SceneProgram {
         for body in &self.scene.bodies {
             let Some(first) = &body.first else { continue };
             for (axis, value) in AXES.iter().zip(first) {
-                let input = self.hybrid.input(&format!("{} a{axis}", body.name))?;
-                self.model.fix(input[0], *value)?;
+                let input = self.variables().input(&format!("{} a{axis}", body.name))?;
+                self.program.model.fix(input[0], *value)?;
             }
         }
         Ok(())
@@ -329,8 +306,8 @@ impl SceneProgram {
             let (Some(first), Some(second)) = (rows.next(), rows.next()) else { continue };
             let outside = rows.fold(either(first).or(second), |all, row| all.or(row));
             let name = format!("starts_outside_{c}");
-            self.model.add(name.as_str(), outside)?;
-            self.model.set_background(&name)?;
+            self.program.add(name.as_str(), outside)?;
+            self.program.model.set_background(&name)?;
         }
         Ok(())
     }
@@ -341,9 +318,9 @@ impl SceneProgram {
             let family = format!("one_hit_{k}");
             for t in 0..self.steps() {
                 let hits: Affine = own.iter().map(|&c| self.hits_of(c, t)).sum();
-                self.model.add((family.as_str(), t), hits.le(1.0))?;
+                self.program.add((family.as_str(), t), hits.le(1.0))?;
             }
-            self.model.set_background(&family)?;
+            self.program.model.set_background(&family)?;
         }
         Ok(())
     }
@@ -375,8 +352,8 @@ impl SceneProgram {
                     let Some(taken) = self.taken(c, mode, t)? else { continue };
                     let row = gap.ge(face.limit_at(t + 1));
                     let name = format!("{family}_{m}");
-                    self.model.add((name.as_str(), t), taken.implies(row))?;
-                    self.model.set_background(&name)?;
+                    self.program.add((name.as_str(), t), taken.implies(row))?;
+                    self.program.model.set_background(&name)?;
                 }
             }
         }
@@ -396,7 +373,7 @@ impl SceneProgram {
         let mut sum = Affine::zero();
         for (body, sign) in [(Some(contact.body), 1.0), (contact.other, -1.0)] {
             let Some(body) = body else { continue };
-            let families = &self.hybrid.states()[2 * axes * body + from..];
+            let families = &self.variables().states()[2 * axes * body + from..];
             for (family, n) in families.iter().zip(direction) {
                 if let Some(variable) = family.get(sample).filter(|_| *n != 0.0) {
                     sum.add_term(sign * n, variable);

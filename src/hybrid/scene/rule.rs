@@ -2,6 +2,8 @@
 
 use super::contact::ContactPair;
 use super::error::SceneError;
+use super::handles::{BodyHandle, ObstacleHandle};
+use super::place::Where;
 use super::statement::Scene;
 use crate::error::{Error, ErrorKind};
 use crate::model::is_name;
@@ -49,10 +51,11 @@ pub struct DamageRule {
     pub name: String,
     /// The measured quantity.
     pub measure: DamageMeasure,
-    /// The body whose hits count; all by default.
-    pub body: Option<String>,
-    /// The obstacle or other body at which hits count, and a face of it; all by default.
-    pub at: Option<(String, Option<usize>)>,
+    /// Where hits count; everywhere by default.
+    #[cfg_attr(feature = "serde", serde(default, skip_deserializing))]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Where::is_everywhere"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "Where::refused"))]
+    pub(super) place: Where,
     /// The most in one hit, in the measure's unit.
     pub per_hit: Option<f64>,
     /// The most in all hits of a window, in the measure's unit.
@@ -82,8 +85,7 @@ impl DamageRule {
         DamageRule {
             name: name.into(),
             measure,
-            body: None,
-            at: None,
+            place: Where::default(),
             per_hit: None,
             total: None,
             count: None,
@@ -113,36 +115,35 @@ impl DamageRule {
 
     /// Counts the hits of one body alone.
     #[must_use]
-    pub fn with_body(mut self, body: impl Into<String>) -> Self {
-        self.body = Some(body.into());
+    pub fn with_body(mut self, body: BodyHandle) -> Self {
+        self.place.bodies = [Some(body), None];
         self
     }
 
-    /// Counts the hits at one obstacle, or with one other body, alone.
+    /// Counts the hits of two bodies with each other alone.
     #[must_use]
-    pub fn with_obstacle(mut self, name: impl Into<String>) -> Self {
-        self.at = Some((name.into(), None));
+    pub fn with_pair(mut self, first: BodyHandle, second: BodyHandle) -> Self {
+        self.place.bodies = [Some(first), Some(second)];
+        self
+    }
+
+    /// Counts the hits at one obstacle alone.
+    #[must_use]
+    pub fn with_obstacle(mut self, obstacle: ObstacleHandle) -> Self {
+        (self.place.obstacle, self.place.face) = (Some(obstacle), None);
         self
     }
 
     /// Counts the hits at one face of an obstacle alone.
     #[must_use]
-    pub fn with_face(mut self, name: impl Into<String>, face: usize) -> Self {
-        self.at = Some((name.into(), Some(face)));
+    pub fn with_face(mut self, obstacle: ObstacleHandle, face: usize) -> Self {
+        (self.place.obstacle, self.place.face) = (Some(obstacle), Some(face));
         self
     }
 
     /// Whether hits of a contact's face count.
-    pub(super) fn applies(&self, scene: &Scene, contact: &ContactPair, face: usize) -> bool {
-        let bodies = [Some(contact.body), contact.other];
-        let name = |b: &Option<usize>| b.map(|b| scene.bodies[b].name.as_str());
-        let mut names: Vec<&str> = bodies.iter().filter_map(name).collect();
-        let of_body = self.body.as_deref().is_none_or(|own| names.contains(&own));
-        names.extend(contact.obstacle.map(|o| scene.obstacles[o].name.as_str()));
-        let at = self.at.as_ref().is_none_or(|(own, number)| {
-            names.contains(&own.as_str()) && number.is_none_or(|number| number == face)
-        });
-        of_body && at && contact.faces[face].surface.restitution.is_some()
+    pub(super) fn applies(&self, contact: &ContactPair, face: usize) -> bool {
+        self.place.contains(contact, face) && contact.faces[face].surface.restitution.is_some()
     }
 
     /// The largest impact speed that the limit on a hit allows, in m/s.
@@ -219,25 +220,7 @@ impl DamageRule {
         if !is_name(&self.name) {
             return Err(ErrorKind::InvalidName { name: self.name.clone() }.into());
         }
-        let unknown = |name: &String, kind| -> Error {
-            ErrorKind::UnknownName { name: name.clone(), kind }.into()
-        };
-        if let Some(body) = &self.body {
-            scene.body(body)?;
-        }
-        if let Some((at, face)) = &self.at {
-            let found = scene.obstacles.iter().find(|obstacle| obstacle.name == *at);
-            let faces = match found {
-                Some(obstacle) => obstacle.faces.len(),
-                None if scene.body(at).is_ok() => usize::MAX,
-                None => return Err(unknown(at, "obstacle or body of the scene")),
-            };
-            if face.is_some_and(|face| face >= faces) {
-                let what = format!("the face of the rule `{}`", self.name);
-                let face = face.unwrap_or(0) as f64;
-                return Err(Error::out_of_range(what, face, format!("below {faces}")));
-            }
-        }
+        self.place.check(scene, &self.name)?;
         let numbers = [
             ("limit of a hit", self.per_hit.unwrap_or(0.0)),
             ("total", self.total.unwrap_or(0.0)),
@@ -270,7 +253,7 @@ impl DamageRule {
         if self.measure == DamageMeasure::DissipatedEnergy {
             for contact in super::contact::contacts(scene) {
                 let rubs = |k: usize| {
-                    self.applies(scene, &contact, k) && !contact.faces[k].surface.is_frictionless()
+                    self.applies(&contact, k) && !contact.faces[k].surface.is_frictionless()
                 };
                 if (0..contact.faces.len()).any(rubs) {
                     let reason = "the energy that friction takes is not a function of the impact \

@@ -36,7 +36,7 @@ impl Scene {
     /// # Errors
     ///
     /// Those of [`Scene::program`]; those of [`shortest_horizon`] and of the solver; those of
-    /// [`SceneProgram::certified`] for a plan that is not what the scene does.
+    /// [`SceneProgram::plan`] for a plan that is not what the scene does.
     pub fn shortest_plan(
         &self,
         options: &ShortestOptions,
@@ -50,7 +50,7 @@ impl Scene {
         }
         let task = ScenePrograms { stated, waiting };
         let found = shortest_horizon(&task, &options, solver)?;
-        found.try_map(|Solved { program, solution }| program.certified(&solution))
+        found.try_map(|Solved { program, solution }| program.plan(&solution))
     }
 
     /// Reach sets of the scene, from its starts to its goals. They refute horizons, say why in
@@ -68,11 +68,11 @@ impl Scene {
 impl SceneProgram {
     /// Fixes transitions and narrows bounds by [quick sets](Stated::quick_sets). `false` if they prove
     /// that there is no plan.
-    pub(super) fn tighten(&mut self, stated: &Stated) -> Result<bool, Error> {
+    pub(super) fn tighten_by_sets(&mut self, stated: &Stated) -> Result<bool, Error> {
         self.tighten_until(stated, &StopToken::default())
     }
 
-    /// As [`tighten`](Self::tighten); if the token is over first, the program stays as it is.
+    /// As [`tighten_by_sets`](Self::tighten_by_sets); if the token is over first, the program stays as it is.
     pub(super) fn tighten_until(
         &mut self,
         stated: &Stated,
@@ -85,8 +85,8 @@ impl SceneProgram {
         }
         // A row over all hits would link axes that are independent.
         let is_line = self.scene.axes() == 1 && self.scene.bodies.len() == 1;
-        let variables = self.hybrid.horizon_variables().with_event_row(is_line);
-        Ok(!tube.tighten(&mut self.model, &variables)?.infeasible)
+        let variables = self.variables().horizon_variables().with_event_row(is_line);
+        Ok(!tube.tighten(&mut self.program.model, &variables)?.infeasible)
     }
 }
 
@@ -172,7 +172,7 @@ impl HorizonModel for ScenePrograms {
 
     fn build(&self, steps: usize) -> Result<SceneProgram, Error> {
         let mut program = self.stated.program(steps)?;
-        program.model.minimize(0.0)?;
+        program.minimize(0.0)?;
         Ok(program)
     }
 
@@ -193,11 +193,11 @@ impl HorizonModel for ScenePrograms {
         program: &mut SceneProgram,
         statements: &mut dyn FnMut(&mut HybridProgram),
     ) {
-        HybridProgram::lend(&mut program.model, &program.hybrid, statements);
+        statements(program);
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {
-        program.hybrid.horizon_variables()
+        program.variables().horizon_variables()
     }
 
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = SceneProgram> + '_>> {

@@ -11,7 +11,7 @@ use crate::model::{Affine, Either, Model, Row};
 impl SceneProgram {
     /// Adds an obstacle that bodies may enter, and returns the sum of their depths in it over all steps,
     /// in m, for an objective. The obstacle is not one of the scene's: nothing bounces off it, whatever
-    /// its surface, and a [certificate](SceneProgram::certified) does not speak of it.
+    /// its surface, and the certificate of a [plan](SceneProgram::solve) does not speak of it.
     ///
     /// The depth of a body in a step is by how far it is behind the face that it is nearest to being in
     /// front of, at both ends of the step and at the middle control point of its parabola. A price above
@@ -20,23 +20,21 @@ impl SceneProgram {
     /// have one.
     ///
     /// ```
-    /// use carom::hybrid::Region;
     /// use carom::hybrid::scene::{Body, Scene, Solid, Surface};
-    /// use carom::interval::Interval;
     /// use carom::prelude::*;
     ///
     /// // Noise has pushed the drone 2 cm into a pillar.
-    /// let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
+    /// let room = [0.0..=4.0, 0.0..=2.0];
     /// let drone = Body::new("drone", room, 2.0, 2.0)
-    ///     .with_start(Region::point([1.52, 0.5, 0.0, 0.0]))
-    ///     .with_goal(Region::point([3.5, 0.5, 0.0, 0.0]));
+    ///     .with_start([1.52, 0.5, 0.0, 0.0])
+    ///     .with_goal([3.5, 0.5, 0.0, 0.0]);
     /// let mut program = Scene::new(0.25).with_body(drone).program(16)?;
-    /// let sides = [Interval::new(1.5, 2.0), Interval::new(-0.1, 1.2)];
+    /// let sides = [1.5..=2.0, -0.1..=1.2];
     /// let pillar = Solid::cuboid("pillar", &sides, Surface::avoid());
-    /// let depth = program.soften(&pillar)?;
+    /// let depth = program.soften_obstacle(&pillar)?;
     /// let effort = program.effort()?;
-    /// program.model.minimize(effort + 1000.0 * depth.clone())?;
-    /// let solution = BranchAndBound::default().solve(&program.model)?;
+    /// program.minimize(effort + 1000.0 * depth.clone())?;
+    /// let solution = BranchAndBound::default().solve(program.model())?;
     /// assert!((solution.value(&depth)? - 0.02).abs() < 1e-4);
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -46,7 +44,7 @@ impl SceneProgram {
     /// [`SceneError`] for an obstacle without faces, of another dimension or with a course shorter than
     /// the horizon; [`ErrorKind::DuplicateName`] for the name of an
     /// obstacle of the scene or of another soft one. The model then stays as it was.
-    pub fn soften(&mut self, obstacle: &Solid) -> Result<Affine, Error> {
+    pub fn soften_obstacle(&mut self, obstacle: &Solid) -> Result<Affine, Error> {
         let (axes, steps) = (self.scene.axes(), self.steps());
         let obstacle = obstacle.checked(axes)?;
         let last = obstacle.course.len().saturating_sub(1);
@@ -59,7 +57,7 @@ impl SceneProgram {
             let kind = "body or obstacle";
             return Err(ErrorKind::DuplicateName { name: obstacle.name, kind }.into());
         }
-        let mut model = std::mem::replace(&mut self.model, Model::new(""));
+        let mut model = std::mem::replace(&mut self.program.model, Model::new(""));
         let added = model.all_or_nothing(|model| {
             let mut sum = Affine::zero();
             for body in 0..self.scene.bodies.len() {
@@ -69,9 +67,9 @@ impl SceneProgram {
             }
             Ok(sum)
         });
-        self.model = model;
+        self.program.model = model;
         if !obstacle.course.is_empty() {
-            self.model.note_by_step(format!("the course of `{}`", obstacle.name));
+            self.program.model.note_by_step(format!("the course of `{}`", obstacle.name));
         }
         added
     }
@@ -82,15 +80,21 @@ impl SceneProgram {
     ///
     /// # Errors
     ///
-    /// As for [`soften`](Self::soften).
-    pub fn soften_room(&mut self, name: &str, sides: &[Interval]) -> Result<Affine, Error> {
+    /// As for [`soften_obstacle`](Self::soften_obstacle).
+    pub fn soften_room(
+        &mut self,
+        name: &str,
+        sides: impl IntoIterator<Item: Into<Interval>>,
+    ) -> Result<Affine, Error> {
+        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
         let mut sum = Affine::zero();
         for (i, side) in sides.iter().enumerate() {
             for (k, sign, at) in [(0, 1.0, side.lower), (1, -1.0, -side.upper)] {
                 let normal = (0..sides.len()).map(|j| if i == j { sign } else { 0.0 });
                 let name = format!("{name} {}", 2 * i + k);
                 let normal: Vec<f64> = normal.collect();
-                sum += self.soften(&Solid::halfspace(name, normal, at, Surface::avoid()))?;
+                sum +=
+                    self.soften_obstacle(&Solid::halfspace(name, normal, at, Surface::avoid()))?;
             }
         }
         Ok(sum)
@@ -115,7 +119,7 @@ impl SceneProgram {
                 face.offset + own.shape.reach(&face.normal) + moved
             };
             let along = |from: usize, sample: usize| -> Affine {
-                let families = &self.hybrid.states()[2 * axes * body + from..];
+                let families = &self.variables().states()[2 * axes * body + from..];
                 let terms = families.iter().zip(&face.normal).filter(|(_, n)| **n != 0.0);
                 terms.map(|(family, n)| *n * family[sample]).sum()
             };

@@ -23,13 +23,11 @@ pub(super) struct Face {
 /// ```
 /// use carom::hybrid::Restitution;
 /// use carom::hybrid::scene::{Solid, Surface};
-/// use carom::interval::Interval;
 ///
 /// let cushion = Surface::bounce(Restitution::new(0.8)?);
 /// // Solid where x <= 0.
 /// let wall = Solid::halfspace("wall", [1.0, 0.0], 0.0, cushion);
-/// let sides = [Interval::new(1.0, 2.0), Interval::new(0.0, 0.5)];
-/// let pillar = Solid::cuboid("pillar", &sides, Surface::avoid());
+/// let pillar = Solid::cuboid("pillar", [1.0..=2.0, 0.0..=0.5], Surface::avoid());
 /// assert_eq!((wall.faces(), pillar.faces()), (1, 4));
 /// # Ok::<(), carom::Error>(())
 /// ```
@@ -72,7 +70,12 @@ impl Solid {
 
     /// A box along the axes, in m. Faces 2 i and 2 i + 1 are the lower and the upper one along axis
     /// i.
-    pub fn cuboid(name: impl Into<String>, sides: &[Interval], surface: Surface) -> Self {
+    pub fn cuboid(
+        name: impl Into<String>,
+        sides: impl IntoIterator<Item: Into<Interval>>,
+        surface: Surface,
+    ) -> Self {
+        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
         let axes = sides.len();
         let faces = sides.iter().enumerate().flat_map(|(i, side)| {
             let along = |sign: f64| -> Vec<f64> {

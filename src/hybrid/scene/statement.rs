@@ -3,6 +3,7 @@
 use super::body::{Body, Shape};
 use super::error::SceneError;
 use super::geometry::{self, Side, dot};
+use super::handles::BodyHandle;
 use super::rule::DamageRule;
 use super::solid::Solid;
 use super::surface::Surface;
@@ -10,7 +11,7 @@ use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::interval::Interval;
-use crate::model::is_name;
+use crate::model::{ModelTag, is_name};
 use crate::setters::setters;
 
 /// Number of normals of two bodies in the plane that meet, if one of them is a disc.
@@ -20,9 +21,9 @@ const NORMALS: usize = 8;
 pub(super) const INSIDE: f64 = 1e-9;
 
 /// Two bodies that avoid each other or hit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Pair {
-    names: [String; 2],
+    bodies: [BodyHandle; 2],
     /// The numbers of the bodies, in a checked scene.
     pub(super) first: usize,
     pub(super) second: usize,
@@ -33,20 +34,23 @@ pub(super) struct Pair {
 
 /// Bodies and obstacles on a line, in the plane or in space.
 ///
+/// [`body`](Scene::body) and [`obstacle`](Scene::obstacle) return the handles with which pairs, rules and
+/// rows are stated; a scene that needs none is one expression, by [`with_body`](Scene::with_body) and
+/// [`with_obstacle`](Scene::with_obstacle). A clone has the same handles.
+///
 /// The scene is a [`HybridSystem`](crate::hybrid::HybridSystem) whose choices are its contacts:
 /// each body and obstacle, and each pair of bodies, chooses in every step whether and at which face
 /// it touches. See the [module](super) for the laws.
 ///
 /// ```
 /// use carom::hybrid::scene::{Body, Solid, Scene, Surface};
-/// use carom::hybrid::{Region, Restitution, ShortestOptions};
-/// use carom::interval::Interval;
+/// use carom::hybrid::{Restitution, ShortestOptions};
 /// use carom::prelude::*;
 ///
 /// // A puck that comes in fast and must stop near a cushion at x = 0: with the cushion's help.
-/// let puck = Body::new("puck", [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)], 3.0, 3.0)
-///     .with_start(Region::point([1.5, 0.5, -2.0, 0.0]))
-///     .with_goal(Region::point([0.2, 0.6, 0.0, 0.0]));
+/// let puck = Body::new("puck", [0.0..=2.0, 0.0..=1.0], 3.0, 3.0)
+///     .with_start([1.5, 0.5, -2.0, 0.0])
+///     .with_goal([0.2, 0.6, 0.0, 0.0]);
 /// let cushion = Surface::bounce(Restitution::new(0.3)?);
 /// let scene = Scene::new(0.1)
 ///     .with_body(puck)
@@ -57,7 +61,7 @@ pub(super) struct Pair {
 /// assert!(plan.certificate.largest_residual < 1e-6);
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Scene {
     /// Δt, in s.
@@ -76,6 +80,8 @@ pub struct Scene {
     /// least this far in front of it, or hits at least this far behind it; default 0.
     pub margin: f64,
     pub(super) pairs: Vec<Pair>,
+    /// Of its handles.
+    pub(super) tag: ModelTag,
 }
 
 impl Scene {
@@ -94,6 +100,7 @@ impl Scene {
             corners: false,
             margin: 0.0,
             pairs: Vec::new(),
+            tag: ModelTag::fresh(),
         }
     }
 
@@ -110,14 +117,14 @@ impl Scene {
         with_margin(margin: f64) => margin = margin;
     }
 
-    /// Adds a body.
+    /// As [`body`](Scene::body), in one expression; names are checked when the scene is used.
     #[must_use]
     pub fn with_body(mut self, body: Body) -> Self {
         self.bodies.push(body);
         self
     }
 
-    /// Adds an obstacle.
+    /// As [`obstacle`](Scene::obstacle), in one expression; names are checked when the scene is used.
     #[must_use]
     pub fn with_obstacle(mut self, obstacle: Solid) -> Self {
         self.obstacles.push(obstacle);
@@ -127,7 +134,13 @@ impl Scene {
     /// Adds the walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the
     /// lower and the upper side of each axis.
     #[must_use]
-    pub fn with_room(mut self, name: &str, sides: &[Interval], surface: Surface) -> Self {
+    pub fn with_room(
+        mut self,
+        name: &str,
+        sides: impl IntoIterator<Item: Into<Interval>>,
+        surface: Surface,
+    ) -> Self {
+        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
         for (i, side) in sides.iter().enumerate() {
             for (k, sign, at) in [(0, 1.0, side.lower), (1, -1.0, -side.upper)] {
                 let normal: Vec<f64> =
@@ -146,32 +159,58 @@ impl Scene {
         self
     }
 
-    /// Lets two bodies avoid each other, or hit, by their names. Bodies without such a statement
-    /// pass through each other.
+    /// Lets two bodies avoid each other, or hit. Bodies without such a statement pass through each other.
     ///
     /// The direction of a hit is one of a few normals: in the plane, if one of the two is a disc, 8
     /// around the circle; otherwise two along each axis, so that points and boxes in the plane
     /// have 4.
-    #[must_use]
-    pub fn with_pair(self, first: &str, second: &str, surface: Surface) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::DuplicateName`] for bodies that are a pair already, and
+    /// for a body with itself.
+    pub fn pair(
+        &mut self,
+        first: BodyHandle,
+        second: BodyHandle,
+        surface: Surface,
+    ) -> Result<(), Error> {
         let normals: &[[f64; 0]] = &[];
-        self.with_pair_along(first, second, surface, normals.iter().copied())
+        self.pair_along(first, second, surface, normals.iter().copied())
     }
 
-    /// As [`with_pair`](Scene::with_pair), with the normals along which they hit, from the second
-    /// body towards the first. They must surround the second body.
-    #[must_use]
-    pub fn with_pair_along<N: Into<Vec<f64>>>(
-        mut self,
-        first: &str,
-        second: &str,
+    /// As [`pair`](Scene::pair), with the normals along which they hit, from the second body towards the
+    /// first. They must surround the second body.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`pair`](Scene::pair).
+    pub fn pair_along<N: Into<Vec<f64>>>(
+        &mut self,
+        first: BodyHandle,
+        second: BodyHandle,
         surface: Surface,
         normals: impl IntoIterator<Item = N>,
-    ) -> Self {
-        let names = [first.to_owned(), second.to_owned()];
+    ) -> Result<(), Error> {
         let normals = normals.into_iter().map(Into::into).collect();
-        self.pairs.push(Pair { names, first: 0, second: 0, surface, normals });
-        self
+        let bodies = [first, second];
+        let pair = Pair { bodies, first: 0, second: 0, surface, normals };
+        self.numbered(&pair, &self.pairs)?;
+        self.pairs.push(pair);
+        Ok(())
+    }
+
+    /// The numbers of the bodies of a pair that is not yet among others, and its name.
+    fn numbered(&self, pair: &Pair, others: &[Pair]) -> Result<([usize; 2], String), Error> {
+        let [first, second] = pair.bodies;
+        let numbers = [self.body_number(first, "a pair")?, self.body_number(second, "a pair")?];
+        let [a, b] = numbers.map(|number| &self.bodies[number].name);
+        let name = format!("{a} and {b}");
+        let is_same = |other: &Pair| other.bodies == pair.bodies || other.bodies == [second, first];
+        if first == second || others.iter().any(is_same) {
+            return Err(ErrorKind::DuplicateName { name, kind: "pair of bodies" }.into());
+        }
+        Ok((numbers, name))
     }
 
     /// The scene as it is from a step on: courses are those of that step at step 0, and end where they
@@ -186,12 +225,6 @@ impl Scene {
     /// The number of axes.
     pub fn axes(&self) -> usize {
         self.bodies.first().map_or(0, Body::axes)
-    }
-
-    /// A body's number.
-    pub(super) fn body(&self, name: &str) -> Result<usize, Error> {
-        let found = self.bodies.iter().position(|body| body.name == name);
-        found.ok_or_else(|| unknown(name, "body of the scene"))
     }
 
     /// The longest plan that courses allow, in steps; `None` if nothing moves.
@@ -244,15 +277,8 @@ impl Scene {
     /// A pair with the numbers of its bodies and with normals of length 1.
     fn checked_pair(&self, k: usize) -> Result<Pair, Error> {
         let mut pair = self.pairs[k].clone();
-        let [first, second] = pair.names.clone();
-        let name = format!("{first} and {second}");
-        let is_same = |other: &Pair| {
-            other.names == pair.names || other.names == [second.clone(), first.clone()]
-        };
-        if first == second || self.pairs[..k].iter().any(is_same) {
-            return Err(ErrorKind::DuplicateName { name, kind: "pair of bodies" }.into());
-        }
-        (pair.first, pair.second) = (self.body(&first)?, self.body(&second)?);
+        let (numbers, name) = self.numbered(&pair, &self.pairs[..k])?;
+        [pair.first, pair.second] = numbers;
         let axes = self.axes();
         pair.surface.check(&name, axes)?;
         if pair.normals.is_empty() {
@@ -272,10 +298,6 @@ impl Scene {
         }
         Ok(pair)
     }
-}
-
-fn unknown(name: &str, kind: &'static str) -> Error {
-    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
 }
 
 /// Refuses obstacles without inside and faces without extent.

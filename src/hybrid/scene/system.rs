@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use super::contact::{ContactPair, at, contacts};
+use super::handles::declared;
 use super::law::Writer;
 use super::statement::Scene;
 use crate::error::Error;
@@ -43,6 +44,7 @@ impl Scene {
         let mut contacts = contacts(&scene);
         let flow = scene.flow()?;
         let mut system = HybridSystem::new(scene.time_step);
+        system.handles = declared(scene.tag, scene.bodies.len(), scene.axes());
         let mut limits = Vec::new();
         let mut domains: Vec<Interval> = Vec::new();
         for body in &scene.bodies {

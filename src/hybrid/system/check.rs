@@ -23,7 +23,10 @@ impl HybridSystem {
     pub fn check(&self) -> Result<(), Error> {
         check_time_step(self.time_step)?;
         at_least_one("states", self.states.len())?;
-        at_least_one("transitions", self.transitions().count())?;
+        if self.transitions().count() == 0 {
+            let what = "the number of transitions of the hybrid system";
+            return Err(Error::out_of_range(what, 0.0, "at least 1, stated by `mode` or `event`"));
+        }
         // Switches without a flow of the mode that they enter have the common one.
         if let Some(&(choice, number)) = self.unstated.first().filter(|_| self.flow.is_none()) {
             let name = format!("`{}`", self.choices[choice].transitions[number].name);

@@ -48,11 +48,9 @@ pub struct Choice {
     /// Its transitions, at least one.
     pub transitions: Vec<Transition>,
     pub(crate) dwells: Vec<Dwell>,
-    /// Whether several transitions are meant to be possible at once, because the planner chooses
-    /// among them, as among gears. Then [`flaws`](super::HybridSystem) reports no overlap.
+    /// Whether overlaps are meant; see [`HybridSystem::expect`](super::HybridSystem::expect).
     pub is_free: bool,
-    /// Whether states and inputs at which no transition is possible are meant, such as a limit
-    /// stated by guards, or states that must leave their domain. Then neither is reported.
+    /// Whether gaps and dead ends are meant; see [`HybridSystem::expect`](super::HybridSystem::expect).
     pub may_end: bool,
 }
 

@@ -29,6 +29,11 @@ pub struct State {
 }
 
 impl State {
+    /// The state with a handle.
+    pub(crate) fn of(variable: Variable) -> Self {
+        State { variable }
+    }
+
     /// The value at the end of the step that the flow predicts, before a reset, in the state's unit.
     /// For guards, resets and outputs.
     pub fn predicted(self) -> Variable {
@@ -123,6 +128,11 @@ impl Default for Handles {
 }
 
 impl Handles {
+    /// Handles with a tag, none of which is declared yet.
+    pub(crate) fn with_tag(tag: ModelTag) -> Self {
+        Handles { tag, meanings: Vec::new() }
+    }
+
     /// The handle of a thing, which is declared if it is new.
     pub(crate) fn of(&mut self, meaning: Meaning) -> Variable {
         let index = self.meanings.iter().position(|known| *known == meaning);

@@ -225,8 +225,8 @@ impl HybridSystem {
                 "state the flow, with the force in it, by `rates` or `next` of the system first";
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         }
-        self.mode_of(name, "free")?.guard(force.le(0.0))?.guard(gap.ge(0.0))?;
-        self.mode_of(name, "pressed")?.guard(gap.equals(0.0))?;
+        self.mode_of(name, "free")?.guard(force.le(0.0))?.guard_or_never(gap.ge(0.0))?;
+        self.mode_of(name, "pressed")?.guard_or_never(gap.equals(0.0))?;
         Ok(())
     }
 }

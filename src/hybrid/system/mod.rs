@@ -78,7 +78,7 @@ use serialized::StoredSystem;
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
 use flow_rows::FlowRows;
-use handles::Handles;
+pub(crate) use handles::Handles;
 
 /// The name of the choice to which [`HybridSystem::with_transition`] adds.
 pub(crate) const MODE: &str = "mode";

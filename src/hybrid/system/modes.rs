@@ -194,9 +194,32 @@ impl HybridSystem {
         Ok(())
     }
 
-    /// Says that several transitions of a choice (`mode` if there is only one) are meant to be possible
-    /// at once, because the planner chooses among them, as among gears; and that states without a way on
-    /// are meant. Neither is then a [flaw](HybridSystem::flaws).
+    /// Says which findings of [`flaws`](HybridSystem::flaws) are meant, in a choice (`mode` if there is only
+    /// one). It changes no program and no simulation.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// // Both gears are possible above 1 m/s, and at the ends of the road the car cannot stop.
+    /// let mut car = HybridSystem::new(0.1); // s
+    /// let x = car.state("x", 0.0, 9.0)?; // m
+    /// let v = car.state("v", -3.0, 3.0)?; // m/s
+    /// let u = car.input("u", -1.0, 1.0)?;
+    /// car.mode("first gear")?.rates([x.is(v), v.is(u)])?;
+    /// car.mode("second gear")?.rates([x.is(v), v.is(2.0 * u)])?.guard(v.ge(1.0))?;
+    /// let mut solver = BranchAndBound::default();
+    /// assert_eq!(car.flaws(&mut solver)?.len(), 2);
+    /// car.expect("mode", true, true)?;
+    /// assert_eq!(car.flaws(&mut solver)?.len(), 0);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `overlaps`: whether several transitions may be possible at once, because the planner chooses
+    ///   among them, as among gears.
+    /// * `dead_ends`: whether there may be states and inputs at which no transition is possible, and
+    ///   states that no input keeps in the domain.
     ///
     /// # Errors
     ///

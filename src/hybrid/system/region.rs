@@ -1,5 +1,7 @@
 //! Regions of states: starts and goals.
 
+use std::ops::RangeInclusive;
+
 use super::HybridSystem;
 use super::check::check_halfspace;
 use super::halfspace::Halfspace;
@@ -59,6 +61,19 @@ impl<const N: usize> From<[Interval; N]> for Region {
 impl<const N: usize> From<&[Interval; N]> for Region {
     fn from(ranges: &[Interval; N]) -> Self {
         ranges.to_vec().into()
+    }
+}
+
+/// One state, as [`Region::point`].
+impl<const N: usize> From<[f64; N]> for Region {
+    fn from(state: [f64; N]) -> Self {
+        Region::point(state)
+    }
+}
+
+impl<const N: usize> From<[RangeInclusive<f64>; N]> for Region {
+    fn from(ranges: [RangeInclusive<f64>; N]) -> Self {
+        ranges.map(Interval::from).into()
     }
 }
 

@@ -209,6 +209,26 @@ impl<'a> TransitionMut<'a> {
         Ok(self)
     }
 
+    /// As [`guard`](TransitionMut::guard), for a row that may leave no value of an input: the transition is
+    /// then never possible.
+    pub(super) fn guard_or_never(mut self, row: Row) -> Result<Self, Error> {
+        let place = self.place("a guard");
+        if let Some((input, range)) = self.system.input_limits(&row, &place)? {
+            let (name, common) = self.system.inputs[input].clone();
+            let known = self.own().input_range(&name).cloned().unwrap_or(common);
+            let apart = |step: usize| {
+                let both = known.get(step).zip(range.get(step));
+                both.is_some_and(|(known, own)| known.intersection(*own).is_empty())
+            };
+            if (0..=known.settles().max(range.settles())).any(apart) {
+                let (_, halves) = self.system.halfspaces(None, &row, &place)?;
+                self.own().guards.extend(halves);
+                return Ok(self);
+            }
+        }
+        self.guard(row)
+    }
+
     /// Narrows the range of an input in the transition.
     fn narrow(
         mut self,

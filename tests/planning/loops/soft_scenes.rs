@@ -20,9 +20,9 @@ fn pillar() -> Solid {
 
 fn least(program: &mut SceneProgram, depth: Affine) -> (f64, f64) {
     let effort = program.effort().unwrap();
-    program.model.minimize(effort + PRICE * depth.clone()).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    program.certified(&solution).unwrap();
+    program.minimize(effort + PRICE * depth.clone()).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    program.plan(&solution).unwrap();
     (solution.objective().unwrap(), solution.value(&depth).unwrap())
 }
 
@@ -33,7 +33,7 @@ fn what_can_be_avoided_is_avoided_as_if_it_had_to_be() {
         .with_goal(Region::point([3.5, 0.5, 0.0, 0.0]));
     let scene = Scene::new(0.25).with_body(body);
     let mut soft = scene.program(18).unwrap();
-    let depth = soft.soften(&pillar()).unwrap();
+    let depth = soft.soften_obstacle(&pillar()).unwrap();
     let (own, depth) = least(&mut soft, depth);
     assert!(depth < 1e-6, "{depth}");
     let mut hard = scene.with_obstacle(pillar()).program(18).unwrap();
@@ -46,7 +46,7 @@ fn a_start_inside_costs_its_depth() {
     // 0.03 m behind the face, and 0.1 m of the body.
     let body = wide("drone").with_start(Region::point([1.53, 0.5, 0.0, 0.0]));
     let mut program = Scene::new(0.25).with_body(body).program(8).unwrap();
-    let depth = program.soften(&pillar()).unwrap();
+    let depth = program.soften_obstacle(&pillar()).unwrap();
     let (_, depth) = least(&mut program, depth);
     // It is inside at the start of the first step and out again at its end if it can be.
     assert!((0.13..0.4).contains(&depth), "{depth}");
@@ -56,7 +56,7 @@ fn a_start_inside_costs_its_depth() {
 fn holds(scene: &Scene) -> Result<HybridProgram, Error> {
     let mut program = scene.program(8)?;
     let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
-    let outside = program.soften_room("room", &room)? + program.soften(&pillar())?;
+    let outside = program.soften_room("room", &room)? + program.soften_obstacle(&pillar())?;
     let mut program = HybridProgram::from(program);
     let system = program.system();
     let [x, y] = [system.state_named("drone x")?, system.state_named("drone y")?];
@@ -101,15 +101,15 @@ fn soft_obstacles_move_along_their_course() {
     // Once the gate is open there is nothing in the way.
     let reach = |from: usize| {
         let mut program = scene.program(6).unwrap();
-        let depth = program.soften(&gate(20).from_step(from)).unwrap();
-        let end = program.hybrid.states()[0][6];
-        program.model.minimize(PRICE * depth - end).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        let depth = program.soften_obstacle(&gate(20).from_step(from)).unwrap();
+        let end = program.variables().states()[0][6];
+        program.minimize(PRICE * depth - end).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         solution.value(end).unwrap()
     };
     assert!(reach(0) < 1.4 + 1e-4 && reach(9) > 2.0, "{}, {}", reach(0), reach(9));
     let mut program = scene.program(6).unwrap();
-    program.soften(&gate(20)).unwrap();
+    program.soften_obstacle(&gate(20)).unwrap();
     let mut solver = BranchAndBound::default();
     let error = RecedingHorizon::new(program, &mut solver).unwrap_err();
     assert!(error.to_string().contains("the course of `pillar`"), "{error}");
@@ -119,17 +119,19 @@ fn soft_obstacles_move_along_their_course() {
 fn bad_soft_obstacles_are_refused() {
     let scene = Scene::new(0.25).with_body(wide("drone"));
     let mut program = scene.clone().with_obstacle(pillar()).program(4).unwrap();
-    let count = program.model.variables().count();
-    let error = program.soften(&pillar()).unwrap_err();
+    let count = program.model().variables().count();
+    let error = program.soften_obstacle(&pillar()).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::DuplicateName { .. }), "{error}");
     let short = Solid::cuboid("other", &[Interval::new(0.0, 1.0); 2], Surface::avoid());
-    let error = program.soften(&short.clone().with_course([[0.0, 0.0], [0.1, 0.0]])).unwrap_err();
-    assert!(error.to_string().contains("other"), "{error}");
     let error =
-        program.soften(&Solid::halfspace("line", [1.0], 0.0, Surface::avoid())).unwrap_err();
+        program.soften_obstacle(&short.clone().with_course([[0.0, 0.0], [0.1, 0.0]])).unwrap_err();
+    assert!(error.to_string().contains("other"), "{error}");
+    let error = program
+        .soften_obstacle(&Solid::halfspace("line", [1.0], 0.0, Surface::avoid()))
+        .unwrap_err();
     assert!(error.to_string().contains("line"), "{error}");
-    assert_eq!(program.model.variables().count(), count);
-    program.soften(&short).unwrap();
-    let error = program.soften(&short).unwrap_err();
+    assert_eq!(program.model().variables().count(), count);
+    program.soften_obstacle(&short).unwrap();
+    let error = program.soften_obstacle(&short).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::DuplicateName { .. }), "{error}");
 }

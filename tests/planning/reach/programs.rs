@@ -1,7 +1,7 @@
 //! What tubes write into programs: no plan is ever lost.
 
 use crate::common::config;
-use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
+use carom::collision_tolerant::{Endpoint, Objective, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, Reason, SetOptions, TighteningReport};
 use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{ContactLaw, HybridSystem, LinearSystem, Matrix, Wall};
@@ -57,13 +57,12 @@ fn roll_out(mut scenario: Scenario, accelerations: &[f64]) -> Plan {
 /// Writes the tube into the plan's program and checks that the plan still fits.
 fn check(plan: &Plan) -> Result<TighteningReport, TestCaseError> {
     let steps = plan.contact.len();
-    let mut program =
-        PlanningProgram::build(&plan.scenario, steps, Objective::Feasibility).unwrap();
+    let mut program = plan.scenario.program(steps, Objective::Feasibility).unwrap();
     let tube = plan.scenario.reach_sets().unwrap().tube(steps).unwrap();
-    let variables = program.hybrid.horizon_variables();
-    let report = tube.tighten(&mut program.model, &variables).unwrap();
+    let variables = program.variables().horizon_variables();
+    let report = tube.tighten(program.model_mut(), &variables).unwrap();
     prop_assert!(!report.infeasible, "there is a plan");
-    let bounds = |variable| program.model.variable_ref(variable).unwrap().bounds();
+    let bounds = |variable| program.model().variable_ref(variable).unwrap().bounds();
     for t in 0..=steps {
         for (family, values) in
             [(&program.position, &plan.position), (&program.velocity, &plan.velocity)]
@@ -127,10 +126,10 @@ proptest! {
 #[test]
 fn the_report_says_what_was_done_and_why() {
     let scenario = Scenario::paper().with_time_step(0.05);
-    let mut program = PlanningProgram::build(&scenario, 48, Objective::Feasibility).unwrap();
-    let variables = program.hybrid.horizon_variables();
+    let mut program = scenario.program(48, Objective::Feasibility).unwrap();
+    let variables = program.variables().horizon_variables();
     let tube = scenario.reach_sets().unwrap().tube(48).unwrap();
-    let report = tube.tighten(&mut program.model, &variables).unwrap();
+    let report = tube.tighten(program.model_mut(), &variables).unwrap();
 
     let zeta = program.contact.clone().unwrap();
     let open: Vec<usize> = (0..48).filter(|&t| tube.is_possible(t, 1)).collect();
@@ -153,13 +152,13 @@ fn the_report_says_what_was_done_and_why() {
     assert_eq!(report.to_string(), text);
 
     // The row is optional.
-    let mut plain = PlanningProgram::build(&scenario, 48, Objective::Feasibility).unwrap();
-    let variables = plain.hybrid.horizon_variables().with_event_row(false);
-    let without = tube.tighten(&mut plain.model, &variables).unwrap();
+    let mut plain = scenario.program(48, Objective::Feasibility).unwrap();
+    let variables = plain.variables().horizon_variables().with_event_row(false);
+    let without = tube.tighten(plain.model_mut(), &variables).unwrap();
     assert_eq!((without.rows.len(), without.fixed.len()), (0, report.fixed.len()));
 
     // The tightened program has a plan, and its automatic big-Ms are those of its steps.
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
     assert!(solution.is_optimal());
     let hits: f64 = zeta.iter().map(|z| solution.value(z).unwrap()).sum();
     assert!(hits >= 1.0);
@@ -193,23 +192,23 @@ fn modes_that_are_no_events_need_no_row() {
 fn a_user_may_exclude_what_the_sets_need() {
     // Every plan of 47 steps hits the wall; a program that forbids it has none.
     let scenario = Scenario::paper().with_time_step(0.05);
-    let mut program = PlanningProgram::build(&scenario, 47, Objective::Feasibility).unwrap();
-    let variables = program.hybrid.horizon_variables();
+    let mut program = scenario.program(47, Objective::Feasibility).unwrap();
+    let variables = program.variables().horizon_variables();
     let tube = scenario.reach_sets().unwrap().tube(47).unwrap();
     assert_eq!(tube.fewest_events(), Some(1));
     let only: Vec<usize> = (0..47).filter(|&t| !tube.is_possible(t, 0)).collect();
     let zeta = program.contact.clone().unwrap();
     for z in &zeta {
-        program.model.fix(z, 0.0).unwrap();
+        program.model_mut().fix(z, 0.0).unwrap();
     }
-    let before = program.model.clone();
-    let report = tube.tighten(&mut program.model, &variables).unwrap();
+    let before = program.model().clone();
+    let report = tube.tighten(program.model_mut(), &variables).unwrap();
     // Where the impact has only one step, its binary is contradicted.
     assert_eq!(report.infeasible, !only.is_empty());
     if report.infeasible {
         assert_eq!(report.to_string(), "47 steps: no plan");
-        assert_eq!(program.model.to_string(), before.to_string());
+        assert_eq!(program.model().to_string(), before.to_string());
     }
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
     assert!(solution.is_infeasible());
 }

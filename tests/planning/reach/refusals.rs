@@ -32,7 +32,7 @@ fn systems_whose_parts_do_not_fit() {
     let still = HybridSystem::new(1.0).with_state("x", Interval::new(0.0, 1.0));
     assert_eq!(
         refused(still),
-        "the number of transitions of the hybrid system is 0; it must be at least 1"
+        "the number of transitions of the hybrid system is 0; it must be at least 1, stated by `mode` or `event`"
     );
     assert_eq!(
         refused(push().with_input("b", Interval::new(0.0, 1.0))),

@@ -4,14 +4,12 @@ use std::time::Duration;
 
 use crate::common::config;
 use crate::rows::wall::add_by_hand;
-use carom::collision_tolerant::{
-    Endpoint, PlanningOptions, Scenario, ShortestPlan, shortest_plan, shortest_plan_with,
-};
+use carom::collision_tolerant::{Endpoint, Plan, PlanningOptions, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, Refutation, ShortestOptions,
-    ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
+    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, Refutation, Shortest,
+    ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
 };
 use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
@@ -19,10 +17,10 @@ use carom::prelude::*;
 use carom::solution::Termination;
 use proptest::prelude::*;
 
-fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> ShortestPlan {
+fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> Shortest<Plan> {
     let search = ShortestOptions::default().with_max_steps(max_steps).with_reach_sets(sets);
     let options = PlanningOptions::default().with_search(search);
-    shortest_plan(scenario, &options, &mut BranchAndBound::default()).unwrap()
+    scenario.shortest_plan(&options, &mut BranchAndBound::default()).unwrap()
 }
 
 fn scenario() -> impl Strategy<Value = Scenario> {
@@ -58,9 +56,10 @@ proptest! {
         prop_assert_eq!(with.status, without.status);
         prop_assert_eq!(with.steps, without.steps);
         prop_assert_eq!(with.refuted_steps, without.refuted_steps);
-        let impacts = |found: &ShortestPlan| found.plan.as_ref().map(|p| p.trajectory.impacts.len());
+        let impacts = |found: &Shortest<Plan>| found.plan.as_ref().map(|p| p.trajectory.impacts.len());
         prop_assert_eq!(impacts(&with), impacts(&without));
-        prop_assert_eq!(with.fewest_impacts, without.fewest_impacts);
+        let fewest = |found: &Shortest<Plan>| found.plan.as_ref().map(|plan| plan.fewest_impacts);
+        prop_assert_eq!(fewest(&with), fewest(&without));
         prop_assert!(with.nodes() <= without.nodes());
     }
 }
@@ -70,7 +69,8 @@ fn every_smaller_horizon_is_refuted_by_name() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let found = search(&scenario, true, 10_000);
     let steps = found.steps.unwrap();
-    assert!(found.is_found() && found.fewest_impacts);
+    let plan = found.plan.as_ref().unwrap();
+    assert!(found.is_found() && plan.fewest_impacts);
     let refuted: Vec<usize> = found
         .attempts
         .iter()
@@ -82,7 +82,7 @@ fn every_smaller_horizon_is_refuted_by_name() {
     assert_eq!(solves.len(), 1);
     assert_eq!(solves[0].statistics.nodes, 1);
     // The sets show that an impact is needed, so that nothing is left to minimise.
-    assert!(found.refinements.is_empty());
+    assert!(plan.refinements.is_empty());
     assert_eq!(found.tube.unwrap().fewest_events(), Some(1));
 }
 
@@ -94,7 +94,7 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
         type Program = carom::collision_tolerant::PlanningProgram;
         fn build(&self, steps: usize) -> Result<Self::Program, Error> {
             let feasible = carom::collision_tolerant::Objective::Feasibility;
-            carom::collision_tolerant::PlanningProgram::build(&self.0, steps, feasible)
+            self.0.program(steps, feasible)
         }
         fn waiting(&self) -> Waiting {
             self.0.waiting()
@@ -107,7 +107,7 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
             ReachSets::new(&system, start, goal, options).map(Some)
         }
         fn variables(&self, program: &Self::Program) -> HorizonVariables {
-            program.hybrid.horizon_variables()
+            program.variables().horizon_variables()
         }
     }
     let scenario = Scenario::paper().with_time_step(0.05);
@@ -136,13 +136,13 @@ fn limits_and_interrupts_keep_what_the_sets_refuted() {
         }
     };
     let mut solver = BranchAndBound::default();
-    let found = shortest_plan_with(&scenario, &options, &mut solver, &mut progress).unwrap();
+    let found = scenario.shortest_plan_with(&options, &mut solver, &mut progress).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
     assert_eq!((found.steps, found.refuted_steps), (None, Some(100)));
 
     let search = ShortestOptions::default().with_time_limit(Duration::ZERO);
     let options = PlanningOptions::default().with_search(search);
-    let found = shortest_plan(&scenario, &options, &mut solver).unwrap();
+    let found = scenario.shortest_plan(&options, &mut solver).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::TimeLimit));
     assert!(found.steps.is_none());
 }
@@ -150,7 +150,7 @@ fn limits_and_interrupts_keep_what_the_sets_refuted() {
 #[test]
 fn a_task_without_any_plan_is_refuted_without_a_solve() {
     // Nothing can push it: the sets settle at once, whatever the horizon.
-    let stuck = Scenario::paper().with_acceleration(0.0, 0.0);
+    let stuck = Scenario::paper().with_acceleration(0.0..=0.0);
     let found = search(&stuck, true, 20_000);
     assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 20_000 });
     assert!(found.attempts.iter().all(|attempt| !attempt.is_solve()));
@@ -193,12 +193,12 @@ fn a_coarser_plan_guesses_the_contacts() {
     let find = |coarse| {
         let search = ShortestOptions::default().with_reach_sets(false).with_coarse_guess(coarse);
         let options = PlanningOptions::default().with_search(search).with_upper_hint(255);
-        shortest_plan(&scenario, &options, &mut BranchAndBound::default()).unwrap()
+        scenario.shortest_plan(&options, &mut BranchAndBound::default()).unwrap()
     };
     let (guessed, blind) = (find(true), find(false));
     assert_eq!((guessed.steps, guessed.refuted_steps), (Some(229), Some(228)));
     assert_eq!((blind.steps, blind.refuted_steps), (Some(229), Some(228)));
-    let helped = |found: &ShortestPlan| {
+    let helped = |found: &Shortest<Plan>| {
         let feasible = |a: &&carom::hybrid::Attempt| a.verdict == Verdict::Feasible;
         found.attempts.iter().filter(feasible).any(|attempt| attempt.restricted)
     };

@@ -29,8 +29,8 @@ fn bounce() -> Surface {
 
 fn plan(scene: &Scene) -> ScenePlan {
     let program = scene.program(6).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    program.certified(&solution).unwrap()
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    program.plan(&solution).unwrap()
 }
 
 /// What the replay says against a plan.
@@ -51,7 +51,11 @@ fn a_plan_that_keeps_everything_is_replayed_as_it_was() {
 
 #[test]
 fn every_kind_of_rule_is_checked_without_its_rows() {
-    let plan = plan(&scene());
+    let scene = scene();
+    let plan = plan(&scene);
+    let p = scene.body_named("p").unwrap();
+    let [left, right, below] =
+        ["side 0", "side 1", "side 2"].map(|name| scene.obstacle_named(name).unwrap());
     let (x, y) = (1.8, 1.5);
     fn rule(measure: DamageMeasure) -> DamageRule {
         DamageRule::new("rule", measure)
@@ -64,38 +68,37 @@ fn every_kind_of_rule_is_checked_without_its_rows() {
     // Each at its limit, and a little below it.
     let cases: Vec<Case> = vec![
         (x, Box::new(move |most| speed().with_per_hit(most))),
-        (y, Box::new(move |most| speed().with_face("side 2", 0).with_per_hit(most))),
-        (x, Box::new(move |most| speed().with_obstacle("side 0").with_per_hit(most))),
+        (y, Box::new(move |most| speed().with_face(below, 0).with_per_hit(most))),
+        (x, Box::new(move |most| speed().with_obstacle(left).with_per_hit(most))),
         (3.0 * x, Box::new(move |m| rule(DamageMeasure::NormalImpulse).with_per_hit(m))),
         (energy(x), Box::new(move |m| rule(DamageMeasure::DissipatedEnergy).with_per_hit(m))),
         (1.8, Box::new(move |most| convex().with_per_hit(most))),
         (x + y, Box::new(move |most| speed().with_total(most))),
-        (x + y, Box::new(move |most| speed().with_body("p").with_total(most).with_window(3))),
+        (x + y, Box::new(move |most| speed().with_body(p).with_total(most).with_window(3))),
         (
             energy(x) + energy(y),
             Box::new(move |most| rule(DamageMeasure::DissipatedEnergy).with_total(most)),
         ),
-        (
-            (y / x).atan(),
-            Box::new(move |most| speed().with_obstacle("side 0").with_incidence(most)),
-        ),
+        ((y / x).atan(), Box::new(move |most| speed().with_obstacle(left).with_incidence(most))),
     ];
     for (k, (limit, rule)) in cases.into_iter().enumerate() {
-        assert!(scene().with_rule(rule(limit + 1e-9)).replay(&plan).is_ok(), "{k}");
-        let found = refused(&scene().with_rule(rule(0.99 * limit)), &plan);
+        assert!(scene.clone().with_rule(rule(limit + 1e-9)).replay(&plan).is_ok(), "{k}");
+        let found = refused(&scene.clone().with_rule(rule(0.99 * limit)), &plan);
         assert!(found.contains("`rule`"), "{k}: {found}");
     }
     let count = |most| speed().with_count(most);
-    assert!(scene().with_rule(count(2)).replay(&plan).is_ok());
-    assert!(refused(&scene().with_rule(count(1)), &plan).contains("more hits"));
+    assert!(scene.clone().with_rule(count(2)).replay(&plan).is_ok());
+    assert!(refused(&scene.clone().with_rule(count(1)), &plan).contains("more hits"));
     // The hits are not in one step, so that this heals in time.
     let steps: Vec<usize> = plan.hits.iter().map(|hit| hit.step).collect();
-    assert!(scene().with_rule(count(1).with_window(steps[1] - steps[0])).replay(&plan).is_ok());
+    assert!(
+        scene.clone().with_rule(count(1).with_window(steps[1] - steps[0])).replay(&plan).is_ok()
+    );
     let window = steps[1] - steps[0] + 1;
-    assert!(scene().with_rule(count(1).with_window(window)).replay(&plan).is_err());
+    assert!(scene.clone().with_rule(count(1).with_window(window)).replay(&plan).is_err());
     // Rules of others, and prices, refuse nothing.
-    let other = speed().with_obstacle("side 1").with_per_hit(0.0).with_price(2.0);
-    assert!(scene().with_rule(other).replay(&plan).is_ok());
+    let other = speed().with_obstacle(right).with_per_hit(0.0).with_price(2.0);
+    assert!(scene.clone().with_rule(other).replay(&plan).is_ok());
 }
 
 #[test]
@@ -110,8 +113,8 @@ fn on_a_line_every_approach_is_along_the_normal() {
         .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, bounce()))
         .with_rule(rule);
     let program = scene.program(1).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    assert_eq!(program.certified(&solution).unwrap().hits.len(), 1);
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    assert_eq!(program.plan(&solution).unwrap().hits.len(), 1);
 }
 
 #[test]

@@ -169,16 +169,16 @@ fn lawful_hits_at_corners_in_space_are_certified() {
             scene = scene.with_obstacle(solid);
         }
         let Ok(mut program) = scene.program(2) else { continue };
-        let states = program.hybrid.states().to_vec();
+        let states = program.variables().states().to_vec();
         let wish: Affine = states.iter().map(|s| numbers.within(-1.0, 1.0) * s[2]).sum();
         let wish = wish - 5.0 * program.hits();
-        program.model.minimize(wish).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.minimize(wish).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         if solution.point().is_none() {
             continue;
         }
         plans += 1;
-        let plan = program.certified(&solution).unwrap();
+        let plan = program.plan(&solution).unwrap();
         corners += check(&plan, &walls);
         let gain = (0..plan.steps()).map(|step| gained(&plan, step)).fold(0.0, f64::max);
         assert!((plan.certificate.energy_gain - gain).abs() <= 1e-5);

@@ -107,8 +107,8 @@ fn template(faces: &[Vec<f64>], axes: usize) -> ScenePlan {
         estimate: ImpactEstimate::Sound,
     };
     let program = case.scene().plain_program(1).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    let plan = program.certified(&solution).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    let plan = program.plan(&solution).unwrap();
     assert_eq!(plan.hits.len(), 1);
     plan
 }
@@ -130,10 +130,10 @@ fn a_step_out_of_an_acute_corner_hits_nothing_that_it_does_not_enter() {
     let case = Case { push: vec![0.0, 0.0], ..case };
     let mut program = case.scene().plain_program(1).unwrap();
     let hits = program.hits();
-    program.model.maximize(hits).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    program.maximize(hits).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
     assert_eq!(solution.objective().map(f64::round), Some(0.0));
-    assert!(program.certified(&solution).unwrap().hits.is_empty());
+    assert!(program.plan(&solution).unwrap().hits.is_empty());
     let upper = case.scene().replay(&case.claim(&plan, 0));
     assert!(upper.is_err());
 }
@@ -162,10 +162,10 @@ fn hits_near_acute_corners_are_at_the_face_that_is_entered() {
         let scene = case.scene();
         let mut program = scene.plain_program(1).unwrap();
         let hits = program.hits();
-        program.model.maximize(hits).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.maximize(hits).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         if solution.point().is_some() {
-            let plan = program.certified(&solution).unwrap();
+            let plan = program.plan(&solution).unwrap();
             planned += plan.hits.len();
             for hit in &plan.hits {
                 assert!(case.passes_by(hit.face) <= 1e-3, "round {round}");

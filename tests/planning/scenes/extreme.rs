@@ -1,6 +1,6 @@
 //! Extreme plans: inputs at the ends of their range, where many plans are as good.
 
-use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::collision_tolerant::{PlanningOptions, Scenario};
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Surface};
 use carom::hybrid::{Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
@@ -16,7 +16,7 @@ fn plans_of_the_paper_switch_instead_of_turning() {
         if let Some(limits) = limits.clone() {
             scenario = scenario.with_damage(limits);
         }
-        let found = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
+        let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
         let plan = found.plan.unwrap();
         let extreme = plan.extreme(&scenario, &mut solver).unwrap();
         let (old, new) = (&plan.trajectory, &extreme.trajectory);

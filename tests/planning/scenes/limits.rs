@@ -81,12 +81,11 @@ fn explanations_name_the_obstacle() {
 fn bodies_in_the_plane_meet_along_four_normals_or_eight() {
     let normals = |first: Shape, second: Shape| {
         let other = Body::new("other", [Interval::new(0.0, 2.0); 2], 3.0, 3.0);
-        let system = Scene::new(0.1)
-            .with_body(body().with_shape(first))
-            .with_body(other.with_shape(second))
-            .with_pair("puck", "other", Surface::avoid())
-            .hybrid_system()
-            .unwrap();
+        let mut scene = Scene::new(0.1);
+        let puck = scene.body(body().with_shape(first)).unwrap();
+        let other = scene.body(other.with_shape(second)).unwrap();
+        scene.pair(puck, other, Surface::avoid()).unwrap();
+        let system = scene.hybrid_system().unwrap();
         system.choices[0].transitions.len()
     };
     let square = || Shape::Box(vec![0.1, 0.1]);
@@ -109,8 +108,8 @@ fn a_margin_keeps_steps_away_from_ties() {
             .with_margin(margin);
         let mut program = scene.program(1).unwrap();
         let wanted = program.hits();
-        program.model.add("wanted", wanted.equals(hits)).unwrap();
-        BranchAndBound::default().solve(&program.model).unwrap().point().is_some()
+        program.add("wanted", wanted.equals(hits)).unwrap();
+        BranchAndBound::default().solve(program.model()).unwrap().point().is_some()
     };
     assert!(least(0.0, 0.1, 0.0) && least(0.0, 0.1, 1.0));
     assert!(!least(0.001, 0.1, 0.0) && !least(0.001, 0.1, 1.0));

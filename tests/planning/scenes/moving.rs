@@ -12,9 +12,9 @@ fn bounce(e: f64) -> Surface {
 fn solved(scene: &Scene, steps: usize) -> ScenePlan {
     let mut program = scene.program(steps).unwrap();
     let hits = program.hits();
-    program.model.minimize(hits).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    program.certified(&solution).unwrap()
+    program.minimize(hits).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    program.plan(&solution).unwrap()
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! A scene on a line is the paper's program.
 
-use carom::collision_tolerant::{
-    Collisions, Objective, PlanningOptions, Scenario, plan, shortest_plan,
-};
+use carom::collision_tolerant::{Collisions, Objective, PlanningOptions, Scenario};
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
 use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
@@ -16,13 +14,12 @@ fn both_count_damage_alike() {
     let mut least = Vec::new();
     for estimate in [ImpactEstimate::EndOfStep, ImpactEstimate::Sound] {
         let scenario = scenario.clone().with_estimate(estimate);
-        let planned = plan(&scenario, 24, Objective::LargestDamage, &mut solver).unwrap();
-        let planned = planned.into_plan().unwrap();
+        let planned = scenario.plan(24, Objective::LargestDamage, &mut solver).unwrap();
         let mut program = scene(&scenario).with_estimate(estimate).program(24).unwrap();
         let largest = program.largest_impact().unwrap();
-        program.model.minimize(largest).unwrap();
-        let solution = solver.solve(&program.model).unwrap();
-        let replayed = program.certified(&solution).unwrap();
+        program.minimize(largest).unwrap();
+        let solution = solver.solve(program.model()).unwrap();
+        let replayed = program.plan(&solution).unwrap();
         let own = solution.objective().unwrap();
         assert!((own - planned.trajectory.largest_damage()).abs() < 1e-4, "{estimate:?}");
         assert!(replayed.hits.iter().all(|hit| hit.damage <= own + 1e-5));
@@ -57,7 +54,7 @@ fn limits_of_damage_and_other_goals_give_as_many_steps() {
         (paper.clone().with_goal_position(0.6), None),
         (paper.with_goal_position(0.9), None),
     ] {
-        let expected = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
+        let expected = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
         let mut own = scene(&scenario);
         if scenario.collisions == Collisions::Forbidden {
             own.obstacles = vec![Solid::halfspace("wall", [1.0], 0.0, Surface::avoid())];
@@ -78,7 +75,7 @@ fn a_scene_on_a_line_needs_as_many_steps_as_the_papers_planner() {
     for (restitution, time_step) in [(0.0, 0.05), (0.025, 0.02), (0.5, 0.025), (0.8, 0.05)] {
         let scenario = Scenario::paper().with_restitution(restitution).unwrap();
         let scenario = scenario.with_time_step(time_step);
-        let expected = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
+        let expected = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
         let found = scene(&scenario).shortest_plan(&ShortestOptions::default(), &mut solver);
         let found = found.unwrap();
         assert!(found.is_found() && found.waiting.is_free());

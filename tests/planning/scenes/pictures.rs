@@ -22,8 +22,8 @@ fn plan(axes: usize) -> (Scene, ScenePlan) {
     let scene =
         Scene::new(0.1).with_body(body).with_obstacle(wall).with_obstacle(gate.with_course(course));
     let program = scene.program(4).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    let plan = program.certified(&solution).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    let plan = program.plan(&solution).unwrap();
     (scene, plan)
 }
 

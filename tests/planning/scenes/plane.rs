@@ -47,10 +47,10 @@ fn friction_stays_in_its_cone() {
         let floor = Solid::halfspace("floor", [0.0, 1.0], 0.0, floor);
         let scene = Scene::new(0.05).with_body(ball).with_obstacle(floor);
         let mut program = scene.program(8).unwrap();
-        let speed = program.hybrid.state("ball vx").unwrap()[8];
-        program.model.minimize(speed).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
-        let plan = program.certified(&solution).unwrap();
+        let speed = program.variables().state("ball vx").unwrap()[8];
+        program.minimize(speed).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
+        let plan = program.plan(&solution).unwrap();
         assert_eq!(plan.hits.len(), 1);
         assert!(plan.certificate.cone_excess < 1e-6 && plan.certificate.energy_gain < 1e-6);
         let speed = plan.bodies[0].velocity[8][0];
@@ -93,15 +93,15 @@ fn two_discs_exchange_momentum() {
     let body = |name: &str, mass| {
         Body::new(name, lane, 3.0, 0.0).with_mass(mass).with_shape(Shape::Ball(0.1))
     };
-    let scene = Scene::new(0.125)
-        .with_body(body("a", 1.0).with_start(Region::point([0.5, 0.5, 1.0, 0.0])))
-        .with_body(body("b", 1.0).with_start(Region::point([1.5, 0.5, 0.0, 0.0])))
-        .with_pair("a", "b", bounce(1.0));
+    let mut scene = Scene::new(0.125);
+    let a = scene.body(body("a", 1.0).with_start([0.5, 0.5, 1.0, 0.0])).unwrap();
+    let b = scene.body(body("b", 1.0).with_start([1.5, 0.5, 0.0, 0.0])).unwrap();
+    scene.pair(a, b, bounce(1.0)).unwrap();
     let mut program = scene.program(16).unwrap();
     let hits = program.hits();
-    program.model.minimize(hits).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    let plan = program.certified(&solution).unwrap();
+    program.minimize(hits).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    let plan = program.plan(&solution).unwrap();
     assert_eq!(plan.hits.len(), 1);
     let end = |name| plan.body(name).unwrap().velocity.last().unwrap().clone();
     assert!((end("b")[0] - 1.0).abs() < 1e-6 && end("a")[0].abs() < 1e-6);

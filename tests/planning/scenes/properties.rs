@@ -122,12 +122,12 @@ proptest! {
         let scene = build(&case);
         // A start behind the slanted wall is refused.
         let Ok(mut program) = scene.program(4) else { return Ok(()) };
-        let states = program.hybrid.states().to_vec();
+        let states = program.variables().states().to_vec();
         let wish: Affine = states.iter().zip(&case.wish).map(|(s, w)| *w * s[4]).sum();
-        program.model.minimize(wish).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.minimize(wish).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         if solution.point().is_some() {
-            let plan = program.certified(&solution).unwrap();
+            let plan = program.plan(&solution).unwrap();
             let certificate = &plan.certificate;
             prop_assert!(certificate.largest_residual <= 1e-6);
             prop_assert!(certificate.energy_gain <= 1e-5 && certificate.cone_excess <= 1e-5);
@@ -150,8 +150,8 @@ fn errors_within_a_step_shrink_with_its_length() {
         let floor = Solid::halfspace("floor", [0.0, 1.0], 0.0, floor);
         let scene = Scene::new(time_step).with_body(ball).with_obstacle(floor);
         let program = scene.program((0.4 / time_step).round() as usize).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
-        let plan = program.certified(&solution).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
+        let plan = program.plan(&solution).unwrap();
         assert_eq!(plan.hits.len(), 1);
         plan.certificate.step_error / (9.81 * time_step * time_step)
     };
@@ -171,10 +171,10 @@ fn rules_limit_hits_sums_and_numbers() {
     let most = |rules: Vec<DamageRule>| {
         let scene = rules.into_iter().fold(scene.clone(), Scene::with_rule);
         let mut program = scene.program(12).unwrap();
-        let outputs = program.hybrid.output("impact speed").unwrap().to_vec();
-        program.model.maximize(outputs.into_iter().sum::<Affine>()).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
-        solution.point().map(|_| program.certified(&solution).unwrap())
+        let outputs = program.variables().output("impact speed").unwrap().to_vec();
+        program.maximize(outputs.into_iter().sum::<Affine>()).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
+        solution.point().map(|_| program.plan(&solution).unwrap())
     };
     let speed = |rule: DamageRule| rule.with_per_hit(1.0);
     let free = most(Vec::new()).unwrap();

@@ -95,7 +95,8 @@ fn random(numbers: &mut Numbers) -> Random {
     if with_pair {
         let normals: Vec<Vec<f64>> =
             (0..axes).flat_map(|i| [unit(axes, i, 1.0), unit(axes, i, -1.0)]).collect();
-        found.scene = found.scene.with_pair_along("b0", "b1", surface, normals.clone());
+        let [first, second] = ["b0", "b1"].map(|name| found.scene.body_named(name).unwrap());
+        found.scene.pair_along(first, second, surface, normals.clone()).unwrap();
         let faces = normals.into_iter().map(|n| (n, 2.0 * radius)).collect();
         let (name, bodies) = ("b0 and b1".to_owned(), vec![0, 1]);
         found.meetings.push(Meeting { name, bodies, faces, restitution: e, moves: still });
@@ -199,15 +200,15 @@ fn random_scenes_do_what_their_laws_say() {
         let random = random(&mut numbers);
         // Starts inside something are refused.
         let Ok(mut program) = random.scene.program(STEPS) else { continue };
-        let states = program.hybrid.states().to_vec();
+        let states = program.variables().states().to_vec();
         let wish: Affine = states.iter().map(|s| numbers.within(-1.0, 1.0) * s[STEPS]).sum();
         let wish = wish - 3.0 * program.hits();
-        program.model.minimize(wish).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.minimize(wish).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         if solution.point().is_none() {
             continue;
         }
-        let plan = program.certified(&solution).unwrap();
+        let plan = program.plan(&solution).unwrap();
         assert!(plan.certificate.largest_residual <= 1e-6 && plan.certificate.drift <= 1e-5);
         assert!(plan.certificate.momentum_error <= 1e-5);
         hits += (0..STEPS).map(|step| check(&random, &plan, step)).sum::<usize>();

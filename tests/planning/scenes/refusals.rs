@@ -96,35 +96,68 @@ fn numbers_out_of_range() {
 }
 
 #[test]
-fn names_that_nothing_has() {
+fn handles_and_names_that_nothing_has() {
     let scene = Scene::new(0.1).with_body(body());
-    let pair = scene.clone().with_pair("puck", "ghost", Surface::avoid());
-    assert!(matches!(error(&pair).kind(), ErrorKind::UnknownName { name, .. } if name == "ghost"));
-    let rule = DamageRule::new("r", DamageMeasure::ImpactSpeed).with_obstacle("ghost");
-    let rule = error(&scene.with_rule(rule));
-    assert!(matches!(rule.kind(), ErrorKind::UnknownName { name, .. } if name == "ghost"));
+    let ghost = scene.body_named("ghost").unwrap_err();
+    assert!(matches!(ghost.kind(), ErrorKind::UnknownName { name, .. } if name == "ghost"));
+    assert!(scene.obstacle_named("puck").is_err());
+    // Handles of another scene.
+    let mut other = Scene::new(0.1);
+    let foreign = other.body(body()).unwrap();
+    let wall = Solid::halfspace("wall", [1.0, 0.0], -1.0, Surface::avoid());
+    let wall = other.obstacle(wall).unwrap();
+    let is_foreign = |error: Error, own: &str| match error.kind() {
+        ErrorKind::ForeignHandle { kind, .. } => assert_eq!(*kind, own),
+        other => panic!("{other:?}"),
+    };
+    let puck = scene.body_named("puck").unwrap();
+    let mut paired = scene.clone();
+    is_foreign(paired.pair(puck, foreign, Surface::avoid()).unwrap_err(), "body");
+    let rule = || DamageRule::new("r", DamageMeasure::ImpactSpeed);
+    is_foreign(error(&scene.clone().with_rule(rule().with_obstacle(wall))), "obstacle");
+    is_foreign(error(&scene.clone().with_rule(rule().with_face(wall, 0))), "obstacle");
+    is_foreign(error(&scene.clone().with_rule(rule().with_body(foreign))), "body");
+    is_foreign(error(&scene.clone().with_rule(rule().with_pair(puck, foreign))), "body");
+    let program = scene.program(3).unwrap();
+    is_foreign(program.at(foreign.position(0), 0).unwrap_err(), "variable");
+    // An axis that there is none.
+    is_foreign(program.at(puck.position(2), 0).unwrap_err(), "variable");
+    is_foreign(program.at(puck.velocity(2), 0).unwrap_err(), "variable");
+    is_foreign(program.at(puck.acceleration(9), 0).unwrap_err(), "variable");
+    // Names that are taken, or are none.
+    let mut twice = scene.clone();
+    let again = twice.body(body()).unwrap_err();
+    assert!(matches!(again.kind(), ErrorKind::DuplicateName { .. }), "{again}");
+    let named = Solid::halfspace("puck", [1.0, 0.0], -1.0, Surface::avoid());
+    let again = twice.obstacle(named).unwrap_err();
+    assert!(matches!(again.kind(), ErrorKind::DuplicateName { .. }), "{again}");
+    let unnamed = twice.body(Body::new(" ", [0.0..=1.0, 0.0..=1.0], 1.0, 1.0)).unwrap_err();
+    assert!(matches!(unnamed.kind(), ErrorKind::InvalidName { .. }), "{unnamed}");
+    assert_eq!((twice.bodies.len(), twice.obstacles.len()), (1, 0));
 }
 
 #[test]
 fn pairs_that_are_none() {
     let second = Body::new("q", [Interval::new(0.0, 2.0); 2], 3.0, 3.0);
-    let scene = Scene::new(0.1).with_body(body()).with_body(second);
+    let mut scene = Scene::new(0.1);
+    let (puck, q) = (scene.body(body()).unwrap(), scene.body(second).unwrap());
     let along = |normal: Vec<f64>| {
-        refused(&scene.clone().with_pair_along("puck", "q", Surface::avoid(), [normal]))
+        let mut scene = scene.clone();
+        scene.pair_along(puck, q, Surface::avoid(), [normal]).unwrap();
+        refused(&scene)
     };
     let name = || "puck and q".to_owned();
     assert_eq!(along(vec![0.0, 0.0]), SceneError::Normal { obstacle: name(), face: 0 });
     assert_eq!(along(vec![1.0]), SceneError::Axes { name: name(), found: 1, expected: 2 });
-    let twice = scene.clone().with_pair("puck", "q", Surface::avoid());
-    let twice = error(&twice.with_pair("q", "puck", Surface::avoid()));
+    scene.pair(puck, q, Surface::avoid()).unwrap();
+    let twice = scene.pair(q, puck, Surface::avoid()).unwrap_err();
     assert!(matches!(twice.kind(), ErrorKind::DuplicateName { .. }), "{twice}");
-    let alone = error(&scene.clone().with_pair("puck", "puck", Surface::avoid()));
+    let alone = scene.pair(puck, puck, Surface::avoid()).unwrap_err();
     assert!(matches!(alone.kind(), ErrorKind::DuplicateName { .. }), "{alone}");
     // A body that is taken away later.
-    let mut without = scene.with_pair("puck", "q", Surface::avoid());
-    without.bodies.pop();
-    let gone = error(&without);
-    assert!(matches!(gone.kind(), ErrorKind::UnknownName { name, .. } if name == "q"), "{gone}");
+    scene.bodies.pop();
+    let gone = error(&scene);
+    assert!(matches!(gone.kind(), ErrorKind::ForeignHandle { kind: "body", .. }), "{gone}");
 }
 
 #[test]
@@ -140,13 +173,21 @@ fn starts_that_are_regions() {
     // Partly inside: plans start in the part outside, whatever counts of a step.
     for estimate in [ImpactEstimate::Sound, ImpactEstimate::EndOfStep] {
         let mut program = within(0.45, 0.9).with_estimate(estimate).program(2).unwrap();
-        let place = |axis: &str| program.hybrid.state(axis).unwrap()[0];
+        let place = |axis: &str| program.variables().state(axis).unwrap()[0];
         let middle = place("puck x") + place("puck y");
-        program.model.maximize(middle).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.maximize(middle).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         assert!((solution.objective().unwrap() - 1.4).abs() < 1e-5, "{estimate:?}");
-        assert!(program.certified(&solution).is_ok());
+        assert!(program.plan(&solution).is_ok());
     }
+}
+
+/// A rule about a second face of a half-space.
+fn face_that_is_none() -> Scene {
+    let mut scene = Scene::new(0.1).with_body(body());
+    let wall = Solid::halfspace("wall", [1.0, 0.0], -1.0, Surface::avoid());
+    let wall = scene.obstacle(wall).unwrap();
+    scene.with_rule(DamageRule::new("r", DamageMeasure::ImpactSpeed).with_face(wall, 1))
 }
 
 #[test]
@@ -183,7 +224,7 @@ fn numbers_that_are_none() {
         rule(speed().with_incidence(0.0)),
         rule(DamageRule::new("r", DamageMeasure::Convex(Vec::new()))),
         rule(DamageRule::new("r", DamageMeasure::Convex(vec![(-1.0, 0.0)]))),
-        rule(speed().with_face("wall", 0)),
+        face_that_is_none(),
         Scene::new(nan).with_body(body()),
         scene(body()).with_body(body()),
     ];

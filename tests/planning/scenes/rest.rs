@@ -83,8 +83,8 @@ fn a_bouncing_ball_comes_to_rest() {
     // It stays where it lies, and nothing hits any more.
     let scene = ball(bounce(0.8).with_rest(), 0.05, Region::point([0.0, 0.0]));
     let program = scene.program(70).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    let plan = program.certified(&solution).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    let plan = program.plan(&solution).unwrap();
     let last = plan.hits.iter().map(|hit| hit.step).max();
     assert!(last < Some(60), "{last:?}");
     let replayed = scene.replay(&plan).unwrap();
@@ -149,9 +149,9 @@ fn what_rests_slides_until_friction_stops_it_and_hits_walls() {
         .with_obstacle(Solid::halfspace("wall", [1.0, 0.0], 0.0, bounce(0.5)));
     let mut program = scene.program(10).unwrap();
     let hits = program.hits();
-    program.model.minimize(hits).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    let plan = program.certified(&solution).unwrap();
+    program.minimize(hits).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    let plan = program.plan(&solution).unwrap();
     let names: Vec<&str> = plan.hits.iter().map(|hit| &hit.contact[..]).collect();
     assert_eq!(names, ["crate at wall"]);
     let speeds: Vec<f64> = plan.bodies[0].velocity.iter().map(|v| v[0]).collect();
@@ -222,14 +222,14 @@ fn random_plans_with_rest_are_lawful() {
             .with_obstacle(Solid::halfspace("floor", normal, 0.0, surface))
             .with_estimate(estimate);
         let mut program = scene.program(4).unwrap();
-        let states = program.hybrid.states().to_vec();
+        let states = program.variables().states().to_vec();
         let wish: Affine = states.iter().map(|s| numbers.within(-1.0, 1.0) * s[4]).sum();
-        program.model.minimize(wish).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.minimize(wish).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         if solution.point().is_none() {
             continue;
         }
-        let plan = program.certified(&solution).unwrap();
+        let plan = program.plan(&solution).unwrap();
         plans += 1;
         let path = &plan.bodies[0];
         for t in 0..plan.steps() {

@@ -13,8 +13,8 @@ fn bounce(e: f64) -> Surface {
 }
 
 fn solved(program: &SceneProgram) -> Option<ScenePlan> {
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    solution.point().map(|_| program.certified(&solution).unwrap())
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    solution.point().map(|_| program.plan(&solution).unwrap())
 }
 
 /// Between two walls, 0.4 m apart, in 10 steps of 0.1 s: the most hits that a rule allows.
@@ -25,10 +25,10 @@ fn most_hits(rule: DamageRule) -> ScenePlan {
     // Without such a limit, a body at rest at a wall "hits" it in every step.
     let touch = vec![0.05; 10];
     let mut program = scene.with_rule(rule).program(10).unwrap();
-    let outputs = program.hybrid.output("impact speed").unwrap().to_vec();
+    let outputs = program.variables().output("impact speed").unwrap().to_vec();
     let reward: Affine = outputs.iter().cloned().zip(touch).map(|(f, w)| w * f).sum();
     let goal = program.hits() + reward;
-    program.model.maximize(goal).unwrap();
+    program.maximize(goal).unwrap();
     solved(&program).unwrap()
 }
 
@@ -70,9 +70,9 @@ fn steep(estimate: ImpactEstimate, angle: f64) -> Option<ScenePlan> {
     let scene = Scene::new(0.1).with_body(body).with_obstacle(floor).with_rule(rule);
     let mut program = scene.with_estimate(estimate).program(4).unwrap();
     let hits = program.hits();
-    program.model.add("once", hits.equals(1.0)).unwrap();
-    let place = program.hybrid.state("p x").unwrap()[4];
-    program.model.maximize(place).unwrap();
+    program.add("once", hits.equals(1.0)).unwrap();
+    let place = program.variables().state("p x").unwrap()[4];
+    program.maximize(place).unwrap();
     solved(&program)
 }
 
@@ -98,14 +98,14 @@ fn rules_of_one_face_leave_others_alone() {
     let pillar = [Interval::new(-0.1, 0.1), Interval::new(-0.5, 0.5)];
     let most = |face: usize| {
         let body = Body::new("p", room, 3.0, 3.0).with_start(Region::point([-0.5, 0.0, 1.0, 0.0]));
-        let rule = DamageRule::new("r", DamageMeasure::NormalImpulse).with_face("pillar", face);
-        let scene = Scene::new(0.1)
-            .with_body(body)
-            .with_obstacle(Solid::cuboid("pillar", &pillar, bounce(0.5)))
-            .with_rule(rule.with_per_hit(0.6));
+        let mut scene = Scene::new(0.1).with_body(body);
+        let pillar = scene.obstacle(Solid::cuboid("pillar", &pillar, bounce(0.5))).unwrap();
+        let rule = DamageRule::new("r", DamageMeasure::NormalImpulse).with_face(pillar, face);
+        let scene = scene.with_rule(rule.with_per_hit(0.6));
         let mut program = scene.program(5).unwrap();
-        let goal = program.hybrid.output("impact speed").unwrap().iter().cloned().sum::<Affine>();
-        program.model.maximize(goal).unwrap();
+        let goal =
+            program.variables().output("impact speed").unwrap().iter().cloned().sum::<Affine>();
+        program.maximize(goal).unwrap();
         solved(&program).unwrap().hits.iter().map(|hit| hit.damage).fold(0.0, f64::max)
     };
     // Face 0 is the left one; (1 + e) m f <= 0.6 N s.
@@ -125,7 +125,7 @@ fn objectives_in_turn_keep_what_the_first_ones_reached() {
     let mut solver = BranchAndBound::default();
     let found = program.minimize_in_turn(&[damage], effort, &mut solver).unwrap();
     assert!(found.is_optimal());
-    let plan = program.certified(&found).unwrap();
+    let plan = program.plan(&found).unwrap();
     let largest = plan.hits.iter().map(|hit| hit.damage).fold(0.0, f64::max);
     let least = scene.mitigate(8, &mut solver).unwrap();
     assert!((largest - least.bound).abs() < 1e-4, "{largest} {}", least.bound);

@@ -44,10 +44,10 @@ fn has_same_optimum(scene: &Scene, steps: usize) -> bool {
     let mut found = Vec::new();
     for mut program in [scene.program(steps).unwrap(), scene.plain_program(steps).unwrap()] {
         let effort = program.effort().unwrap();
-        program.model.minimize(effort).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.minimize(effort).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         if solution.point().is_some() {
-            program.certified(&solution).unwrap();
+            program.plan(&solution).unwrap();
         }
         found.push((solution.termination(), solution.objective()));
     }
@@ -87,7 +87,7 @@ fn a_refuted_program_says_so_at_once() {
         .with_goal(Region::point([8.0, 0.0]));
     let scene = Scene::new(0.1).with_body(body).with_room("end", &lane, bounce(0.5));
     let program = scene.program(30).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
     assert_eq!(solution.termination(), Termination::Infeasible);
     assert_eq!(solution.statistics().relaxations, 0);
     assert!(scene.reach_sets().unwrap().explain(30).unwrap().is_some());
@@ -108,8 +108,8 @@ fn axes_that_are_independent_are_solved_one_after_the_other() {
     let mut found = Vec::new();
     for mut program in [scene.program(15).unwrap(), scene.plain_program(15).unwrap()] {
         let effort = program.effort().unwrap();
-        program.model.minimize(effort).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        program.minimize(effort).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
         assert_eq!(solution.statistics().blocks, 2);
         found.push((solution.objective().unwrap(), solution.statistics().nodes));
     }
@@ -163,15 +163,15 @@ fn programs_in_which_all_is_avoided_know_what_sets_say() {
     let (too_few, enough) = (scene.program(28).unwrap(), scene.program(29).unwrap());
     let mut solver = BranchAndBound::default();
     solver.options_mut().node_limit = Some(100);
-    let solution = solver.solve(&too_few.model).unwrap();
+    let solution = solver.solve(too_few.model()).unwrap();
     assert_eq!(solution.termination(), Termination::Infeasible);
     assert!(solution.statistics().nodes <= 20, "{}", solution.statistics().nodes);
-    let solution = solver.solve(&enough.model).unwrap();
-    enough.certified(&solution).unwrap();
+    let solution = solver.solve(enough.model()).unwrap();
+    enough.plan(&solution).unwrap();
     // Sets fix binaries of faces that lie behind.
     let open = |model: &Model| model.variables().filter(|v| v.bounds().width() > 0.0).count();
     let plain = scene.plain_program(29).unwrap();
-    assert!(open(&enough.model) + 100 < open(&plain.model));
+    assert!(open(enough.model()) + 100 < open(plain.model()));
 }
 
 /// A drone or two that avoid slanted faces and each other.
@@ -189,7 +189,8 @@ fn random_avoiding(numbers: &mut Numbers) -> Scene {
     };
     let mut scene = Scene::new(0.25).with_body(drone("a", &from, &to));
     if pair {
-        scene = scene.with_body(drone("b", &to, &from)).with_pair("a", "b", Surface::avoid());
+        let (a, b) = (scene.body_named("a").unwrap(), scene.body(drone("b", &to, &from)).unwrap());
+        scene.pair(a, b, Surface::avoid()).unwrap();
     }
     let (x, y) = (numbers.within(1.2, 1.8), numbers.within(0.5, 1.5));
     let mut faces = |count: usize| {
@@ -247,10 +248,10 @@ fn slanted_faces_leave_sets_of_each_axis() {
     );
     // Too far for the time.
     let program = scene.program(20).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
     assert_eq!(solution.termination(), Termination::Infeasible);
     assert_eq!(solution.statistics().relaxations, 0);
     let widths = |model: &Model| model.variables().map(|v| v.bounds().width()).sum::<f64>();
     let (program, plain) = (scene.program(26).unwrap(), scene.plain_program(26).unwrap());
-    assert!(widths(&program.model) < 0.8 * widths(&plain.model));
+    assert!(widths(program.model()) < 0.8 * widths(plain.model()));
 }

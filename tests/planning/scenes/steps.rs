@@ -83,7 +83,9 @@ impl Kind {
             let radius = Shape::Ball(0.05);
             let mut scene = scene.with_body(body("q").with_mass(3.0).with_shape(radius.clone()));
             scene.bodies[0].shape = radius;
-            return scene.with_pair_along("p", "q", surface, normals);
+            let [p, q] = ["p", "q"].map(|name| scene.body_named(name).unwrap());
+            scene.pair_along(p, q, surface, normals).unwrap();
+            return scene;
         }
         let solid = Solid::polytope("s", self.faces.clone(), surface);
         let place = |t: f64| -> Vec<f64> { self.moves.iter().map(|w| w * TIME_STEP * t).collect() };
@@ -217,11 +219,11 @@ fn damage_covers_motion_that_is_no_parabola() {
         scene.bodies[0].start = Some(Region::point([x, v]));
         let mut program = scene.program(2).unwrap();
         let push = numbers.within(-1.0, 1.0);
-        let inputs = program.hybrid.inputs()[0].clone();
+        let inputs = program.variables().inputs()[0].clone();
         let wish: Affine = inputs.iter().map(|u| push * u).sum();
-        program.model.minimize(wish).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
-        let plan = program.certified(&solution).unwrap();
+        program.minimize(wish).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
+        let plan = program.plan(&solution).unwrap();
         let path = &plan.bodies[0];
         for hit in &plan.hits {
             let t = hit.step;

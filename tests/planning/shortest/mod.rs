@@ -20,8 +20,8 @@ mod random_scenarios;
 mod scenes;
 mod statements;
 
-use carom::collision_tolerant::{PlanningOptions, Scenario, ShortestPlan, shortest_plan};
-use carom::hybrid::{ShortestOptions, ShortestStatus};
+use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
+use carom::hybrid::{self, ShortestOptions, ShortestStatus};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -50,13 +50,17 @@ fn options(max_steps: usize) -> PlanningOptions {
 
 /// As [`answer`], with other options.
 fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<Shortest, String> {
-    let found = shortest_plan(scenario, options, &mut BranchAndBound::default())
+    let found = scenario
+        .shortest_plan(options, &mut BranchAndBound::default())
         .map_err(|error| error.to_string())?;
     match found.status {
-        ShortestStatus::Found if options.fewest_impacts && !found.fewest_impacts => {
-            Err("the impacts are not minimised".into())
+        ShortestStatus::Found => {
+            let is_fewest = found.plan.as_ref().is_some_and(|plan| plan.fewest_impacts);
+            match options.fewest_impacts && !is_fewest {
+                true => Err("the impacts are not minimised".into()),
+                false => checked(scenario, &found),
+            }
         }
-        ShortestStatus::Found => checked(scenario, &found),
         ShortestStatus::NoneWithin { max_steps } => {
             let nothing = found.steps.is_none() && found.plan.is_none();
             if nothing && found.refuted_steps == Some(max_steps) {
@@ -70,7 +74,7 @@ fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<Shortes
 }
 
 /// A plan that was found.
-fn checked(scenario: &Scenario, found: &ShortestPlan) -> Result<Shortest, String> {
+fn checked(scenario: &Scenario, found: &hybrid::Shortest<Plan>) -> Result<Shortest, String> {
     let steps = found.steps.ok_or("found without steps")?;
     let plan = found.plan.as_ref().ok_or("found without a plan")?;
     if found.refuted_steps.unwrap_or(0) + 1 != steps {

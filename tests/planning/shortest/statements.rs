@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::config;
-use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::collision_tolerant::{PlanningOptions, Scenario};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
     HorizonModel, HybridSystem, Region, ShortestOptions, State, Waiting, When, shortest_horizon,
@@ -245,7 +245,7 @@ fn scenes_take_windows_and_rows() {
 fn the_planner_of_the_paper_takes_rows() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let mut solver = BranchAndBound::default();
-    let plain = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
+    let plain = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
     let fastest = |velocity: &[f64]| velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let limit = 0.8 * fastest(&plain.plan.as_ref().unwrap().trajectory.velocity);
     let search = ShortestOptions::default().with_max_steps(400).with_rows(move |program| {
@@ -254,7 +254,7 @@ fn the_planner_of_the_paper_takes_rows() {
         program.require("calm", calm, When::Throughout(0..=program.steps()))
     });
     let options = PlanningOptions::default().with_search(search);
-    let calm = shortest_plan(&scenario, &options, &mut solver).unwrap();
+    let calm = scenario.shortest_plan(&options, &mut solver).unwrap();
     assert!(calm.is_found() && calm.steps > plain.steps, "{:?} {:?}", calm.steps, plain.steps);
     assert!(fastest(&calm.plan.unwrap().trajectory.velocity) <= limit + 1e-5);
 }

@@ -1,6 +1,7 @@
 //! Hybrid systems, stated once: simulation, certificates, flaws, constructors, texts.
 
 mod certify;
+mod complementarity;
 mod constructors;
 mod flaws;
 mod handles;

@@ -1,6 +1,6 @@
 //! Explanations of plans beside a wall: 40 steps that are too few.
 
-use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
+use carom::collision_tolerant::{Endpoint, Objective, Scenario};
 use carom::explain::{ExplainOptions, Explanation, infeasibility, violations};
 use carom::hybrid::scene::{DamageMeasure, DamageRule};
 use carom::hybrid::{Contact, ContactLaw, HybridSystem, ImpactEstimate, Restitution, Wall};
@@ -122,8 +122,8 @@ fn a_damage_limit_is_named_with_its_steps() {
 #[test]
 fn the_papers_own_program_is_explained() {
     let scenario = Scenario::paper().with_time_step(0.05);
-    let program = PlanningProgram::explainable(&scenario, STEPS).unwrap();
-    let why = explain(&program.model);
+    let program = scenario.explainable_program(STEPS).unwrap();
+    let why = explain(program.model());
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert_eq!(
         names(&why),
@@ -132,23 +132,23 @@ fn the_papers_own_program_is_explained() {
 
     let limits = DamageRule::default().with_per_hit(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
-    let program = PlanningProgram::explainable(&scenario, STEPS).unwrap();
-    let why = explain(&program.model);
+    let program = scenario.explainable_program(STEPS).unwrap();
+    let why = explain(program.model());
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert!(names(&why).contains(&"damage_limit") && names(&why).contains(&"goal_position"));
 
     // Too short for braking in time, and flying through the wall would not help.
     let careful = Scenario::paper().with_time_step(0.06).collision_free();
-    let program = PlanningProgram::explainable(&careful, STEPS).unwrap();
-    let why = explain(&program.model);
+    let program = careful.explainable_program(STEPS).unwrap();
+    let why = explain(program.model());
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert!(!names(&why).contains(&"wall"));
 
     // Long enough, but too fast to stop before the wall.
     let start = Endpoint::at_rest(2.0).with_velocity(-8.0);
     let careful = careful.with_start(start).with_time_step(0.1);
-    let program = PlanningProgram::explainable(&careful, STEPS).unwrap();
-    let why = explain(&program.model);
+    let program = careful.explainable_program(STEPS).unwrap();
+    let why = explain(program.model());
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert_eq!(names(&why), ["start_position", "start_velocity", "acceleration", "wall"]);
 }
@@ -157,8 +157,8 @@ fn the_papers_own_program_is_explained() {
 #[test]
 fn a_program_for_planning_blames_its_domains() {
     let scenario = Scenario::paper().with_time_step(0.05);
-    let program = PlanningProgram::build(&scenario, STEPS, Objective::Feasibility).unwrap();
-    let why = explain(&program.model);
+    let program = scenario.program(STEPS, Objective::Feasibility).unwrap();
+    let why = explain(program.model());
     assert!(why.is_irreducible() && why.groups().is_empty());
     assert!(why.domains().iter().any(|name| name.to_string() == "x[40]"), "{why}");
 }
@@ -170,10 +170,10 @@ fn explainable_programs_agree_with_the_fast_ones() {
         let scenario = Scenario::paper().with_time_step(0.2).with_law(law);
         let scenario = scenario.with_restitution(e).unwrap();
         for steps in 10..15 {
-            let fast = PlanningProgram::build(&scenario, steps, Objective::Feasibility);
-            let stated = PlanningProgram::explainable(&scenario, steps).unwrap();
+            let fast = scenario.program(steps, Objective::Feasibility);
+            let stated = scenario.explainable_program(steps).unwrap();
             let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
-            let (fast, stated) = (solve(&fast.unwrap().model), solve(&stated.model));
+            let (fast, stated) = (solve(fast.unwrap().model()), solve(stated.model()));
             assert_eq!(fast.is_infeasible(), stated.is_infeasible(), "{law:?}, {steps} steps");
         }
     }
@@ -207,10 +207,10 @@ fn explainable_programs_have_the_rules_of_the_fast_ones() {
             let scenario = scenario.with_estimate(estimate).with_restitution(0.3).unwrap();
             let scenario = scenario.with_damage(rule.clone());
             for steps in 11..16 {
-                let fast = PlanningProgram::build(&scenario, steps, Objective::Feasibility);
-                let stated = PlanningProgram::explainable(&scenario, steps).unwrap();
+                let fast = scenario.program(steps, Objective::Feasibility);
+                let stated = scenario.explainable_program(steps).unwrap();
                 let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
-                let (fast, stated) = (solve(&fast.unwrap().model), solve(&stated.model));
+                let (fast, stated) = (solve(fast.unwrap().model()), solve(stated.model()));
                 let is_none = fast.is_infeasible();
                 assert_eq!(is_none, stated.is_infeasible(), "{law:?}, {rule:?}, {steps} steps");
                 verdicts[usize::from(is_none)] += 1;

@@ -6,6 +6,8 @@ use super::{MISS, Played};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::scene::error::SceneError;
 use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::handles::BodyHandle;
+use crate::hybrid::scene::place::Where;
 use crate::hybrid::scene::rule::{DamageMeasure, DamageRule};
 use crate::tolerance::margin_scale;
 
@@ -56,21 +58,19 @@ impl Played<'_> {
     }
 
     fn counted(&self, rule: &DamageRule) -> Vec<Counted> {
-        let scene = self.world.scene;
         let mut all = Vec::new();
         for step in 0..self.inputs.len() {
             for (touch, face, number) in self.claimed(step) {
                 let shares = self.world.shares(touch);
-                let mut names: Vec<&String> =
-                    shares.iter().map(|(body, _)| &scene.bodies[*body].name).collect();
-                let is_of_body = rule.body.as_ref().is_none_or(|body| names.contains(&body));
-                if let Touch::Obstacle(_, obstacle) = touch {
-                    names.push(&scene.obstacles[obstacle].name);
-                }
-                let is_there = rule.at.as_ref().is_none_or(|(name, number)| {
-                    names.contains(&name) && number.is_none_or(|number| number == face)
+                let Where { bodies, obstacle, face: own_face } = &rule.place;
+                let involves =
+                    |own: &BodyHandle| shares.iter().any(|(body, _)| *body == own.number);
+                let is_of_bodies = bodies.iter().flatten().all(involves);
+                let is_there = obstacle.is_none_or(|own| match touch {
+                    Touch::Obstacle(_, obstacle) => obstacle == own.number,
+                    Touch::Pair(_) => false,
                 });
-                if is_of_body && is_there {
+                if is_of_bodies && is_there && own_face.is_none_or(|own| own == face) {
                     let speed = self.hits[number].damage;
                     let speed = (speed - MISS * margin_scale(speed, 0.0)).max(0.0);
                     let damage = self.measured(rule, touch, face, speed);

@@ -1,85 +1,81 @@
 //! Transitions as affine functions of the state and the input at the start of a step.
 
-use std::ops::Range;
-
-use faer::Mat;
-
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, HybridSystem, Transition};
 use crate::interval::Interval;
 
 /// An affine function of `z = (state, input)`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Map {
-    pub(super) factors: Vec<f64>,
-    pub(super) constant: f64,
+pub(in crate::hybrid) struct Map {
+    pub(in crate::hybrid) factors: Vec<f64>,
+    pub(in crate::hybrid) constant: f64,
 }
 
 impl Map {
-    pub(super) fn constant(width: usize, constant: f64) -> Self {
+    pub(in crate::hybrid) fn constant(width: usize, constant: f64) -> Self {
         Map { factors: vec![0.0; width], constant }
     }
 
-    pub(super) fn is_constant(&self) -> bool {
+    pub(in crate::hybrid) fn is_constant(&self) -> bool {
         self.factors.iter().all(|&factor| factor == 0.0)
     }
 
-    pub(super) fn is_zero(&self) -> bool {
+    pub(in crate::hybrid) fn is_zero(&self) -> bool {
         self.constant == 0.0 && self.is_constant()
     }
 
     /// Adds a multiple of another map.
-    pub(super) fn add(&mut self, factor: f64, other: &Map) {
+    pub(in crate::hybrid) fn add(&mut self, factor: f64, other: &Map) {
         self.constant += factor * other.constant;
         self.factors.iter_mut().zip(&other.factors).for_each(|(own, its)| *own += factor * its);
     }
 
-    pub(super) fn minus(&self, other: &Map) -> Map {
+    pub(in crate::hybrid) fn minus(&self, other: &Map) -> Map {
         let mut difference = self.clone();
         difference.add(-1.0, other);
         difference
     }
 
-    pub(super) fn scaled(&self, factor: f64) -> Map {
+    pub(in crate::hybrid) fn scaled(&self, factor: f64) -> Map {
         let factors = self.factors.iter().map(|a| factor * a).collect();
         Map { factors, constant: factor * self.constant }
     }
 
     /// All its numbers: the factors, then the constant.
-    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+    pub(in crate::hybrid) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.factors.iter().copied().chain([self.constant])
     }
 
     /// Its value in numbers.
-    pub(super) fn at(&self, z: &[f64]) -> f64 {
+    pub(in crate::hybrid) fn at(&self, z: &[f64]) -> f64 {
         self.factors.iter().zip(z).map(|(a, z)| a * z).sum::<f64>() + self.constant
     }
 }
 
 /// A guard `map <= 0` of a transition.
-#[derive(Debug, Clone)]
-pub(super) struct Guard {
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::hybrid) struct Guard {
     /// Its position: the guards at the start, then those on the prediction.
-    pub(super) number: usize,
-    pub(super) map: Map,
-    pub(super) is_limit: bool,
+    pub(in crate::hybrid) number: usize,
+    pub(in crate::hybrid) map: Map,
+    pub(in crate::hybrid) is_limit: bool,
 }
 
 /// A transition at one step.
-#[derive(Debug, Clone)]
-pub(super) struct Behaviour {
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::hybrid) struct Behaviour {
     /// The next state.
-    pub(super) next: Vec<Map>,
+    pub(in crate::hybrid) next: Vec<Map>,
     /// The outputs, by the choice's list of names.
-    pub(super) outputs: Vec<Map>,
+    pub(in crate::hybrid) outputs: Vec<Map>,
     /// The guards that say something at this step.
-    pub(super) guards: Vec<Guard>,
+    pub(in crate::hybrid) guards: Vec<Guard>,
     /// The ranges of the inputs; the transition may set its own.
-    pub(super) inputs: Vec<Interval>,
+    pub(in crate::hybrid) inputs: Vec<Interval>,
 }
 
 /// The names of a choice's outputs, in the order in which its transitions name them.
-pub(super) fn output_names(transitions: &[Transition]) -> Vec<&str> {
+pub(in crate::hybrid) fn output_names(transitions: &[Transition]) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for output in transitions.iter().flat_map(|transition| &transition.outputs) {
         if !names.contains(&output.name.as_str()) {
@@ -90,20 +86,33 @@ pub(super) fn output_names(transitions: &[Transition]) -> Vec<&str> {
 }
 
 /// The rows of a flow.
-pub(super) fn flow(system: &LinearSystem) -> Vec<Map> {
+pub(in crate::hybrid) fn flow(system: &LinearSystem) -> Vec<Map> {
     let (n, m) = (system.states(), system.inputs());
-    let entry = |matrix: &Mat<f64>, i: usize, range: Range<usize>| -> Vec<f64> {
-        range.map(|j| matrix[(i, j)]).collect()
-    };
-    let row = |i: usize| Map {
-        factors: [entry(system.a().faer(), i, 0..n), entry(system.b().faer(), i, 0..m)].concat(),
-        constant: system.c()[i],
+    let row = |i: usize| {
+        let from_states = (0..n).map(|j| system.a()[(i, j)]);
+        let factors = from_states.chain((0..m).map(|j| system.b()[(i, j)])).collect();
+        Map { factors, constant: system.c()[i] }
     };
     (0..n).map(row).collect()
 }
 
+/// The next state, where each of several choices adds what it changes about the common flow.
+pub(in crate::hybrid) fn sum(common: Option<&[Map]>, parts: &[&[Map]]) -> Vec<Map> {
+    let Some((first, others)) = parts.split_first() else { return Vec::new() };
+    let mut next = first.to_vec();
+    for (i, next) in next.iter_mut().enumerate() {
+        for part in others {
+            next.add(1.0, &part[i]);
+            if let Some(common) = common {
+                next.add(-1.0, &common[i]);
+            }
+        }
+    }
+    next
+}
+
 /// `factors . maps + constant`.
-pub(super) fn combine<'a>(
+pub(in crate::hybrid) fn combine<'a>(
     factors: impl IntoIterator<Item = f64>,
     maps: impl IntoIterator<Item = &'a Map>,
     width: usize,
@@ -116,7 +125,7 @@ pub(super) fn combine<'a>(
 }
 
 /// `normal . z - limit`, of a half-space at a step; `None` if it limits nothing there.
-pub(super) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option<Map> {
+pub(in crate::hybrid) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option<Map> {
     let limit = halfspace.limit_at(step);
     let mut factors = halfspace.normal.clone();
     factors.resize(width, 0.0);
@@ -124,7 +133,7 @@ pub(super) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option
 }
 
 /// A transition of a checked system at a step, with the ranges of the inputs in it.
-pub(super) fn behaviour(
+pub(in crate::hybrid) fn behaviour(
     system: &HybridSystem,
     transition: &Transition,
     outputs: &[&str],
