@@ -109,7 +109,7 @@ fn at_root(
     let tree = Tree::new(task, &root, start, search_nested, 1);
     let mut ctx = Context::new(TreeView::immediate(&tree, 0));
     look(&mut ctx);
-    tree.take_in(&mut tree.lock(), ctx.tree.take_share());
+    tree.take_in(&mut tree.lock(), ctx.tree.take_report());
     ctx.retire();
     tree.into_found()
 }

@@ -277,13 +277,13 @@ impl<'a> Tree<'a> {
     }
 
     /// Takes in the finds of a worker.
-    pub(super) fn take_in(&self, state: &mut TreeState, share: WorkerReport) {
-        state.statistics.add(&share.statistics);
-        state.closed = state.closed.min(share.closed.unwrap_or(f64::INFINITY));
-        state.stalled = state.stalled.min(share.stalled.unwrap_or(f64::INFINITY));
-        state.leaves.extend(share.leaves);
-        state.proofs.extend(share.proofs);
-        state.forks.extend(share.forks);
+    pub(super) fn take_in(&self, state: &mut TreeState, report: WorkerReport) {
+        state.statistics.add(&report.statistics);
+        state.closed = state.closed.min(report.closed.unwrap_or(f64::INFINITY));
+        state.stalled = state.stalled.min(report.stalled.unwrap_or(f64::INFINITY));
+        state.leaves.extend(report.leaves);
+        state.proofs.extend(report.proofs);
+        state.forks.extend(report.forks);
     }
 
     /// Adds an open node.

@@ -26,7 +26,7 @@ pub(super) struct TreeView<'a> {
     pub(super) tree: &'a Tree<'a>,
     pub(super) id: usize,
     exchange: Exchange,
-    share: RefCell<WorkerReport>,
+    report: RefCell<WorkerReport>,
     found_by: Cell<Heuristic>,
     /// The last point that the integers of the start led to.
     last_found: RefCell<Option<Vec<f64>>>,
@@ -78,7 +78,7 @@ impl<'a> TreeView<'a> {
             tree,
             id,
             exchange,
-            share: RefCell::default(),
+            report: RefCell::default(),
             found_by: Cell::new(Heuristic::Leaf),
             last_found: RefCell::default(),
         }
@@ -163,7 +163,7 @@ impl<'a> TreeView<'a> {
     /// Attributes points to this source until [`end`](Self::end) is called with the returned state.
     pub(super) fn begin(&self, source: Heuristic) -> HeuristicRun {
         self.count(|s| s.heuristics.of_mut(source).calls += 1);
-        let relaxations = self.share.borrow().statistics.relaxations;
+        let relaxations = self.report.borrow().statistics.relaxations;
         HeuristicRun { before: self.found_by.replace(source), relaxations, since: Instant::now() }
     }
 
@@ -221,20 +221,20 @@ impl<'a> TreeView<'a> {
 
     /// Notes the bound of a subtree that is closed without being infeasible.
     pub(super) fn close(&self, bound: f64) {
-        let mut share = self.share.borrow_mut();
-        share.closed = Some(share.closed.map_or(bound, |old| old.min(bound)));
+        let mut report = self.report.borrow_mut();
+        report.closed = Some(report.closed.map_or(bound, |old| old.min(bound)));
     }
 
     /// Notes the bound of a subtree that could be neither finished nor split.
     pub(super) fn stall(&self, bound: f64) {
-        let mut share = self.share.borrow_mut();
-        share.stalled = Some(share.stalled.map_or(bound, |old| old.min(bound)));
+        let mut report = self.report.borrow_mut();
+        report.stalled = Some(report.stalled.map_or(bound, |old| old.min(bound)));
     }
 
     /// Keeps an end of the tree, if they are asked for.
     pub(super) fn keep_leaf(&self, path: &Path, bound: f64) {
         if self.tree.task.options.keep_leaves {
-            self.share.borrow_mut().leaves.push((path.clone(), bound));
+            self.report.borrow_mut().leaves.push((path.clone(), bound));
         }
     }
 
@@ -251,16 +251,16 @@ impl<'a> TreeView<'a> {
     /// Keeps the multipliers that closed a node, if there is room.
     pub(super) fn keep_proof(&self, proof: impl FnOnce() -> Proof) {
         if self.tree.has_room_for_proof() {
-            self.share.borrow_mut().proofs.push(proof());
+            self.report.borrow_mut().proofs.push(proof());
         }
     }
 
     /// Keeps the split of a node, if there is room.
     pub(super) fn keep_fork(&self, fork: impl FnOnce() -> Fork) {
         if self.keeps_proofs() && self.tree.task.options.memory_limit.is_none() {
-            let mut share = self.share.borrow_mut();
+            let mut report = self.report.borrow_mut();
             if self.tree.ids.load(Ordering::Relaxed) < Fork::MOST_NODES {
-                share.forks.push(fork());
+                report.forks.push(fork());
             }
         }
     }
@@ -271,12 +271,12 @@ impl<'a> TreeView<'a> {
     }
 
     pub(super) fn count(&self, update: impl FnOnce(&mut Statistics)) {
-        update(&mut self.share.borrow_mut().statistics);
+        update(&mut self.report.borrow_mut().statistics);
     }
 
     /// Takes the finds since the last call.
-    pub(super) fn take_share(&self) -> WorkerReport {
-        self.share.take()
+    pub(super) fn take_report(&self) -> WorkerReport {
+        self.report.take()
     }
 
     /// Starts a round at the tree's present cutoff.

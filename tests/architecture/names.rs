@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::{code, first_name, sources};
 
 /// Types and traits that still share their name with another one.
-const SHARED_TYPES: [&str; 24] = [
+const SHARED_TYPES: [&str; 23] = [
     "Context",
     "Cut",
     "Facet",
@@ -24,7 +24,6 @@ const SHARED_TYPES: [&str; 24] = [
     "Multipliers",
     "Names",
     "Pair",
-    "Place",
     "Plan",
     "Polyhedron",
     "Question",

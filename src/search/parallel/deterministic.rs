@@ -157,9 +157,9 @@ fn put_together(tree: &Tree<'_>, slots: &Slots<'_>, assigned: &[usize]) {
     for &id in assigned {
         let mut slot = lock(&slots[id]);
         let Slot { worker: Some(worker), plunge, .. } = &mut *slot else { continue };
-        let share = worker.tree().take_share();
-        state.started += share.statistics.nodes;
-        tree.take_in(&mut state, share);
+        let report = worker.tree().take_report();
+        state.started += report.statistics.nodes;
+        tree.take_in(&mut state, report);
         let round = worker.tree().end_round();
         for accepted in round.points {
             tree.accept(&mut state, accepted);

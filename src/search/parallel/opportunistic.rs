@@ -81,14 +81,14 @@ fn work(
         if let Some(reporter) = &mut reporter {
             let mut state = tree.lock();
             let view = worker.tree();
-            tree.take_in(&mut state, view.take_share());
+            tree.take_in(&mut state, view.take_report());
             let bound = plunge.as_ref().map_or(f64::INFINITY, |child| child.bound);
             state.floors[view.id] = Some(bound);
             drop(state);
             reporter.report(tree);
         }
     }
-    tree.take_in(&mut tree.lock(), worker.tree().take_share());
+    tree.take_in(&mut tree.lock(), worker.tree().take_report());
     worker.retire();
 }
 
@@ -103,7 +103,7 @@ fn exchange(tree: &Tree<'_>, worker: &mut Worker<'_>) {
 /// queued, so that the bound still counts it.
 fn go_on(tree: &Tree<'_>, view: &TreeView<'_>, node: Node) -> Option<Node> {
     let mut state = tree.lock();
-    tree.take_in(&mut state, view.take_share());
+    tree.take_in(&mut state, view.take_report());
     if tree.may_go_on(&mut state) {
         state.started += 1;
         state.floors[view.id] = Some(node.bound);
@@ -117,7 +117,7 @@ fn go_on(tree: &Tree<'_>, view: &TreeView<'_>, node: Node) -> Option<Node> {
 /// The next node for a worker: waits while others may still produce some; `None` at the end.
 fn next(tree: &Tree<'_>, view: &TreeView<'_>) -> Option<Node> {
     let mut state = tree.lock();
-    tree.take_in(&mut state, view.take_share());
+    tree.take_in(&mut state, view.take_report());
     leave(tree, &mut state, view);
     loop {
         if !tree.may_go_on(&mut state) {
