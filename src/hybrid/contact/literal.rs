@@ -23,7 +23,7 @@ use crate::hybrid::wall::Wall;
 ///
 /// The contact's range of the acceleration must extend to `(1+e) v_max/Δt` and the domain of the
 /// position into the wall, or the law never applies.
-pub(in crate::hybrid) fn transitions(
+pub(crate) fn transitions(
     wall: Wall,
     restitution: Restitution,
     time_step: f64,

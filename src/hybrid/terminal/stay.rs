@@ -10,33 +10,30 @@ use crate::interval::Interval;
 
 /// A row `state . x + input . u <= limit`.
 #[derive(Debug, Clone)]
-pub(in crate::hybrid) struct Limit {
-    pub(in crate::hybrid) name: String,
-    pub(in crate::hybrid) state: Vec<f64>,
-    pub(in crate::hybrid) input: Vec<f64>,
-    pub(in crate::hybrid) limit: f64,
+pub(crate) struct Limit {
+    pub(crate) name: String,
+    pub(crate) state: Vec<f64>,
+    pub(crate) input: Vec<f64>,
+    pub(crate) limit: f64,
 }
 
 /// One transition per choice, repeated for ever from the step at which nothing depends on the step
 /// any more.
 #[derive(Debug, Clone)]
-pub(in crate::hybrid) struct Stay {
+pub(crate) struct Stay {
     /// The map from a state and an input to the next state.
-    pub(in crate::hybrid) map: LinearSystem,
+    pub(crate) map: LinearSystem,
     /// Limits and guards; neither the domains nor the ranges.
-    pub(in crate::hybrid) limits: Vec<Limit>,
+    pub(crate) limits: Vec<Limit>,
     /// Ranges of the inputs.
-    pub(in crate::hybrid) ranges: Vec<Interval>,
+    pub(crate) ranges: Vec<Interval>,
     /// The modes in which the choices stay.
-    pub(in crate::hybrid) modes: Vec<(String, String)>,
+    pub(crate) modes: Vec<(String, String)>,
 }
 
 impl Stay {
     /// The map and the limits of the named transitions, one per choice in their order.
-    pub(in crate::hybrid) fn new(
-        system: &HybridSystem,
-        transitions: &[&str],
-    ) -> Result<Self, Error> {
+    pub(crate) fn new(system: &HybridSystem, transitions: &[&str]) -> Result<Self, Error> {
         system.check()?;
         check_length("the list of transitions", transitions.len(), system.choices.len())?;
         let (n, m) = (system.states.len(), system.inputs.len());
@@ -71,11 +68,7 @@ impl Stay {
     }
 
     /// The input nearest to `from` that holds a state as well as an input can.
-    pub(in crate::hybrid) fn holding_input(
-        &self,
-        state: &[f64],
-        from: &[f64],
-    ) -> Result<Vec<f64>, Error> {
+    pub(crate) fn holding_input(&self, state: &[f64], from: &[f64]) -> Result<Vec<f64>, Error> {
         let moved = self.map.step(state, from)?;
         let missing = Mat::from_fn(state.len(), 1, |i, _| state[i] - moved[i]);
         let change = match self.map.b().faer().thin_svd() {
@@ -87,7 +80,7 @@ impl Stay {
 
     /// The state that moves most in a step, relative to its domain: its position, how far it moves
     /// in its unit, and relative to the domain.
-    pub(in crate::hybrid) fn drift(
+    pub(crate) fn drift(
         &self,
         system: &HybridSystem,
         state: &[f64],
@@ -107,7 +100,7 @@ impl Stay {
 }
 
 /// Half a domain's width, or 1 for a point.
-pub(in crate::hybrid) fn unit(domain: &Interval) -> f64 {
+pub(crate) fn unit(domain: &Interval) -> f64 {
     let half = 0.5 * domain.width();
     if half > 0.0 { half } else { 1.0 }
 }
