@@ -93,14 +93,12 @@ impl Contact {
     /// As for [`transitions`](Contact::transitions).
     ///
     /// ```
-    /// use carom::hybrid::{
-    ///     Contact, HybridSystem, Region, Restitution, ShortestOptions, Wall,
-    /// };
+    /// use carom::hybrid::{Contact, Region, Restitution, Wall};
     /// use carom::interval::Interval;
     /// use carom::prelude::*;
     ///
     /// let floor = Contact::new(Wall::above(0.0)?, Restitution::new(0.8)?);
-    /// let mut ball = HybridSystem::new()
+    /// let mut ball = HybridSystem::new(0.05)
     ///     .with_state("x", Interval::new(0.0, 2.0))
     ///     .with_state("v", Interval::new(-10.0, 10.0))
     ///     .with_input("a", Interval::point(-9.81));
@@ -108,9 +106,8 @@ impl Contact {
     ///     ball = ball.with_transition(transition);
     /// }
     /// let (start, rest) = (Region::point([1.0, 0.0]), Region::point([0.0, 0.0]));
-    /// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
-    /// let found = ball.shortest_run(&start, &rest, 0.05, &options, &mut solver)?;
-    /// assert!(found.run.is_some());
+    /// let found = ball.shortest(start, rest, &mut BranchAndBound::default())?;
+    /// assert!(found.plan.is_some());
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///
