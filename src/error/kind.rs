@@ -303,7 +303,7 @@ pub enum ErrorKind {
         termination: String,
     },
     /// A plan was asked for, but the search ended without one.
-    #[error("there is no plan: the search ended as `{termination}`; {help}")]
+    #[error("the search ended without a plan (`{termination}`); {help}")]
     NoPlan {
         /// The termination status.
         termination: String,

@@ -1,6 +1,7 @@
 //! What the page shows.
 
-use carom::collision_tolerant::{PlanComparison, Trajectory};
+use carom::collision_tolerant::{Plan, PlanComparison, Trajectory};
+use carom::hybrid::Shortest;
 use carom::hybrid::reach::{ReachSet, Tube};
 use serde::Serialize;
 
@@ -29,8 +30,8 @@ impl Answer {
 
     /// The answer to a task.
     pub fn new(task: &Task, plans: &PlanComparison) -> Self {
-        let [free, tolerant] =
-            [&plans.free, &plans.tolerant].map(|plan| Finding::beside_wall(plan, task.time_step));
+        let [free, tolerant] = [&plans.free, &plans.tolerant]
+            .map(|found| Finding::new(found, |plan| &plan.certificate.replay, task.time_step));
         Answer {
             error: None,
             free: Some(Side::new(&plans.free, &free)),

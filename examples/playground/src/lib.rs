@@ -89,10 +89,10 @@ fn solve_scene(task: &str) -> Result<SceneAnswer, String> {
         scene.shortest_plan(&search_options(max_steps), &mut BranchAndBound::default())
     };
     let plans = || -> Result<_, Error> {
-        let free = plan(&task.free(), task.max_steps())?;
+        let free = plan(&task.free()?, task.max_steps())?;
         let tolerant = task.tolerant()?;
         // The careful plan is a plan of this scene too, so that only shorter ones are looked for.
-        let tolerant = match free.search.steps {
+        let tolerant = match free.steps {
             Some(1) => None,
             Some(steps) => Some(plan(&tolerant, steps - 1)?),
             None => Some(plan(&tolerant, task.max_steps())?),
@@ -110,5 +110,5 @@ fn scene_reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, St
         let reason = sets?.and_then(|mut sets| sets.explain(steps));
         reason.ok().flatten().map(|reason| reason.to_string())
     };
-    Ok(Reasons { free: why(Ok(task.free()), free), tolerant: why(task.tolerant(), tolerant) })
+    Ok(Reasons { free: why(task.free(), free), tolerant: why(task.tolerant(), tolerant) })
 }

@@ -1,6 +1,7 @@
 //! What the page shows of a scene.
 
-use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan, ShortestScenePlan};
+use carom::hybrid::Shortest;
+use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan};
 use serde::Serialize;
 
 use crate::scene_task::SceneTask;
@@ -75,10 +76,10 @@ impl SceneAnswer {
     /// * `shorter`: the search with collisions for a shorter plan; `None` if there can be none.
     pub fn new(
         task: &SceneTask,
-        free: &ShortestScenePlan,
-        shorter: Option<&ShortestScenePlan>,
+        free: &Shortest<ScenePlan>,
+        shorter: Option<&Shortest<ScenePlan>>,
     ) -> Self {
-        let finding = |found| Finding::of_scene(found, task.time_step);
+        let finding = |found| Finding::new(found, |plan: &ScenePlan| &plan.certificate, task.time_step);
         let careful = finding(free);
         let bold = match shorter {
             Some(shorter) => finding(free).after(finding(shorter)),

@@ -1,8 +1,7 @@
 //! Answers in words.
 
-use carom::collision_tolerant::Shortest<Plan>;
-use carom::hybrid::scene::ShortestScenePlan;
-use carom::hybrid::{Attempt, Refutation, ShortestStatus, Verdict};
+use carom::hybrid::scene::SceneCertificate;
+use carom::hybrid::{Attempt, Refutation, Shortest, ShortestStatus, Verdict};
 
 /// What a search for the shortest plan found out.
 pub struct Finding<'a> {
@@ -20,30 +19,20 @@ pub struct Finding<'a> {
 }
 
 impl<'a> Finding<'a> {
-    /// The shortest plan beside a wall.
-    pub fn beside_wall(plan: &'a Shortest<Plan>, time_step: f64) -> Self {
-        let certificate = plan.plan.as_ref().map(|plan| &plan.certificate);
+    /// The shortest plan, beside a wall or of a scene, with its replay.
+    pub fn new<P>(
+        found: &'a Shortest<P>,
+        replay: impl Fn(&P) -> &SceneCertificate,
+        time_step: f64,
+    ) -> Self {
+        let replay = found.plan.as_ref().map(replay);
         Finding {
-            status: plan.status,
-            steps: plan.steps,
-            refuted: plan.refuted_steps,
-            attempts: &plan.attempts,
-            replay: certificate.map(|found| found.replay.drift),
-            apart: certificate.map(|found| found.replay.step_error),
-            time_step,
-        }
-    }
-
-    /// The shortest plan of a scene.
-    pub fn of_scene(found: &'a ShortestScenePlan, time_step: f64) -> Self {
-        let certificate = found.plan.as_ref().map(|plan| &plan.certificate);
-        Finding {
-            status: found.search.status,
-            steps: found.search.steps,
-            refuted: found.search.refuted_steps,
-            attempts: &found.search.attempts,
-            replay: certificate.map(|found| found.drift),
-            apart: certificate.map(|found| found.step_error),
+            status: found.status,
+            steps: found.steps,
+            refuted: found.refuted_steps,
+            attempts: &found.attempts,
+            replay: replay.map(|replay| replay.drift),
+            apart: replay.map(|replay| replay.step_error),
             time_step,
         }
     }

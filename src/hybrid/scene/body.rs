@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::ends::region_where;
+use super::axes::region_where;
 use super::error::SceneError;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;

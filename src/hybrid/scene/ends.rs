@@ -1,32 +1,15 @@
 //! Checks that refuse starts and goals: wrong lengths, states beyond the limits of their body, places
 //! inside something.
 
+use super::axes::AXES;
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair, contacts};
 use super::error::SceneError;
 use super::statement::{INSIDE, Scene};
-use super::system::AXES;
 use crate::error::Error;
-use crate::hybrid::system::{HybridSystem, Region, State, check_cut, check_ends};
+use crate::hybrid::system::{Region, check_cut, check_ends};
 use crate::interval::Interval;
-use crate::model::Row;
 use crate::tolerance::{FEASIBILITY, margin_scale};
-
-/// The region of positions and velocities along some axes where rows of them hold.
-pub(crate) fn region_where<R: IntoIterator<Item = Row>>(
-    axes: usize,
-    rows: impl FnOnce(&[State], &[State]) -> R,
-) -> Result<Region, Error> {
-    let mut system = HybridSystem::new(1.0);
-    let mut states = Vec::new();
-    for k in 0..2 * axes {
-        let name = format!("{}{}", if k < axes { "" } else { "v" }, AXES[k % axes]);
-        system.states.push((name, Interval::REALS));
-        states.push(system.handles.state(k));
-    }
-    let (positions, velocities) = states.split_at(axes);
-    system.region(rows(positions, velocities))
-}
 
 impl Body {
     /// Refuses a start or a goal that does not fit the body or that its limits exclude.

@@ -44,6 +44,7 @@ impl Contact {
     /// # Errors
     ///
     /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
+    #[doc(hidden)]
     pub fn transitions(
         &self,
         time_step: f64,
@@ -106,7 +107,7 @@ impl Contact {
     ///     ball = ball.with_transition(transition);
     /// }
     /// let (start, rest) = (Region::point([1.0, 0.0]), Region::point([0.0, 0.0]));
-    /// let found = ball.shortest(&start, &rest, &mut BranchAndBound::default())?;
+    /// let found = ball.shortest(start, rest, &mut BranchAndBound::default())?;
     /// assert!(found.plan.is_some());
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -114,6 +115,7 @@ impl Contact {
     /// # Errors
     ///
     /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
+    #[doc(hidden)]
     pub fn transitions_with_rest(
         &self,
         time_step: f64,

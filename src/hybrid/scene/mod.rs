@@ -1,10 +1,12 @@
 #![doc = include_str!("../../../docs/modules/scene.md")]
 
+mod axes;
 mod body;
 mod compare;
 mod contact;
 mod damage_interval;
 mod damage_rows;
+mod declarations;
 mod ends;
 mod entry;
 mod error;
@@ -29,10 +31,10 @@ mod statement;
 mod surface;
 mod system;
 
+pub(crate) use axes::region_where;
 pub use body::{Body, Shape};
 pub use compare::StepComparison;
 pub use damage_interval::{DamageInterval, IntervalEnd, IntervalOptions};
-pub(crate) use ends::region_where;
 pub use error::SceneError;
 pub use handles::{BodyHandle, ObstacleHandle};
 pub use mitigate::{Avoidable, Mitigation};

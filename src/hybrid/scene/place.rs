@@ -1,9 +1,6 @@
 //! Where the hits that a rule counts happen.
 
-use super::contact::ContactPair;
 use super::handles::{BodyHandle, ObstacleHandle};
-use super::statement::Scene;
-use crate::error::Error;
 
 /// Bodies, an obstacle and a face of it: hits of all of those that are given.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -14,29 +11,16 @@ pub(super) struct Where {
 }
 
 impl Where {
-    /// Whether a hit of a contact at a face is there, in a scene in which this has been checked.
-    pub(super) fn contains(&self, contact: &ContactPair, face: usize) -> bool {
-        let bodies = [Some(contact.body), contact.other];
+    /// Whether a hit of some bodies at a face of an obstacle is there, all by their numbers.
+    pub(super) fn contains(
+        &self,
+        bodies: [Option<usize>; 2],
+        obstacle: Option<usize>,
+        face: usize,
+    ) -> bool {
         self.bodies.iter().flatten().all(|own| bodies.contains(&Some(own.number)))
-            && self.obstacle.is_none_or(|own| contact.obstacle == Some(own.number))
+            && self.obstacle.is_none_or(|own| obstacle == Some(own.number))
             && self.face.is_none_or(|own| own == face)
-    }
-
-    /// Refuses handles of other scenes and faces that the obstacle does not have.
-    pub(super) fn check(&self, scene: &Scene, rule: &str) -> Result<(), Error> {
-        let place = format!("the rule `{rule}`");
-        for body in self.bodies.iter().flatten() {
-            scene.body_number(*body, &place)?;
-        }
-        let Some(obstacle) = self.obstacle else { return Ok(()) };
-        let faces = scene.obstacles[scene.obstacle_number(obstacle, &place)?].faces.len();
-        match self.face {
-            Some(face) if face >= faces => {
-                let what = format!("the face of the rule `{rule}`");
-                Err(Error::out_of_range(what, face as f64, format!("below {faces}")))
-            }
-            _ => Ok(()),
-        }
     }
 
     #[cfg(feature = "serde")]

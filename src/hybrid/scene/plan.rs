@@ -1,11 +1,11 @@
 //! Plans of a scene, read from solutions and replayed.
 
+use super::axes::AXES;
 use super::contact::Mode;
 use super::error::SceneError;
 use super::program::SceneProgram;
 use super::replay::{self, SceneCertificate};
 use super::statement::Scene;
-use super::system::AXES;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::rows::HybridRun;
 use crate::solution::Solution;

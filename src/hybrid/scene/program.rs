@@ -1,10 +1,11 @@
 //! The program of a scene over a horizon.
 
+use super::axes::AXES;
 use super::contact::{ContactFace, ContactPair, Mode};
 use super::geometry::dot;
 use super::rule::DamageRule;
 use super::statement::{INSIDE, Scene};
-use super::system::{AXES, Stated};
+use super::system::Stated;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::program::{HybridProgram, owns_program};

@@ -143,7 +143,8 @@ impl DamageRule {
 
     /// Whether hits of a contact's face count.
     pub(super) fn applies(&self, contact: &ContactPair, face: usize) -> bool {
-        self.place.contains(contact, face) && contact.faces[face].surface.restitution.is_some()
+        self.place.contains([Some(contact.body), contact.other], contact.obstacle, face)
+            && contact.faces[face].surface.restitution.is_some()
     }
 
     /// The largest impact speed that the limit on a hit allows, in m/s.
@@ -216,11 +217,28 @@ impl DamageRule {
         16
     }
 
+    /// Refuses handles of other scenes and faces that the obstacle does not have.
+    fn check_place(&self, scene: &Scene) -> Result<(), Error> {
+        let place = format!("the rule `{}`", self.name);
+        for body in self.place.bodies.iter().flatten() {
+            scene.body_number(*body, &place)?;
+        }
+        let Some(obstacle) = self.place.obstacle else { return Ok(()) };
+        let faces = scene.obstacles[scene.obstacle_number(obstacle, &place)?].faces.len();
+        match self.place.face {
+            Some(face) if face >= faces => {
+                let what = format!("the face of {place}");
+                Err(Error::out_of_range(what, face as f64, format!("below {faces}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     pub(crate) fn check(&self, scene: &Scene) -> Result<(), Error> {
         if !is_name(&self.name) {
             return Err(ErrorKind::InvalidName { name: self.name.clone() }.into());
         }
-        self.place.check(scene, &self.name)?;
+        self.check_place(scene)?;
         let numbers = [
             ("limit of a hit", self.per_hit.unwrap_or(0.0)),
             ("total", self.total.unwrap_or(0.0)),

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 
+use super::axes::AXES;
 use super::contact::{ContactPair, at, contacts};
 use super::handles::declared;
 use super::law::Writer;
@@ -10,9 +11,6 @@ use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Region, Transition};
 use crate::interval::Interval;
-
-/// The names of the axes.
-pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A checked scene with its contacts and its hybrid system.
 #[derive(Debug, Clone)]

@@ -4,6 +4,7 @@ mod broken;
 mod corners;
 mod edges;
 mod extreme;
+mod handles;
 mod limits;
 mod moving;
 mod numbers;
