@@ -385,19 +385,19 @@ fn scenes() -> Vec<(&'static str, Scene, usize)> {
     let puck = Body::new("puck", table, 3.0, 3.0)
         .with_start(point([1.2, 0.2, 2.0, 2.0]))
         .with_goal(point([0.4, 0.2, 0.0, 0.0]));
-    let bank = Scene::new(0.1).with_body(puck).with_room("cushion", &table, bounce(0.9));
+    let bank = Scene::new(0.1).with_body(puck).with_room("cushion", table, bounce(0.9));
     let hall = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
     let drone = Body::new("drone", hall, 1.5, 2.0)
         .with_start(point([0.5, 1.0, 0.0, 0.0]))
         .with_goal(point([3.5, 1.0, 0.0, 0.0]));
     let box_of = |x: [f64; 2], y: [f64; 2]| [Interval::new(x[0], x[1]), Interval::new(y[0], y[1])];
-    let room = |name: &str, surface| Solid::cuboid(name, &box_of([1.5, 2.0], [-0.1, 1.3]), surface);
+    let room = |name: &str, surface| Solid::cuboid(name, box_of([1.5, 2.0], [-0.1, 1.3]), surface);
     let boxes = Scene::new(0.5)
         .with_body(drone.clone())
         .with_obstacle(room("low", Surface::avoid()))
-        .with_obstacle(Solid::cuboid("high", &box_of([2.6, 3.0], [0.7, 2.1]), Surface::avoid()));
+        .with_obstacle(Solid::cuboid("high", box_of([2.6, 3.0], [0.7, 2.1]), Surface::avoid()));
     let pillar = Scene::new(0.5).with_body(drone.clone()).with_obstacle(room("low", bounce(0.5)));
-    let door = Solid::cuboid("door", &box_of([1.9, 2.1], [-0.5, 2.5]), Surface::avoid());
+    let door = Solid::cuboid("door", box_of([1.9, 2.1], [-0.5, 2.5]), Surface::avoid());
     let course = (0..=9).map(|t| [0.0, 0.5 * (0.5 * f64::from(t) - 1.0_f64).clamp(0.0, 4.0)]);
     let gate = Scene::new(0.5).with_body(drone).with_obstacle(door.with_course(course));
     vec![

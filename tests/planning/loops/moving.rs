@@ -125,7 +125,7 @@ fn lane() -> Scene {
     let course = (0..50).map(|t| [0.0, if (10..50).contains(&t) { 1.2 } else { 0.0 }]);
     Scene::new(0.25)
         .with_body(body)
-        .with_obstacle(Solid::cuboid("gate", &sides, Surface::avoid()).with_course(course))
+        .with_obstacle(Solid::cuboid("gate", sides, Surface::avoid()).with_course(course))
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn wide(name: &str) -> Body {
 
 fn pillar() -> Solid {
     let sides = [Interval::new(1.5, 2.0), Interval::new(-1.2, 1.2)];
-    Solid::cuboid("pillar", &sides, Surface::avoid())
+    Solid::cuboid("pillar", sides, Surface::avoid())
 }
 
 fn least(program: &mut SceneProgram, depth: Affine) -> (f64, f64) {
@@ -56,7 +56,7 @@ fn a_start_inside_costs_its_depth() {
 fn holds(scene: &Scene) -> Result<HybridProgram, Error> {
     let mut program = scene.program(8)?;
     let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
-    let outside = program.soften_room("room", &room)? + program.soften_obstacle(&pillar())?;
+    let outside = program.soften_room("room", room)? + program.soften_obstacle(&pillar())?;
     let mut program = HybridProgram::from(program);
     let system = program.system();
     let [x, y] = [system.state_named("drone x")?, system.state_named("drone y")?];
@@ -122,7 +122,7 @@ fn bad_soft_obstacles_are_refused() {
     let count = program.model().variables().count();
     let error = program.soften_obstacle(&pillar()).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::DuplicateName { .. }), "{error}");
-    let short = Solid::cuboid("other", &[Interval::new(0.0, 1.0); 2], Surface::avoid());
+    let short = Solid::cuboid("other", [Interval::new(0.0, 1.0); 2], Surface::avoid());
     let error =
         program.soften_obstacle(&short.clone().with_course([[0.0, 0.0], [0.1, 0.0]])).unwrap_err();
     assert!(error.to_string().contains("other"), "{error}");

@@ -20,7 +20,7 @@ fn scene() -> Scene {
     let body = Body::new("p", room, 4.0, 0.0)
         .with_mass(2.0)
         .with_start(Region::point([0.5, 0.45, -1.8, -1.5]));
-    Scene::new(0.1).with_body(body).with_room("side", &room, bounce())
+    Scene::new(0.1).with_body(body).with_room("side", room, bounce())
 }
 
 fn bounce() -> Surface {

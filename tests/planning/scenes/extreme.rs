@@ -36,7 +36,7 @@ fn scenes_keep_their_hits_and_the_least_price() {
         .with_goal(Region::point([0.4, 0.2, 0.0, 0.0]));
     let cushion = Surface::bounce(Restitution::new(0.9).unwrap());
     let rule = DamageRule::new("wear", DamageMeasure::ImpactSpeed).with_price(1.0);
-    let scene = Scene::new(0.1).with_body(puck).with_room("cushion", &table, cushion);
+    let scene = Scene::new(0.1).with_body(puck).with_room("cushion", table, cushion);
     let mut solver = BranchAndBound::default();
     for scene in [scene.clone(), scene.with_rule(rule)] {
         let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();

@@ -72,7 +72,7 @@ fn explanations_name_the_obstacle() {
     let pillar = [Interval::new(1.5, 1.8), Interval::new(0.0, 1.0)];
     let scene = Scene::new(0.1)
         .with_body(body().with_start(start).with_goal(Region::point([0.2, 0.5, 0.0, 0.0])))
-        .with_obstacle(Solid::cuboid("pillar", &pillar, Surface::avoid()));
+        .with_obstacle(Solid::cuboid("pillar", pillar, Surface::avoid()));
     let text = scene.reach_sets().unwrap().explain(20).unwrap().unwrap().to_string();
     assert!(text.contains(" of puck at pillar: "), "{text}");
 }

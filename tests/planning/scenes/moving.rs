@@ -48,7 +48,7 @@ fn a_box_that_drives_past_is_hit_at_its_front_only() {
     let room = [Interval::new(-2.0, 2.0); 2];
     let body = Body::new("p", room, 3.0, 0.0).with_start(Region::point([0.0, 0.0, 0.0, 0.0]));
     let sides = [Interval::new(0.35, 0.75), Interval::new(-0.3, 0.3)];
-    let block = Solid::cuboid("block", &sides, bounce(1.0));
+    let block = Solid::cuboid("block", sides, bounce(1.0));
     let course = (0..=6).map(|t| [-0.1 * f64::from(t), 0.0]);
     let scene = Scene::new(0.1).with_body(body).with_obstacle(block.with_course(course));
     let plan = solved(&scene, 6);

@@ -20,7 +20,7 @@ fn table(surface: Surface) -> Scene {
     let puck = Body::new("puck", sides, 3.0, 3.0)
         .with_start(Region::point([1.2, 0.3, 2.0, 1.5]))
         .with_goal(Region::point([0.4, 0.3, 0.0, 0.0]));
-    Scene::new(0.05).with_body(puck).with_room("cushion", &sides, surface)
+    Scene::new(0.05).with_body(puck).with_room("cushion", sides, surface)
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn a_disc_goes_around_a_pillar_without_cutting_its_corners() {
         .with_goal(Region::point([3.5, 1.4, 0.0, 0.0]));
     let scene = Scene::new(0.25).with_body(drone).with_obstacle(Solid::cuboid(
         "pillar",
-        &pillar,
+        pillar,
         Surface::avoid(),
     ));
     let plan = shortest(&scene).unwrap();
@@ -80,7 +80,7 @@ fn a_disc_goes_around_a_pillar_without_cutting_its_corners() {
     let coarse = shortest(&scene.clone().with_estimate(ImpactEstimate::EndOfStep)).unwrap();
     assert!(coarse.certificate.dip > 1e-3 && coarse.steps() <= plan.steps());
     // A bouncy pillar is no worse than one that must be avoided.
-    let pillar = Solid::cuboid("pillar", &pillar, bounce(0.5));
+    let pillar = Solid::cuboid("pillar", pillar, bounce(0.5));
     let mut bouncy = scene;
     bouncy.obstacles = vec![pillar];
     assert!(shortest(&bouncy).unwrap().steps() <= plan.steps());

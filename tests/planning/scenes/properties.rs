@@ -166,7 +166,7 @@ fn rules_limit_hits_sums_and_numbers() {
     let cushion = Surface::bounce(Restitution::new(0.8).unwrap());
     let lane = [Interval::new(0.0, 1.0)];
     let body = Body::new("p", lane, 4.0, 4.0).with_mass(2.0).with_start(Region::point([0.5, -1.5]));
-    let scene = Scene::new(0.1).with_body(body).with_room("end", &lane, cushion);
+    let scene = Scene::new(0.1).with_body(body).with_room("end", lane, cushion);
     // Towards the largest sum of impact speeds that the rules allow, in 12 steps.
     let most = |rules: Vec<DamageRule>| {
         let scene = rules.into_iter().fold(scene.clone(), Scene::with_rule);

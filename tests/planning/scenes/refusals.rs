@@ -50,7 +50,7 @@ fn obstacles_without_inside_or_extent() {
 
 #[test]
 fn bodies_inside_obstacles() {
-    let pillar = Solid::cuboid("pillar", &[Interval::new(0.5, 1.0); 2], Surface::avoid());
+    let pillar = Solid::cuboid("pillar", [Interval::new(0.5, 1.0); 2], Surface::avoid());
     let inside = |x: f64| Region::point([x, x, 0.0, 0.0]);
     let scene = Scene::new(0.1).with_obstacle(pillar);
     let starts = scene.clone().with_body(body().with_start(inside(0.7)));
@@ -162,7 +162,7 @@ fn pairs_that_are_none() {
 
 #[test]
 fn starts_that_are_regions() {
-    let pillar = Solid::cuboid("pillar", &[Interval::new(0.5, 1.0); 2], Surface::avoid());
+    let pillar = Solid::cuboid("pillar", [Interval::new(0.5, 1.0); 2], Surface::avoid());
     let scene = Scene::new(0.1).with_obstacle(pillar);
     let within = |low: f64, high: f64| {
         let speed = Interval::new(-1.0, 1.0);

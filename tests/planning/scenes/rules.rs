@@ -21,7 +21,7 @@ fn solved(program: &SceneProgram) -> Option<ScenePlan> {
 fn most_hits(rule: DamageRule) -> ScenePlan {
     let lane = [Interval::new(0.0, 0.4)];
     let body = Body::new("p", lane, 4.0, 12.0).with_start(Region::point([0.2, -1.5]));
-    let scene = Scene::new(0.1).with_body(body).with_room("end", &lane, bounce(0.9));
+    let scene = Scene::new(0.1).with_body(body).with_room("end", lane, bounce(0.9));
     // Without such a limit, a body at rest at a wall "hits" it in every step.
     let touch = vec![0.05; 10];
     let mut program = scene.with_rule(rule).program(10).unwrap();
@@ -99,7 +99,7 @@ fn rules_of_one_face_leave_others_alone() {
     let most = |face: usize| {
         let body = Body::new("p", room, 3.0, 3.0).with_start(Region::point([-0.5, 0.0, 1.0, 0.0]));
         let mut scene = Scene::new(0.1).with_body(body);
-        let pillar = scene.obstacle(Solid::cuboid("pillar", &pillar, bounce(0.5))).unwrap();
+        let pillar = scene.obstacle(Solid::cuboid("pillar", pillar, bounce(0.5))).unwrap();
         let rule = DamageRule::new("r", DamageMeasure::NormalImpulse).with_face(pillar, face);
         let scene = scene.with_rule(rule.with_per_hit(0.6));
         let mut program = scene.program(5).unwrap();

@@ -25,7 +25,7 @@ fn random(numbers: &mut Numbers) -> Scene {
         .with_goal(Region::point([to[0] + 0.8, to[1], 0.0, 0.0]));
     let scene = Scene::new(0.2)
         .with_body(body)
-        .with_room("side", &room, bounce(numbers.within(0.2, 1.0)))
+        .with_room("side", room, bounce(numbers.within(0.2, 1.0)))
         .with_corners(numbers.within(0.0, 1.0) < 0.5);
     let scene = match numbers.within(0.0, 1.0) < 0.5 {
         true => scene.with_estimate(ImpactEstimate::EndOfStep),
@@ -34,8 +34,8 @@ fn random(numbers: &mut Numbers) -> Scene {
     let pillar = [Interval::new(0.6, 0.75), Interval::new(0.3, 1.1)];
     match numbers.within(0.0, 3.0) as usize {
         0 => scene,
-        1 => scene.with_obstacle(Solid::cuboid("pillar", &pillar, Surface::avoid())),
-        _ => scene.with_obstacle(Solid::cuboid("pillar", &pillar, bounce(0.6))),
+        1 => scene.with_obstacle(Solid::cuboid("pillar", pillar, Surface::avoid())),
+        _ => scene.with_obstacle(Solid::cuboid("pillar", pillar, bounce(0.6))),
     }
 }
 
@@ -85,7 +85,7 @@ fn a_refuted_program_says_so_at_once() {
     let body = Body::new("p", lane, 4.0, 1.0)
         .with_start(Region::point([1.0, 0.0]))
         .with_goal(Region::point([8.0, 0.0]));
-    let scene = Scene::new(0.1).with_body(body).with_room("end", &lane, bounce(0.5));
+    let scene = Scene::new(0.1).with_body(body).with_room("end", lane, bounce(0.5));
     let program = scene.program(30).unwrap();
     let solution = BranchAndBound::default().solve(program.model()).unwrap();
     assert_eq!(solution.termination(), Termination::Infeasible);
@@ -102,7 +102,7 @@ fn axes_that_are_independent_are_solved_one_after_the_other() {
         .with_goal(Region::point([5.0, 1.0, 0.0, 0.0]));
     let scene = Scene::new(0.33)
         .with_body(puck)
-        .with_room("c", &table, bounce(0.7))
+        .with_room("c", table, bounce(0.7))
         .with_estimate(ImpactEstimate::EndOfStep)
         .with_corners(true);
     let mut found = Vec::new();
@@ -127,8 +127,8 @@ fn a_pillar_to_bounce_off_is_followed_by_the_sets_of_a_room() {
             .with_goal(Region::point([0.8, 2.6, 0.0, 0.0]));
         let scene = Scene::new(0.5)
             .with_body(robot)
-            .with_room("wall", &room, surface)
-            .with_obstacle(Solid::cuboid("pillar", &pillar, surface));
+            .with_room("wall", room, surface)
+            .with_obstacle(Solid::cuboid("pillar", pillar, surface));
         let found = scene
             .shortest_plan(&ShortestOptions::default(), &mut BranchAndBound::default())
             .unwrap();
@@ -152,7 +152,7 @@ fn quadrotor() -> Scene {
     let boxes = [[1.2, 1.9, 0.0, 2.2], [2.8, 3.4, 1.4, 4.0], [4.3, 4.9, 0.6, 2.6]];
     boxes.iter().enumerate().fold(Scene::new(0.2).with_body(quadrotor), |scene, (k, sides)| {
         let sides = [Interval::new(sides[0], sides[1]), Interval::new(sides[2], sides[3])];
-        scene.with_obstacle(Solid::cuboid(format!("box {k}"), &sides, Surface::avoid()))
+        scene.with_obstacle(Solid::cuboid(format!("box {k}"), sides, Surface::avoid()))
     })
 }
 
@@ -205,7 +205,7 @@ fn random_avoiding(numbers: &mut Numbers) -> Scene {
         true => scene.with_obstacle(Solid::polytope("pillar", faces(5), Surface::avoid())),
         false => {
             let sides = [Interval::new(x - 0.2, x + 0.2), Interval::new(y - 0.3, y + 0.3)];
-            scene.with_obstacle(Solid::cuboid("pillar", &sides, Surface::avoid()))
+            scene.with_obstacle(Solid::cuboid("pillar", sides, Surface::avoid()))
         }
     }
 }

@@ -210,7 +210,7 @@ fn scenes_take_windows_and_rows() {
     let wall = [Interval::new(1.5, 2.5), Interval::new(0.0, 1.0)];
     let scene = Scene::new(0.25).with_body(puck).with_obstacle(Solid::cuboid(
         "wall",
-        &wall,
+        wall,
         Surface::avoid(),
     ));
     let mut solver = BranchAndBound::default();
