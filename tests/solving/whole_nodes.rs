@@ -8,6 +8,9 @@ use proptest::prelude::*;
 const BOXES: [[f64; 4]; 3] =
     [[1.15, 1.95, -0.05, 2.25], [2.75, 3.45, 1.35, 4.05], [4.25, 4.95, 0.55, 2.65]];
 
+/// Largest thrust in each of eight directions (m/s²).
+const MOST_THRUST: f64 = 1.8477590650225735;
+
 /// A controller over some steps of 0.2 s: a mass in the plane goes to (5.5, 3.5), stays outside boxes
 /// at both ends of each step, or pays 500 a metre.
 fn controller(steps: usize, [px, py, pvx, pvy]: [f64; 4]) -> Model {
@@ -39,7 +42,7 @@ fn controller(steps: usize, [px, py, pvx, pvy]: [f64; 4]) -> Model {
         model.add(("room_y", k), y[k + 1].within(0.0, 4.0)).unwrap();
         for side in 0..8_u8 {
             let (sin, cos) = (f64::from(side) * std::f64::consts::FRAC_PI_4).sin_cos();
-            let row = (cos * ux[k] + sin * uy[k]).le(1.8477590650225735);
+            let row = (cos * ux[k] + sin * uy[k]).le(MOST_THRUST);
             model.add(("thrust", 8 * k + usize::from(side)), row).unwrap();
             let row = (cos * vx[k + 1] + sin * vy[k + 1]).le(1.38581929876693);
             model.add(("most", 8 * k + usize::from(side)), row).unwrap();
@@ -80,6 +83,31 @@ fn a_controller_with_softened_boxes_ends() {
     assert!((solution.objective().unwrap() - 144.20202263).abs() < 1e-5);
 }
 
+/// The largest position (m) of a full brake along x, which is the smallest over all plans. The other
+/// starts of the property below leave room enough on all other sides, whatever that brake leaves of the
+/// thrust.
+fn farthest_of_a_full_brake(steps: usize, mut x: f64, mut vx: f64) -> f64 {
+    let mut farthest = x;
+    for _ in 0..steps {
+        x += 0.2 * vx - 0.02 * MOST_THRUST;
+        vx -= 0.2 * MOST_THRUST;
+        farthest = farthest.max(x);
+    }
+    farthest
+}
+
+#[test]
+fn a_controller_that_cannot_brake_before_the_wall_has_no_plan() {
+    let [x, y, vx, vy] = [5.7789, 0.2, 0.9428, 0.0];
+    assert!(farthest_of_a_full_brake(5, x, vx) > 6.008);
+    let model = controller(5, [x, y, vx, vy]);
+    for cuts in [true, false] {
+        let options = Options::default().with_cuts(cuts).with_big_m_tightening(cuts);
+        let solution = BranchAndBound::new(options).solve(&model).unwrap();
+        assert_eq!(solution.termination(), Termination::Infeasible);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
@@ -92,6 +120,14 @@ proptest! {
         let options = Options::default().with_node_limit(3000);
         let plain = options.clone().with_cuts(false).with_big_m_tightening(false);
         let [one, other] = [options, plain].map(|o| BranchAndBound::new(o).solve(&model).unwrap());
+        let farthest = farthest_of_a_full_brake(5, x, vx);
+        prop_assume!((farthest - 6.0).abs() > 1e-5);
+        if farthest > 6.0 {
+            for solution in [&one, &other] {
+                prop_assert_eq!(solution.termination(), Termination::Infeasible);
+            }
+            return Ok(());
+        }
         for solution in [&one, &other] {
             prop_assert!(solution.is_optimal(), "{}", solution.termination());
         }
