@@ -6,76 +6,88 @@ use crate::interval::Interval;
 
 /// An affine function of `z = (state, input)`.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::hybrid) struct Map {
-    pub(in crate::hybrid) factors: Vec<f64>,
-    pub(in crate::hybrid) constant: f64,
+pub(crate) struct Map {
+    pub(crate) factors: Vec<f64>,
+    pub(crate) constant: f64,
 }
 
 impl Map {
-    pub(in crate::hybrid) fn constant(width: usize, constant: f64) -> Self {
+    pub(crate) fn constant(width: usize, constant: f64) -> Self {
         Map { factors: vec![0.0; width], constant }
     }
 
-    pub(in crate::hybrid) fn is_constant(&self) -> bool {
+    pub(crate) fn is_constant(&self) -> bool {
         self.factors.iter().all(|&factor| factor == 0.0)
     }
 
-    pub(in crate::hybrid) fn is_zero(&self) -> bool {
+    pub(crate) fn is_zero(&self) -> bool {
         self.constant == 0.0 && self.is_constant()
     }
 
     /// Adds a multiple of another map.
-    pub(in crate::hybrid) fn add(&mut self, factor: f64, other: &Map) {
+    pub(crate) fn add(&mut self, factor: f64, other: &Map) {
         self.constant += factor * other.constant;
         self.factors.iter_mut().zip(&other.factors).for_each(|(own, its)| *own += factor * its);
     }
 
-    pub(in crate::hybrid) fn minus(&self, other: &Map) -> Map {
+    pub(crate) fn minus(&self, other: &Map) -> Map {
         let mut difference = self.clone();
         difference.add(-1.0, other);
         difference
     }
 
-    pub(in crate::hybrid) fn scaled(&self, factor: f64) -> Map {
+    pub(crate) fn scaled(&self, factor: f64) -> Map {
         let factors = self.factors.iter().map(|a| factor * a).collect();
         Map { factors, constant: factor * self.constant }
     }
 
     /// All its numbers: the factors, then the constant.
-    pub(in crate::hybrid) fn numbers(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.factors.iter().copied().chain([self.constant])
     }
 
+    /// The magnitudes of all its numbers.
+    pub(crate) fn magnitudes(&self) -> Map {
+        let factors = self.factors.iter().map(|a| a.abs()).collect();
+        Map { factors, constant: self.constant.abs() }
+    }
+
+    /// Its range over a box.
+    pub(crate) fn over(&self, ranges: &[Interval]) -> Interval {
+        let terms = self.factors.iter().zip(ranges).map(|(a, range)| *range * *a);
+        terms.fold(Interval::point(self.constant), |sum, term| sum + term)
+    }
+
     /// Its value in numbers.
-    pub(in crate::hybrid) fn at(&self, z: &[f64]) -> f64 {
+    pub(crate) fn at(&self, z: &[f64]) -> f64 {
         self.factors.iter().zip(z).map(|(a, z)| a * z).sum::<f64>() + self.constant
     }
 }
 
 /// A guard `map <= 0` of a transition.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::hybrid) struct Guard {
+pub(crate) struct Guard {
     /// Its position: the guards at the start, then those on the prediction.
-    pub(in crate::hybrid) number: usize,
-    pub(in crate::hybrid) map: Map,
-    pub(in crate::hybrid) is_limit: bool,
+    pub(crate) number: usize,
+    pub(crate) map: Map,
+    pub(crate) is_limit: bool,
 }
 
 /// A transition at one step.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::hybrid) struct Behaviour {
+pub(crate) struct Behaviour {
     /// The next state.
-    pub(in crate::hybrid) next: Vec<Map>,
+    pub(crate) next: Vec<Map>,
     /// The outputs, by the choice's list of names.
-    pub(in crate::hybrid) outputs: Vec<Map>,
+    pub(crate) outputs: Vec<Map>,
     /// The guards that say something at this step.
-    pub(in crate::hybrid) guards: Vec<Guard>,
+    pub(crate) guards: Vec<Guard>,
     /// The ranges of the inputs; the transition may set its own.
-    pub(in crate::hybrid) inputs: Vec<Interval>,
+    pub(crate) inputs: Vec<Interval>,
 }
 
 /// The names of a choice's outputs, in the order in which its transitions name them.
-pub(in crate::hybrid) fn output_names(transitions: &[Transition]) -> Vec<&str> {
+pub(crate) fn output_names(transitions: &[Transition]) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for output in transitions.iter().flat_map(|transition| &transition.outputs) {
         if !names.contains(&output.name.as_str()) {
@@ -86,7 +98,7 @@ pub(in crate::hybrid) fn output_names(transitions: &[Transition]) -> Vec<&str> {
 }
 
 /// The rows of a flow.
-pub(in crate::hybrid) fn flow(system: &LinearSystem) -> Vec<Map> {
+pub(crate) fn flow(system: &LinearSystem) -> Vec<Map> {
     let (n, m) = (system.states(), system.inputs());
     let row = |i: usize| {
         let from_states = (0..n).map(|j| system.a()[(i, j)]);
@@ -97,7 +109,7 @@ pub(in crate::hybrid) fn flow(system: &LinearSystem) -> Vec<Map> {
 }
 
 /// The next state, where each of several choices adds what it changes about the common flow.
-pub(in crate::hybrid) fn sum(common: Option<&[Map]>, parts: &[&[Map]]) -> Vec<Map> {
+pub(crate) fn sum(common: Option<&[Map]>, parts: &[&[Map]]) -> Vec<Map> {
     let Some((first, others)) = parts.split_first() else { return Vec::new() };
     let mut next = first.to_vec();
     for (i, next) in next.iter_mut().enumerate() {
@@ -112,7 +124,7 @@ pub(in crate::hybrid) fn sum(common: Option<&[Map]>, parts: &[&[Map]]) -> Vec<Ma
 }
 
 /// `factors . maps + constant`.
-pub(in crate::hybrid) fn combine<'a>(
+pub(crate) fn combine<'a>(
     factors: impl IntoIterator<Item = f64>,
     maps: impl IntoIterator<Item = &'a Map>,
     width: usize,
@@ -125,7 +137,7 @@ pub(in crate::hybrid) fn combine<'a>(
 }
 
 /// `normal . z - limit`, of a half-space at a step; `None` if it limits nothing there.
-pub(in crate::hybrid) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option<Map> {
+pub(crate) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option<Map> {
     let limit = halfspace.limit_at(step);
     let mut factors = halfspace.normal.clone();
     factors.resize(width, 0.0);
@@ -133,7 +145,7 @@ pub(in crate::hybrid) fn excess(halfspace: &Halfspace, width: usize, step: usize
 }
 
 /// A transition of a checked system at a step, with the ranges of the inputs in it.
-pub(in crate::hybrid) fn behaviour(
+pub(crate) fn behaviour(
     system: &HybridSystem,
     transition: &Transition,
     outputs: &[&str],
