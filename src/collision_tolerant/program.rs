@@ -45,7 +45,7 @@ pub struct PlanningProgram {
     /// The model.
     pub model: Model,
     /// Its horizon.
-    pub horizon: Horizon,
+    pub(crate) horizon: Horizon,
     /// x(0), ..., x(τ), in m.
     pub position: Family,
     /// v(0), ..., v(τ), in m/s.
@@ -96,7 +96,8 @@ impl PlanningProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`Scenario::check`] and of [`Horizon::new`].
+    /// Those of [`Scenario::check`]; [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for the
+    /// number of steps.
     pub fn build(scenario: &Scenario, steps: usize, objective: Objective) -> Result<Self, Error> {
         scenario.check()?;
         PlanningProgram::write(scenario, steps, objective, Ends::Fixed)

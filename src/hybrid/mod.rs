@@ -5,7 +5,7 @@ pub mod contact;
 pub mod damage;
 pub(crate) mod exponential;
 mod flaws;
-pub mod horizon;
+mod horizon;
 pub mod linear;
 mod matrix;
 pub(crate) mod program;
@@ -22,7 +22,7 @@ pub mod wall;
 pub use contact::{Contact, ContactLaw, Restitution};
 pub use damage::ImpactEstimate;
 pub use flaws::{Flaw, Witness};
-pub use horizon::Horizon;
+pub(crate) use horizon::Horizon;
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
 pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit, When};
@@ -34,7 +34,7 @@ pub use shortest_horizon::{
     shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, DeadEnd, Follow, RunCertificate, RunError, SimulatedStep, Simulation,
+    Candidate, Condition, DeadEnd, RunCertificate, RunError, SimulatedStep, Simulation,
     SimulationOptions,
 };
 pub use system::{
@@ -42,4 +42,5 @@ pub use system::{
     State, TransitionMut,
 };
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
-pub use wall::{FreeSide, Wall};
+pub(crate) use wall::FreeSide;
+pub use wall::Wall;

@@ -92,7 +92,8 @@ impl Scene {
     /// # Errors
     ///
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself, or whose
-    /// courses are shorter than the horizon; those of [`Horizon::new`].
+    /// courses are shorter than the horizon; [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for the
+    /// number of steps and the time step.
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let stated = self.stated()?;
         let mut program = stated.program(steps)?;

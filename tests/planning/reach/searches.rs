@@ -246,7 +246,12 @@ impl HorizonModel for Planar {
         for t in 0..steps {
             let now: Vec<_> = states.iter().map(|family| family[t]).collect();
             let next: Vec<_> = states.iter().map(|family| family[t + 1]).collect();
-            line.add_dynamics(&mut model, &["y", "vy"], t, &now[2..], &[ay[t]], &next[2..])?;
+            let free = line.predict(&now[2..], &[ay[t]])?;
+            for (name, (next, value)) in
+                ["free y", "free vy"].iter().zip(next[2..].iter().zip(free))
+            {
+                model.add((*name, t), next.equals(value))?;
+            }
             let predicted = line.predict(&now[..2], &[ax[t]])?;
             let predicted = [&predicted[0], &predicted[1]];
             add_by_hand(&mut model, 0.3, t, predicted, [next[0], next[1]], hit[t]);
