@@ -115,8 +115,8 @@ impl PlanOutcome {
 ///
 /// # Errors
 ///
-/// Those of [`Scenario::check`] and of the solver;
-/// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for the number of steps; [`SceneError`] if the solver's plan disagrees with its replay and cannot be certified.
+/// Those of [`Scenario::check`] and of the solver; [`ErrorKind::OutOfRange`] for the number of steps;
+/// [`SceneError`] if the solver's plan disagrees with its replay and cannot be certified.
 pub fn plan(
     scenario: &Scenario,
     steps: usize,
