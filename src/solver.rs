@@ -31,7 +31,8 @@ mod rules;
 mod stop_token;
 
 pub use certificate::{Certificate, certify};
-pub use control::{Control, Interrupt, RowSource};
+pub(crate) use control::RowSource;
+pub use control::{Control, Interrupt};
 pub use heuristics::Heuristics;
 pub use log::Log;
 pub use mip_start::MipStart;

@@ -74,6 +74,16 @@ impl Error {
         }
     }
 
+    /// [`ErrorKind::UnknownName`].
+    pub(crate) fn unknown_name(name: &str, kind: &'static str) -> Self {
+        ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
+    }
+
+    /// [`ErrorKind::DuplicateName`].
+    pub(crate) fn duplicate_name(name: &str, kind: &'static str) -> Self {
+        ErrorKind::DuplicateName { name: name.to_owned(), kind }.into()
+    }
+
     /// The kind of the error.
     pub fn kind(&self) -> &ErrorKind {
         &self.inner.kind

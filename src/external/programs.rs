@@ -24,6 +24,7 @@ fn number(word: Option<&str>) -> Option<f64> {
 }
 
 /// COIN-OR CBC 2.10: `cbc model.mps ... -solve -solution file`.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy)]
 pub struct Cbc;
 
@@ -88,6 +89,7 @@ impl Dialect for Cbc {
 }
 
 /// GLPK 5: `glpsol --freemps model.mps --write file`.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy)]
 pub struct Glpk;
 
@@ -160,6 +162,7 @@ impl Dialect for Glpk {
 }
 
 /// HiGHS 1: `highs --options_file settings --solution_file file model.mps`.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy)]
 pub struct Highs;
 
@@ -230,6 +233,7 @@ impl Dialect for Highs {
 }
 
 /// SCIP 8 to 10: `scip -c "read ..." ...`.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy)]
 pub struct Scip;
 

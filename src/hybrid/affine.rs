@@ -46,6 +46,18 @@ impl Map {
         self.factors.iter().copied().chain([self.constant])
     }
 
+    /// The magnitudes of all its numbers.
+    pub(crate) fn magnitudes(&self) -> Map {
+        let factors = self.factors.iter().map(|a| a.abs()).collect();
+        Map { factors, constant: self.constant.abs() }
+    }
+
+    /// Its range over a box.
+    pub(crate) fn over(&self, ranges: &[Interval]) -> Interval {
+        let terms = self.factors.iter().zip(ranges).map(|(a, range)| *range * *a);
+        terms.fold(Interval::point(self.constant), |sum, term| sum + term)
+    }
+
     /// Its value in numbers.
     pub(crate) fn at(&self, z: &[f64]) -> f64 {
         self.factors.iter().zip(z).map(|(a, z)| a * z).sum::<f64>() + self.constant

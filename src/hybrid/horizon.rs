@@ -6,24 +6,14 @@ use crate::tolerance;
 
 /// A horizon of `steps` steps of `time_step` seconds: samples `t = 0, 1, ..., steps`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Horizon {
     steps: usize,
     time_step: f64,
 }
 
 impl Horizon {
-    /// A checked horizon.
-    ///
-    /// # Arguments
-    ///
-    /// * `steps`: τ, from 1 to [`tolerance::MAX_STEPS`].
-    /// * `time_step`: Δt in s, finite and positive.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange).
-    pub fn new(steps: usize, time_step: f64) -> Result<Self, Error> {
+    /// A checked horizon: from 1 to [`tolerance::MAX_STEPS`] steps of a finite and positive length in s.
+    pub(crate) fn new(steps: usize, time_step: f64) -> Result<Self, Error> {
         check_steps("the number of steps", steps)?;
         check_time_step(time_step)?;
         Ok(Horizon { steps, time_step })
@@ -35,13 +25,8 @@ impl Horizon {
     }
 
     /// Length of a step, Δt, in s.
-    pub fn time_step(&self) -> f64 {
+    pub(crate) fn time_step(&self) -> f64 {
         self.time_step
-    }
-
-    /// Time from the first to the last sample, τ Δt, in s.
-    pub fn duration(&self) -> f64 {
-        self.steps as f64 * self.time_step
     }
 }
 

@@ -5,7 +5,7 @@ use faer::Mat;
 use super::exponential::{RADIUS, exponential};
 use super::matrix::Matrix;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
-use crate::model::{Affine, Constraint, Model};
+use crate::model::Affine;
 
 /// A discrete linear time-invariant system `x⁺ = A x + B u + c`.
 ///
@@ -180,20 +180,9 @@ impl LinearSystem {
             .collect())
     }
 
-    /// One step in expressions: `A x + B u + c`.
-    ///
-    /// # Arguments
-    ///
-    /// * `state`: n variables or expressions, `input`: m of them, of one model.
-    ///
-    /// # Returns
-    ///
-    /// n expressions, in the units of the states. If `state` was itself predicted, they are
-    /// predictions over several steps.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Length`].
+    /// One step in expressions: `A x + B u + c`, in the units of the states. If `state` was itself
+    /// predicted, they are predictions over several steps.
+    #[doc(hidden)]
     pub fn predict<X, U>(&self, state: &[X], input: &[U]) -> Result<Vec<Affine>, Error>
     where
         for<'a> Affine: From<&'a X> + From<&'a U>,
@@ -212,57 +201,6 @@ impl LinearSystem {
                 sum
             })
             .collect())
-    }
-
-    /// Adds the rows `x(t+1) = A x(t) + B u(t) + c` of one step to a model, named
-    /// `dynamics_<state>[t]`. They are [background](Model::set_background).
-    ///
-    /// # Arguments
-    ///
-    /// * `names`: the names of the n states.
-    /// * `step`: t.
-    /// * `state`, `next`: n variables or expressions at t and t+1; `input`: m of them at t.
-    ///
-    /// ```
-    /// use carom::hybrid::LinearSystem;
-    /// use carom::prelude::*;
-    ///
-    /// let mut model = Model::new("m");
-    /// let x = model.continuous_family("x", 2, -1.0, 1.0)?;
-    /// let v = model.continuous_family("v", 2, -1.0, 1.0)?;
-    /// let a = model.continuous("a", -1.0, 1.0)?;
-    /// let vehicle = LinearSystem::double_integrator(2.0)?;
-    /// vehicle.add_dynamics(&mut model, &["x", "v"], 0, &[x[0], v[0]], &[a], &[x[1], v[1]])?;
-    /// assert!(model.to_string().contains("dynamics_x[0]: -x[0] + x[1] - 2 v[0] - 2 a = 0"));
-    /// # Ok::<(), carom::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Length`]; the errors of [`Model::add`].
-    pub fn add_dynamics<X, U>(
-        &self,
-        model: &mut Model,
-        names: &[&str],
-        step: usize,
-        state: &[X],
-        input: &[U],
-        next: &[X],
-    ) -> Result<Vec<Constraint>, Error>
-    where
-        for<'a> Affine: From<&'a X> + From<&'a U>,
-    {
-        check_length("the list of state names", names.len(), self.states())?;
-        check_length("the next state", next.len(), self.states())?;
-        let predicted = self.predict(state, input)?;
-        let rows = names.iter().zip(next).zip(predicted);
-        rows.map(|((name, next), predicted)| {
-            let (family, row) = (format!("dynamics_{name}"), Affine::from(next).equals(predicted));
-            let id = model.add((family.as_str(), step), row)?;
-            model.set_background(&family)?;
-            Ok(id)
-        })
-        .collect()
     }
 
     fn check(&self) -> Result<(), Error> {

@@ -33,7 +33,7 @@ pub use shortest_horizon::{
     shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, DeadEnd, Follow, RunCertificate, RunError, SimulatedStep, Simulation,
+    Candidate, Condition, DeadEnd, RunCertificate, RunError, SimulatedStep, Simulation,
     SimulationOptions,
 };
 pub use system::{
@@ -41,4 +41,5 @@ pub use system::{
     State, TransitionMut,
 };
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
-pub use wall::{FreeSide, Wall};
+pub(crate) use wall::FreeSide;
+pub use wall::Wall;

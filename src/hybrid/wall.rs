@@ -5,9 +5,8 @@ use crate::model::Affine;
 
 /// The side of the wall on which the vehicle moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum FreeSide {
+pub(crate) enum FreeSide {
     /// Positions `x >= position` are free.
     Above,
     /// Positions `x <= position` are free.
@@ -42,30 +41,25 @@ impl Default for Wall {
 }
 
 impl Wall {
-    /// A wall at a position (m, finite) with the given free side.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite).
-    pub fn new(position: f64, free: FreeSide) -> Result<Self, Error> {
+    fn new(position: f64, free: FreeSide) -> Result<Self, Error> {
         check_finite("wall", "the position", [position])?;
         Ok(Wall { position, free })
     }
 
-    /// A wall whose free side is above it: `x >= position`.
+    /// A wall at a position (m, finite) whose free side is above it: `x >= position`.
     ///
     /// # Errors
     ///
-    /// As for [`Wall::new`].
+    /// [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite).
     pub fn above(position: f64) -> Result<Self, Error> {
         Wall::new(position, FreeSide::Above)
     }
 
-    /// A wall whose free side is below it: `x <= position`.
+    /// A wall at a position (m, finite) whose free side is below it: `x <= position`.
     ///
     /// # Errors
     ///
-    /// As for [`Wall::new`].
+    /// As for [`Wall::above`].
     pub fn below(position: f64) -> Result<Self, Error> {
         Wall::new(position, FreeSide::Below)
     }
@@ -76,7 +70,7 @@ impl Wall {
     }
 
     /// Its free side.
-    pub fn free(&self) -> FreeSide {
+    pub(crate) fn free(&self) -> FreeSide {
         self.free
     }
 

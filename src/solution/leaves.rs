@@ -4,6 +4,7 @@ use crate::model::Variable;
 
 /// A leaf of a search tree: a box over some of the integer variables, and the bound that was proved
 /// for it.
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -18,6 +19,7 @@ pub struct LeafBox {
 }
 
 /// Bounds of one variable of a [`LeafBox`].
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

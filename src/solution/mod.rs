@@ -171,7 +171,7 @@ impl Solution {
         Ok(self)
     }
 
-    /// Sets the leaves of the tree.
+    #[doc(hidden)]
     pub fn with_leaves(mut self, leaves: Vec<LeafBox>) -> Self {
         self.leaves = leaves;
         self
@@ -265,8 +265,8 @@ impl Solution {
         &self.pool
     }
 
-    /// The leaves of the tree, if
-    /// [`Options::keep_leaves`](crate::solver::Options::keep_leaves) is on.
+    /// The leaves of the tree, if `Options::keep_leaves` is on.
+    #[doc(hidden)]
     pub fn leaves(&self) -> &[LeafBox] {
         &self.leaves
     }

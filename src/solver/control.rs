@@ -71,10 +71,7 @@ pub struct Control<'a> {
 }
 
 /// A callback that is shown a point of a model and returns rows over the model's variables.
-///
-/// It may be called from several threads at the same time, and more than once with the same point. An
-/// error ends the solve, which returns it.
-pub type RowSource<'a> = dyn Fn(&Point) -> Result<Vec<Row>, Error> + Sync + 'a;
+pub(crate) type RowSource<'a> = dyn Fn(&Point) -> Result<Vec<Row>, Error> + Sync + 'a;
 
 /// The callback for new best points.
 type OnIncumbent<'a> = dyn FnMut(&Incumbent<'_>) -> ControlFlow<()> + 'a;

@@ -28,7 +28,6 @@ use crate::tolerance;
 /// | `pool` | points, `1..=100_000` | 1 | 1 | 1 | |
 /// | `pool_mode` | [`PoolMode`] | `Found` | `Found` | `Found` | `Best` visits more nodes |
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
-/// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *The latest step first* |
 /// | `relaxation` | [`RelaxationMethod`] | `Automatic` | `Automatic` | `Automatic` | benchmarks, *Relaxations by either method* |
 /// | `cuts` | on or off | on | on | on | decisions, *Cuts at the root* |
@@ -57,7 +56,7 @@ pub struct Options {
     /// Limit on nodes; default none.
     pub node_limit: Option<u64>,
     /// Limit on the bytes of the tree; default none. It covers what grows with the search: open
-    /// nodes, the bound changes that they share, kept leaves, and the best points. It does not
+    /// nodes, the bound changes that they share, and the best points. It does not
     /// cover the model, its matrices and the factors of relaxations. From half of the limit on, the
     /// search (except in deterministic mode) goes depth-first to keep few nodes open.
     pub memory_limit: Option<u64>,
@@ -80,6 +79,7 @@ pub struct Options {
     /// Whether to keep the leaves of the tree in
     /// [`Solution::leaves`](crate::solution::Solution::leaves): boxes that cover all assignments of
     /// the integers, with a proved bound each; default off.
+    #[doc(hidden)]
     pub keep_leaves: bool,
     /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
@@ -223,7 +223,7 @@ impl Options {
     setters! {
         /// Keeps only points within a relative gap of the best one.
         with_pool_gap(gap: f64) => pool_gap = Some(gap);
-        /// Sets whether the leaves of the tree are kept.
+        #[doc(hidden)]
         with_leaves(keep: bool) => keep_leaves = keep;
         /// Sets the branching rule.
         with_branching(rule: BranchingRule) => branching = rule;

@@ -17,6 +17,7 @@ const BETWEEN: usize = 10_000;
 ///
 /// Clones share one state, and once a token is over it stays over, so that nothing that was left
 /// half done is taken for finished later. The default never stops.
+#[doc(hidden)]
 #[derive(Debug, Default)]
 pub struct StopToken {
     shared: Arc<TokenState>,

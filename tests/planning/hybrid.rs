@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use crate::common::config;
 use carom::hybrid::{
-    Contact, ContactLaw, FreeSide, HorizonEvent, HorizonModel, HybridRun, HybridSystem,
-    LinearSystem, Matrix, Refutation, Restitution, ShortestOptions, ShortestStatus, Verdict,
-    Waiting, Wall, shortest_horizon, shortest_horizon_with,
+    Contact, ContactLaw, HorizonEvent, HorizonModel, HybridRun, HybridSystem, LinearSystem, Matrix,
+    Refutation, Restitution, ShortestOptions, ShortestStatus, Verdict, Waiting, Wall,
+    shortest_horizon, shortest_horizon_with,
 };
 use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
@@ -182,9 +182,9 @@ fn one_step(wall: Wall, restitution: f64, law: ContactLaw, time_step: f64) -> On
         _ => hit,
     };
     let at = wall.position();
-    let (low, high) = match wall.free() {
-        FreeSide::Above => (at - 20.0, at + 50.0),
-        _ => (at - 50.0, at + 20.0),
+    let (low, high) = match wall.normal() > 0.0 {
+        true => (at - 20.0, at + 50.0),
+        false => (at - 50.0, at + 20.0),
     };
     let system = HybridSystem::new(time_step)
         .with_state("x", Interval::new(low, high))

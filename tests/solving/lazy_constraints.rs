@@ -15,7 +15,10 @@ use crate::tour::{Tour, held_karp, lengths, places};
 use carom::ErrorKind;
 use carom::prelude::*;
 use carom::solution::Point;
-use carom::solver::{Heuristics, MipStart, PoolMode, RowSource};
+use carom::solver::{Heuristics, MipStart, PoolMode};
+
+/// Looks at a point and returns the rows that it must satisfy.
+type RowSource<'a> = dyn Fn(&Point) -> Result<Vec<Row>, Error> + Sync + 'a;
 use proptest::prelude::*;
 
 fn solve(model: &Model, options: Options, lazy: &RowSource<'_>) -> Result<Solution, Error> {

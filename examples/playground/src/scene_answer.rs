@@ -79,7 +79,8 @@ impl SceneAnswer {
         free: &Shortest<ScenePlan>,
         shorter: Option<&Shortest<ScenePlan>>,
     ) -> Self {
-        let finding = |found| Finding::new(found, |plan: &ScenePlan| &plan.certificate, task.time_step);
+        let finding =
+            |found| Finding::new(found, |plan: &ScenePlan| &plan.certificate, task.time_step);
         let careful = finding(free);
         let bold = match shorter {
             Some(shorter) => finding(free).after(finding(shorter)),

@@ -276,7 +276,8 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`Tube::tighten`].
+    /// [`ErrorKind::Length`], [`ErrorKind::OutOfRange`] and [`ErrorKind::UnknownName`] for the tube of
+    /// another system or another number of steps.
     pub fn tighten(&mut self, tube: &Tube) -> Result<TighteningReport, Error> {
         let variables = self.members.first().horizon_variables();
         tube.tighten(&mut self.model, &variables)

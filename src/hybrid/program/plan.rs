@@ -76,7 +76,7 @@ impl HybridPlan {
         let mut found = names.zip(&self.others).filter(|(own, _)| *own == name);
         let found = found.next().map(|(_, (run, certificate))| (run, certificate));
         let kind = "system that has joined the program";
-        found.ok_or_else(|| ErrorKind::UnknownName { name: name.to_owned(), kind }.into())
+        found.ok_or_else(|| Error::unknown_name(name, kind))
     }
 
     /// The value of an expression of handles, or of variables of the model, at a sample.

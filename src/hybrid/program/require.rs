@@ -171,20 +171,15 @@ impl SystemVariables {
             .map(Affine::from)
             .collect();
         let mut rows = region.rows(&states)?;
-        for choice in &self.system().choices {
+        for (c, choice) in self.system().choices.iter().enumerate() {
+            let allows = |mode: &&str| region.allows(&choice.name, mode);
             let modes = choice.modes();
-            if modes.iter().all(|mode| region.allows(&choice.name, mode)) {
+            if modes.iter().all(allows) {
                 continue;
             }
-            let mut allowed = Affine::zero();
-            for mode in modes.iter().filter(|mode| region.allows(&choice.name, mode)) {
-                allowed += match self.mode(&choice.name, mode, sample)? {
-                    None => Affine::constant(1.0),
-                    Some(literal) if literal.is_on() => literal.variable().into(),
-                    Some(literal) => 1.0 - literal.variable(),
-                };
-            }
-            rows.push(allowed.ge(1.0));
+            let allowed = modes.into_iter().filter(allows);
+            let allowed = allowed.map(|mode| self.mode_value(c, mode, sample));
+            rows.push(allowed.sum::<Result<Affine, Error>>()?.ge(1.0));
         }
         Ok(rows)
     }

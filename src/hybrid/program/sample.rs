@@ -58,8 +58,7 @@ impl Members {
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         }
         if name.is_empty() || self.all.iter().any(|(own, _)| own == name) {
-            let name = name.to_owned();
-            return Err(ErrorKind::DuplicateName { name, kind: "system of the program" }.into());
+            return Err(Error::duplicate_name(name, "system of the program"));
         }
         Ok(())
     }

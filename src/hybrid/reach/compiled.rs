@@ -244,7 +244,7 @@ fn groups(system: &HybridSystem, laws: &[Law]) -> Vec<Vec<usize>> {
         }
     };
     for law in laws {
-        link_matrix(&law.flow.a);
+        link_matrix(&Mat::from_fn(n, n, |i, j| law.flow[i].factors[j]));
         if let Some((matrix, _)) = &law.reset {
             link_matrix(matrix);
         }
@@ -354,13 +354,17 @@ impl Source<'_> {
             let guards = guards.iter().filter(|guard| !guard.is_joint());
             guards.filter_map(|g| self.cut(states, &g.name, &g.states, g.limit)).collect()
         };
-        let gains = part(&law.flow.b, states, &(0..law.inputs.len()).collect::<Vec<_>>());
-        let constant = local(&law.flow.c);
+        let n = self.system.states.len();
+        let rows = || states.iter().map(|&i| &law.flow[i]);
+        let gains: Matrix = rows().map(|row| row.factors[n..].to_vec()).collect();
+        let constant: Vec<f64> = rows().map(|row| row.constant).collect();
         let push = push(&gains, &constant, &law.inputs, margin);
-        let flow = maps.map(part(&law.flow.a, states, states), push.shift.clone());
-        let reset = law.reset.as_ref();
-        let reset =
-            reset.map(|(matrix, offset)| maps.map(part(matrix, states, states), local(offset)));
+        let flow = rows().map(|row| local(&row.factors)).collect();
+        let flow = maps.map(flow, push.shift.clone());
+        let reset = law.reset.as_ref().map(|(matrix, offset)| {
+            let row = |&i: &usize| states.iter().map(|&j| matrix[(i, j)]).collect();
+            maps.map(states.iter().map(row).collect(), local(offset))
+        });
         let loose = |&i: &usize| match law.resets {
             0 => law.loose[i],
             _ => law.loose[i] + law.resets as f64 * (margin * margin_scale(self.sizes[i], 0.0)),
@@ -429,8 +433,4 @@ impl Maps<'_> {
         self.known.push(map.clone());
         map
     }
-}
-
-fn part(matrix: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Matrix {
-    rows.iter().map(|&i| columns.iter().map(|&j| matrix[(i, j)]).collect()).collect()
 }

@@ -5,6 +5,7 @@ use faer::Mat;
 
 use super::moves::Move;
 use super::rounding::EPSILON;
+use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Transition};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
@@ -35,27 +36,20 @@ impl Guard {
     }
 }
 
-/// An affine map of states and inputs: A x + B u + c.
-#[derive(Debug, Clone)]
-pub(super) struct Flow {
-    pub(super) a: Mat<f64>,
-    pub(super) b: Mat<f64>,
-    pub(super) c: Vec<f64>,
-}
-
 /// How a transition's prediction follows from a move.
 #[derive(Debug, Clone)]
 pub(super) enum Prediction {
     /// The move's prediction, shifted.
     Shifted(Vec<f64>),
     /// By a flow of its own.
-    Own(Flow),
+    Own(Vec<Map>),
 }
 
 /// A move in one step: guards, `y = A x + B u + c`, guards on y, and a reset.
 #[derive(Debug, Clone)]
 pub(super) struct Law {
-    pub(super) flow: Flow,
+    /// One row per state.
+    pub(super) flow: Vec<Map>,
     pub(super) before: Vec<Guard>,
     pub(super) after: Vec<Guard>,
     pub(super) reset: Option<(Mat<f64>, Vec<f64>)>,
@@ -100,7 +94,7 @@ impl Context<'_> {
 
         let mut law = match (members.as_slice(), system.choices.len()) {
             ([only], 1) => Law {
-                flow: flow_of(only),
+                flow: affine::flow(&only.flow),
                 before,
                 after: guards(&only.prediction_guards),
                 reset: self.reset(only),
@@ -118,7 +112,7 @@ impl Context<'_> {
             let first = self.relaxed[..c].iter().map(|c| c.transitions.len()).sum::<usize>();
             for (k, transition) in choice.transitions.iter().enumerate() {
                 let number = self.relaxed_numbers[first + k];
-                law.predictions.push((number, Prediction::Own(flow_of(transition))));
+                law.predictions.push((number, Prediction::Own(affine::flow(&transition.flow))));
             }
         }
         if self.is_disturbed && !system.disturbance.is_empty() {
@@ -177,16 +171,11 @@ impl Context<'_> {
     ) -> Law {
         let system = self.system;
         let n = system.states.len();
-        let common = match &system.flow {
-            Some(flow) => Flow {
-                a: flow.a().faer().clone(),
-                b: flow.b().faer().clone(),
-                c: flow.c().to_vec(),
-            },
-            None => flow_of(members[0]),
+        let common = affine::flow(system.flow.as_ref().unwrap_or(&members[0].flow));
+        let share = |t: &&Transition| {
+            let own = affine::flow(&t.flow);
+            own.iter().zip(&common).all(|(own, common)| own.factors == common.factors)
         };
-        let share =
-            |t: &&Transition| t.flow.a().faer() == &common.a && t.flow.b().faer() == &common.b;
         let is_shared = members.iter().all(share);
         let mut law = Law {
             flow: common,
@@ -209,13 +198,13 @@ impl Context<'_> {
 
     /// The choices share A and B, so that each of them resets the common prediction.
     fn add_resets(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
-        let n = law.flow.c.len();
+        let n = law.flow.len();
         let identity = Mat::<f64>::identity(n, n);
         let (mut matrix, mut offset) = (identity.clone(), vec![0.0; n]);
         let mut size = Mat::<f64>::zeros(n, n);
         for (&number, transition) in taken.members.iter().zip(members) {
-            let shift: Vec<f64> =
-                transition.flow.c().iter().zip(&law.flow.c).map(|(c, common)| c - common).collect();
+            let shift = transition.flow.c().iter().zip(&law.flow);
+            let shift: Vec<f64> = shift.map(|(c, common)| c - common.constant).collect();
             for halfspace in &transition.prediction_guards {
                 let mut guard = Guard::new(halfspace, n, self.step);
                 let moved = product(&guard.states, &shift);
@@ -252,68 +241,51 @@ impl Context<'_> {
     /// predictions become guards on states and inputs.
     fn add_flows(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
         let common = law.flow.clone();
-        let (n, m) = (common.c.len(), law.inputs.len());
-        let mut sizes = Flow { a: Mat::zeros(n, n), b: Mat::zeros(n, m), c: vec![0.0; n] };
+        let width = common[0].factors.len();
+        let mut sizes = vec![Map::constant(width, 0.0); common.len()];
         for (&number, transition) in taken.members.iter().zip(members) {
-            let own = flow_of(transition);
-            for halfspace in &transition.prediction_guards {
-                let guard = self.pulled(halfspace, &own, law);
-                law.before.push(guard);
+            let own = affine::flow(&transition.flow);
+            let Behaviour { next, guards, .. } = self.behaviour(transition);
+            for guard in guards {
+                let number = guard.number.checked_sub(transition.guards.len());
+                if let Some(halfspace) = number.and_then(|k| transition.prediction_guards.get(k)) {
+                    law.before.push(self.pulled(halfspace, guard.map, &own, &law.inputs));
+                }
             }
-            let next = after_reset(&own, self.reset(transition));
-            for i in 0..n {
-                for j in 0..n {
-                    law.flow.a[(i, j)] += next.a[(i, j)] - common.a[(i, j)];
-                    sizes.a[(i, j)] += next.a[(i, j)].abs() + common.a[(i, j)].abs();
-                }
-                for j in 0..m {
-                    law.flow.b[(i, j)] += next.b[(i, j)] - common.b[(i, j)];
-                    sizes.b[(i, j)] += next.b[(i, j)].abs() + common.b[(i, j)].abs();
-                }
-                law.flow.c[i] += next.c[i] - common.c[i];
-                sizes.c[i] += next.c[i].abs() + common.c[i].abs();
+            for (i, next) in next.iter().enumerate() {
+                law.flow[i].add(1.0, next);
+                law.flow[i].add(-1.0, &common[i]);
+                sizes[i].add(1.0, &next.magnitudes());
+                sizes[i].add(1.0, &common[i].magnitudes());
             }
             law.predictions.push((number, Prediction::Own(own)));
         }
         let reach = self.reach(&sizes, &law.inputs);
         for (loose, reach) in law.loose.iter_mut().zip(reach) {
-            *loose += 32.0 * EPSILON * (n + m) as f64 * reach;
+            *loose += 32.0 * EPSILON * width as f64 * reach;
         }
     }
 
-    /// A guard on a flow's result as a guard on states and inputs.
-    fn pulled(&self, halfspace: &Halfspace, flow: &Flow, law: &Law) -> Guard {
-        let (n, m) = (flow.c.len(), law.inputs.len());
-        let normal = &halfspace.normal;
-        let column = |matrix: &Mat<f64>, j: usize| -> f64 {
-            (0..n).map(|i| normal[i] * matrix[(i, j)]).sum()
-        };
-        let (moved, terms) = product(normal, &flow.c);
-        let reach = self.reach(flow, &law.inputs);
-        let size: f64 = normal.iter().zip(&reach).map(|(f, r)| f.abs() * r).sum();
-        let limit = halfspace.limit_at(self.step);
-        let noise = 32.0 * EPSILON * (n + m) as f64 * (size + terms + limit.abs());
-        Guard {
-            name: halfspace.name.clone(),
-            states: (0..n).map(|j| column(&flow.a, j)).collect(),
-            inputs: (0..m).map(|j| column(&flow.b, j)).collect(),
-            limit: limit - moved + noise,
-        }
+    fn behaviour(&self, transition: &Transition) -> Behaviour {
+        affine::behaviour(self.system, transition, &[], Vec::new(), self.step)
     }
 
-    /// Bounds of the magnitudes of `|A| |x| + |B| |u| + |c|` over domains and inputs.
-    fn reach(&self, flow: &Flow, inputs: &[Interval]) -> Vec<f64> {
-        let states: Vec<f64> =
-            self.system.states.iter().map(|(_, d)| d.magnitude() + 1.0).collect();
-        let n = states.len();
-        (0..n)
-            .map(|i| {
-                let x: f64 = (0..n).map(|j| flow.a[(i, j)].abs() * states[j]).sum();
-                let u = inputs.iter().enumerate();
-                let u: f64 = u.map(|(j, r)| flow.b[(i, j)].abs() * (r.magnitude() + 1.0)).sum();
-                x + u + flow.c[i].abs()
-            })
-            .collect()
+    /// A guard on a flow's result as a guard on states and inputs, which is `map <= 0` up to rounding.
+    fn pulled(&self, halfspace: &Halfspace, map: Map, flow: &[Map], inputs: &[Interval]) -> Guard {
+        let reach = self.reach(flow, inputs);
+        let size: f64 = halfspace.normal.iter().zip(&reach).map(|(f, r)| f.abs() * r).sum();
+        let size = size + halfspace.limit_at(self.step).abs();
+        let limit = 32.0 * EPSILON * map.factors.len() as f64 * size - map.constant;
+        let (mut states, name) = (map.factors, halfspace.name.clone());
+        let inputs = states.split_off(flow.len());
+        Guard { name, states, inputs, limit }
+    }
+
+    /// Bounds of the magnitudes of the terms of a flow over domains and inputs.
+    fn reach(&self, flow: &[Map], inputs: &[Interval]) -> Vec<f64> {
+        let ranges = self.system.states.iter().map(|(_, domain)| domain).chain(inputs);
+        let sizes: Vec<f64> = ranges.map(|range| range.magnitude() + 1.0).collect();
+        flow.iter().map(|row| row.magnitudes().at(&sizes)).collect()
     }
 
     /// A box around what a relaxed choice may change about the next state.
@@ -324,21 +296,15 @@ impl Context<'_> {
                 + 16.0 * EPSILON * range.magnitude();
             Interval::new(range.lower - slack, range.upper + slack)
         };
-        let domains: Vec<Interval> = self.system.states.iter().map(|(_, d)| wide(d)).collect();
-        let inputs: Vec<Interval> = inputs.iter().map(wide).collect();
-        let common = self.system.flow.as_ref();
+        let domains = self.system.states.iter().map(|(_, domain)| domain);
+        let ranges: Vec<Interval> = domains.chain(inputs).map(wide).collect();
+        let common = self.system.flow.as_ref().map(affine::flow);
         let of = |transition: &Transition| -> Vec<Interval> {
-            let next = after_reset(&flow_of(transition), self.reset(transition));
-            (0..n)
-                .map(|i| {
-                    let a = |j| next.a[(i, j)] - common.map_or(0.0, |f| f.a()[(i, j)]);
-                    let b = |j| next.b[(i, j)] - common.map_or(0.0, |f| f.b()[(i, j)]);
-                    let c = next.c[i] - common.map_or(0.0, |f| f.c()[i]);
-                    let x = domains.iter().enumerate().map(|(j, range)| *range * a(j));
-                    let u = inputs.iter().enumerate().map(|(j, range)| *range * b(j));
-                    wide(&x.chain(u).fold(Interval::point(c), |sum, term| sum + term))
-                })
-                .collect()
+            let mut next = self.behaviour(transition).next;
+            for (next, common) in next.iter_mut().zip(common.iter().flatten()) {
+                next.add(-1.0, common);
+            }
+            next.iter().map(|next| wide(&next.over(&ranges))).collect()
         };
         let all = choice.transitions.iter().map(of);
         let hull = |a: Vec<Interval>, b: Vec<Interval>| -> Vec<Interval> {
@@ -366,21 +332,6 @@ impl Law {
             }
         }
     }
-}
-
-fn flow_of(transition: &Transition) -> Flow {
-    let flow = &transition.flow;
-    Flow { a: flow.a().faer().clone(), b: flow.b().faer().clone(), c: flow.c().to_vec() }
-}
-
-/// A flow, followed by a reset.
-fn after_reset(flow: &Flow, reset: Option<(Mat<f64>, Vec<f64>)>) -> Flow {
-    let Some((matrix, offset)) = reset else { return flow.clone() };
-    let c = (0..offset.len()).map(|i| {
-        let terms = flow.c.iter().enumerate().map(|(j, c)| matrix[(i, j)] * c);
-        terms.sum::<f64>() + offset[i]
-    });
-    Flow { a: &matrix * &flow.a, b: &matrix * &flow.b, c: c.collect() }
 }
 
 /// A scalar product, and the sum of its terms' magnitudes.

@@ -197,13 +197,8 @@ pub(super) fn prediction_boxes(
                 shifted.collect()
             }
             Prediction::Own(flow) => {
-                let states = set.bounding_box();
-                let rows = (0..states.len()).map(|i| {
-                    let x = states.iter().enumerate().map(|(j, x)| *x * flow.a[(i, j)]);
-                    let u = taken.inputs.iter().enumerate().map(|(j, u)| *u * flow.b[(i, j)]);
-                    x.chain(u).fold(Interval::point(flow.c[i]), |sum, term| sum + term)
-                });
-                rows.collect()
+                let around = [set.bounding_box(), taken.inputs.clone()].concat();
+                flow.iter().map(|row| row.over(&around)).collect()
             }
         };
         (*transition, found)

@@ -8,31 +8,18 @@ use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Name, Variable};
 use crate::tolerance;
 
-/// The variables of a program that represent the states and transitions of the hybrid system.
-///
-/// ```
-/// use carom::hybrid::reach::HorizonVariables;
-/// use carom::prelude::*;
-///
-/// let mut model = Model::new("m");
-/// let x = model.continuous_family("x", 11, 0.0, 9.0)?;
-/// let v = model.continuous_family("v", 11, -5.0, 5.0)?;
-/// let hit = model.binary_family("hit", 10)?;
-/// // States in the system's order; `hit` is 1 if transition 1 is taken.
-/// let variables = HorizonVariables::new([x, v]).with_transition(1, hit);
-/// assert_eq!(variables.states.len(), 2);
-/// # Ok::<(), carom::Error>(())
-/// ```
+/// The variables of a program that represent the states and transitions of the hybrid system; without
+/// states, nothing is tightened.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HorizonVariables {
     /// One family per state, in the system's order, each over the samples 0, ..., τ.
     pub states: Vec<Family>,
-    /// Transitions by number, with binaries over the steps 0, ..., τ-1 that are 1 exactly in the
-    /// steps that take them.
+    /// Transitions by number, with binaries over the steps that are 1 exactly in those that take them.
     pub transitions: Vec<(usize, Family)>,
-    /// Modes, by the names of their choices and their own, with variables over the samples 0, ...,
-    /// τ that are 1 exactly at the samples in these modes.
+    /// Modes, by the names of their choices and their own, with variables over the samples that are 1
+    /// exactly at those in these modes.
     pub modes: Vec<(String, String, Family)>,
     /// Variables that are affine functions of the predictions.
     pub quantities: Vec<Quantity>,
@@ -42,10 +29,11 @@ pub struct HorizonVariables {
 
 /// Variables over the steps that are, in each transition, an affine function of the prediction:
 /// an impact speed, a penetration, a damage.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Quantity {
-    /// The variables over the steps 0, ..., τ-1.
+    /// The variables over the steps.
     pub family: Family,
     /// Number of the transition of the first value; 0 unless the values are those of one of several
     /// choices.
@@ -75,40 +63,15 @@ impl HorizonVariables {
         self
     }
 
-    /// Adds variables that are affine functions of the prediction: for each transition, in the
-    /// system's order, one coefficient per state and a constant.
+    /// Adds variables with values for the transitions from the number `first` on; see [`Quantity`].
     #[must_use]
     pub fn with_quantity(
-        mut self,
-        family: Family,
-        values: impl Into<Vec<(Vec<f64>, f64)>>,
-    ) -> Self {
-        self.quantities.push(Quantity { family, first: 0, values: values.into() });
-        self
-    }
-
-    /// As [`with_quantity`](HorizonVariables::with_quantity), with values only for the transitions
-    /// of one choice, of which the first has the number `first`.
-    #[must_use]
-    pub fn with_quantity_of_choice(
         mut self,
         family: Family,
         first: usize,
         values: impl Into<Vec<(Vec<f64>, f64)>>,
     ) -> Self {
         self.quantities.push(Quantity { family, first, values: values.into() });
-        self
-    }
-
-    /// Adds the variables that are 1 at the samples in a mode of a choice, by their names.
-    #[must_use]
-    pub fn with_mode(
-        mut self,
-        choice: impl Into<String>,
-        mode: impl Into<String>,
-        family: Family,
-    ) -> Self {
-        self.modes.push((choice.into(), mode.into(), family));
         self
     }
 
@@ -126,6 +89,7 @@ impl HorizonVariables {
 }
 
 /// Why a variable was fixed or its bounds were tightened.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reason {
@@ -142,24 +106,21 @@ pub enum Reason {
 }
 
 /// One change that reach sets made to a program.
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Change {
-    /// The variable.
     pub variable: Variable,
-    /// Its name.
     pub name: Name,
     /// The step or sample.
     pub step: usize,
-    /// Its bounds before, in its unit.
+    /// Its bounds before and after.
     pub from: Interval,
-    /// Its bounds after, in its unit.
     pub to: Interval,
-    /// Why.
     pub reason: Reason,
 }
 
-/// The changes that reach sets made to a program.
+/// The changes that reach sets made to a program, in words by `{}`.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -169,8 +130,10 @@ pub struct TighteningReport {
     /// Whether the program is proved infeasible; the model is then unchanged.
     pub infeasible: bool,
     /// Fixed binaries.
+    #[doc(hidden)]
     pub fixed: Vec<Change>,
     /// Tightened bounds of other variables.
+    #[doc(hidden)]
     pub tightened: Vec<Change>,
     /// Binaries of transitions that are still open.
     pub open: usize,
@@ -198,17 +161,8 @@ impl fmt::Display for TighteningReport {
 impl Tube {
     /// Tightens a program over the same horizon: fixes binaries, tightens bounds (so that each step
     /// gets smaller big-Ms), and, if the number of events is limited, adds the row `events`. No
-    /// solution is lost.
-    ///
-    /// # Arguments
-    ///
-    /// * `model`: the program; it stays unchanged if the tube is empty.
-    /// * `variables`: its variables; see [`HorizonVariables`].
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Length`] for families of other lengths, [`ErrorKind::OutOfRange`] for
-    /// transitions that do not exist, [`ErrorKind::ForeignHandle`] for variables of another model.
+    /// solution is lost. The model stays unchanged if the tube is empty.
+    #[doc(hidden)]
     pub fn tighten(
         &self,
         model: &mut Model,
@@ -223,7 +177,7 @@ impl Tube {
             open: 0,
             rows: Vec::new(),
         };
-        if report.infeasible {
+        if report.infeasible || variables.states.is_empty() {
             return Ok(report);
         }
         let changes = self.changes(model, variables)?;
@@ -252,7 +206,9 @@ impl Tube {
 
     fn check_variables(&self, model: &Model, variables: &HorizonVariables) -> Result<(), Error> {
         let states = self.system.states.len();
-        check_length("the list of state families", variables.states.len(), states)?;
+        if !variables.states.is_empty() {
+            check_length("the list of state families", variables.states.len(), states)?;
+        }
         for family in &variables.states {
             check_length("a state family of the horizon", family.len(), self.steps() + 1)?;
         }
@@ -267,7 +223,7 @@ impl Tube {
         for (choice, mode, family) in &variables.modes {
             let known = |kind, name: &str, found: bool| match found {
                 true => Ok(()),
-                false => Err(Error::from(ErrorKind::UnknownName { name: name.into(), kind })),
+                false => Err(Error::unknown_name(name, kind)),
             };
             let mut modes = self.graph.modes_of(choice).peekable();
             known("choice with memory", choice, modes.peek().is_some())?;

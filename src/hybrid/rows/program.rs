@@ -1,7 +1,7 @@
 //! The variables of a hybrid system in a model, by name and step.
 
 use super::change::Changes;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::hybrid::affine::{self, Behaviour};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::HorizonVariables;
@@ -30,6 +30,16 @@ impl OneOf {
             }
             OneOf::Each(families) => Some(families.get(number)?.get(step)?.on()),
         }
+    }
+
+    /// The families of binaries, with the number of the thing for which each is on.
+    pub(super) fn families(&self) -> impl Iterator<Item = (usize, &Family)> {
+        let (first, families) = match self {
+            OneOf::Only => (0, &[][..]),
+            OneOf::Pair(family, on) => (*on, std::slice::from_ref(family)),
+            OneOf::Each(families) => (0, &families[..]),
+        };
+        (first..).zip(families)
     }
 
     /// 1 if it holds, and 0 otherwise.
@@ -81,20 +91,12 @@ impl SystemVariables {
     }
 
     /// A state at the samples 0, ..., τ.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
     pub fn state(&self, name: &str) -> Result<&Family, Error> {
         let names = self.system.states.iter().map(|(name, _)| name.as_str());
         find(names, name, "state of the system").map(|i| &self.states[i])
     }
 
     /// An input in the steps 0, ..., τ-1.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
     pub fn input(&self, name: &str) -> Result<&Family, Error> {
         let names = self.system.inputs.iter().map(|(name, _)| name.as_str());
         find(names, name, "input of the system").map(|u| &self.inputs[u])
@@ -112,11 +114,6 @@ impl SystemVariables {
 
     /// The condition that a transition of a choice is taken in a step; `None` if the choice has no
     /// other transition.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`] for the choice or the transition; [`ErrorKind::OutOfRange`] for a
-    /// step that is not below τ.
     pub fn taken(
         &self,
         choice: &str,
@@ -131,11 +128,6 @@ impl SystemVariables {
     }
 
     /// The condition that a choice is in a mode at a sample; `None` if it has no other mode.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`] for the choice or the mode; [`ErrorKind::OutOfRange`] for a
-    /// sample above τ.
     pub fn mode(&self, choice: &str, mode: &str, sample: usize) -> Result<Option<Literal>, Error> {
         let c = self.choice(choice)?;
         let modes = self.system.choices[c].modes();
@@ -146,10 +138,6 @@ impl SystemVariables {
 
     /// An output in the steps 0, ..., τ-1. If several choices have an output of this name, it is
     /// the sum of theirs.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
     pub fn output(&self, name: &str) -> Result<&[Affine], Error> {
         let names = self.outputs.iter().map(|(name, _)| name.as_str());
         find(names, name, "output of the system").map(|o| &self.outputs[o].1[..])
@@ -179,10 +167,6 @@ impl SystemVariables {
     }
 
     /// The number of events in a step, over all choices.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::OutOfRange`] for a step that is not below τ.
     pub fn events(&self, step: usize) -> Result<Affine, Error> {
         self.check_step("the step", step, self.horizon.steps())?;
         Ok(self.count_events(step))
@@ -197,40 +181,21 @@ impl SystemVariables {
         events.sum()
     }
 
-    /// The variables by which a [tube](crate::hybrid::reach::Tube::tighten) tightens the program.
+    /// The variables by which a tube tightens the program.
     pub fn horizon_variables(&self) -> HorizonVariables {
         let mut variables = HorizonVariables::new(self.states.clone());
-        for (c, program) in self.choices.iter().enumerate() {
+        for (c, (program, choice)) in self.choices.iter().zip(&self.system.choices).enumerate() {
             let first = self.system.first_transition(c);
-            match &program.taken {
-                OneOf::Only => {}
-                OneOf::Pair(family, on) => {
-                    variables = variables.with_transition(first + on, family.clone());
-                }
-                OneOf::Each(families) => {
-                    for (j, family) in families.iter().enumerate() {
-                        variables = variables.with_transition(first + j, family.clone());
-                    }
-                }
-            }
-            let choice = &self.system.choices[c];
+            let taken = program.taken.families();
+            variables.transitions.extend(taken.map(|(j, family)| (first + j, family.clone())));
             let modes = choice.modes();
-            let families: Vec<(usize, &Family)> = match &program.modes {
-                OneOf::Only => Vec::new(),
-                OneOf::Pair(family, on) => vec![(*on, family)],
-                OneOf::Each(families) => families.iter().enumerate().collect(),
-            };
-            for (k, family) in families {
-                if let Some(mode) = modes.get(k) {
-                    variables = variables.with_mode(&choice.name, *mode, family.clone());
-                }
+            for (k, family) in program.modes.families() {
+                let (choice, mode) = (choice.name.clone(), modes[k].to_owned());
+                variables.modes.push((choice, mode, family.clone()));
             }
-        }
-        for (c, program) in self.choices.iter().enumerate() {
-            let first = self.system.first_transition(c);
             for (group, family) in program.groups.iter().enumerate() {
                 if let Some(values) = self.by_prediction(c, group) {
-                    variables = variables.with_quantity_of_choice(family.clone(), first, values);
+                    variables = variables.with_quantity(family.clone(), first, values);
                 }
             }
         }
@@ -298,6 +263,5 @@ pub(super) fn find<'a>(
     name: &str,
     kind: &'static str,
 ) -> Result<usize, Error> {
-    let unknown = || ErrorKind::UnknownName { name: name.to_owned(), kind }.into();
-    names.position(|own| own == name).ok_or_else(unknown)
+    names.position(|own| own == name).ok_or_else(|| Error::unknown_name(name, kind))
 }

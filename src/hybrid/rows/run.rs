@@ -240,16 +240,8 @@ impl SystemVariables {
 
 /// The values of the binaries with which one of several things holds.
 fn choose(of: &OneOf, number: usize, step: usize, values: &mut Vec<(Variable, f64)>) {
-    let value = |on: bool| if on { 1.0 } else { 0.0 };
-    match of {
-        OneOf::Only => {}
-        OneOf::Pair(family, on) => {
-            values.extend(family.get(step).map(|variable| (variable, value(number == *on))));
-        }
-        OneOf::Each(families) => {
-            for (k, family) in families.iter().enumerate() {
-                values.extend(family.get(step).map(|variable| (variable, value(k == number))));
-            }
-        }
-    }
+    values.extend(of.families().filter_map(|(k, family)| {
+        let value = if k == number { 1.0 } else { 0.0 };
+        Some((family.get(step)?, value))
+    }));
 }

@@ -54,7 +54,7 @@ impl Scene {
     }
 
     /// Reach sets of the scene, from its starts to its goals. They refute horizons, say why in
-    /// words, and [tighten](crate::hybrid::reach::Tube::tighten) programs. Bodies whose axes are
+    /// words, and [tighten](crate::hybrid::HybridProgram::tighten) programs. Bodies whose axes are
     /// independent have sets for each axis.
     ///
     /// # Errors

@@ -59,8 +59,8 @@ pub trait HorizonModel {
     /// Reach sets of the system that the programs describe, with the same start and goal; `None` by
     /// default.
     ///
-    /// They refute most horizons before a program is built, and fix binaries in the others. Every
-    /// solution of a program must be a run of the system.
+    /// They refute most horizons before a program is built. Every solution of a program must be a run
+    /// of the system.
     ///
     /// # Errors
     ///
@@ -69,8 +69,9 @@ pub trait HorizonModel {
         Ok(None)
     }
 
-    /// The program's variables for states and transitions. [`reach_sets`](Self::reach_sets) needs
-    /// both and [`coarser`](Self::coarser) the transitions; `None` by default.
+    /// The program's variables for states and transitions: sets tighten both, and a coarser plan
+    /// suggests the transitions.
+    #[doc(hidden)]
     fn variables(&self, program: &Self::Program) -> HorizonVariables {
         let _ = program;
         HorizonVariables::default()
@@ -92,9 +93,10 @@ pub trait HorizonModel {
         let _ = (program, statements);
     }
 
-    /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps
-    /// the binaries of [`variables`](Self::variables) may be needed. A good guess saves most of a
-    /// search; a bad one only costs time.
+    /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps the
+    /// binaries of transitions may be needed. A good guess saves most of a search; a bad one only costs
+    /// time.
+    #[doc(hidden)]
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Self::Program> + '_>> {
         None
     }

@@ -113,8 +113,7 @@ impl HybridSystem {
             range.lower - slack <= x && x <= range.upper + slack
         };
         let holds = |limit: &Limit| {
-            let terms = limit.state.iter().zip(state).chain(limit.input.iter().zip(input));
-            let terms = terms.map(|(a, x)| a * x);
+            let terms = limit.factors.iter().zip(state.iter().chain(input)).map(|(a, x)| a * x);
             let (sum, size) = terms.fold((0.0, limit.limit.abs().max(1.0)), |(sum, size), term| {
                 (sum + term, size + f64::abs(term))
             });

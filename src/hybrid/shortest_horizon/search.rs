@@ -65,13 +65,7 @@ pub fn shortest_horizon<B: HorizonModel + ?Sized>(
 }
 
 /// Same as [`shortest_horizon`], with progress events on the calling thread.
-///
-/// A solve that ends without a point and without a proof leaves its horizon undecided. The search
-/// continues with other horizons while they can still narrow the result.
-///
-/// # Errors
-///
-/// As for [`shortest_horizon`].
+#[doc(hidden)]
 pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     builder: &B,
     options: &ShortestOptions,
@@ -300,7 +294,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
                 self.file(Attempt::by_sets(steps), None);
                 return Ok(());
             }
-            open = report.open;
+            open = if variables.states.is_empty() { open } else { report.open };
         }
         if open > MANY_OPEN
             && let Some(solution) =

@@ -1,7 +1,7 @@
 //! The memory of a run: modes, how long they have lasted, and the number of events.
 
 use super::condition::{Condition, Slack};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::hybrid::system::{Choice, HybridSystem, Transition};
 
 /// The mode of a choice.
@@ -25,14 +25,13 @@ pub(super) struct Memory {
 impl Memory {
     /// The memory of a run that begins in some modes, given as pairs of choice and mode.
     pub(super) fn new(system: &HybridSystem, modes: &[(String, String)]) -> Result<Self, Error> {
-        let unknown =
-            |name: &String, kind| Error::from(ErrorKind::UnknownName { name: name.clone(), kind });
         let mut held: Vec<Option<Held>> = vec![None; system.choices.len()];
         for (choice, mode) in modes {
             let found = system.choices.iter().zip(&mut held).find(|(c, _)| c.name == *choice);
-            let (choice, held) = found.ok_or_else(|| unknown(choice, "choice of the system"))?;
+            let (choice, held) =
+                found.ok_or_else(|| Error::unknown_name(choice, "choice of the system"))?;
             if !choice.modes().contains(&mode.as_str()) {
-                return Err(unknown(mode, "mode of the choice"));
+                return Err(Error::unknown_name(mode, "mode of the choice"));
             }
             *held = Some(Held { mode: mode.clone(), samples: 1, is_first: true });
         }

@@ -20,5 +20,5 @@ mod stepper;
 pub use certify::RunCertificate;
 pub use condition::Condition;
 pub use error::RunError;
-pub use options::{Follow, SimulationOptions};
+pub use options::SimulationOptions;
 pub use simulation::{Candidate, DeadEnd, SimulatedStep, Simulation};

@@ -2,20 +2,6 @@
 
 use crate::setters::setters;
 
-/// Which of several possible transitions a simulation takes.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Follow {
-    /// The first in the list of each choice; with several choices, the first combination whose next
-    /// state is allowed, where the last choice varies first.
-    #[default]
-    First,
-    /// These, by name, a list per step with an entry per choice. The run ends where one of them is
-    /// not possible, and after the last step the first in the list are taken.
-    Planned(Vec<Vec<String>>),
-}
-
 /// How [`HybridSystem::simulate_with`](crate::hybrid::HybridSystem::simulate_with) simulates.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -23,8 +9,11 @@ pub struct SimulationOptions {
     /// The modes at the first sample, as pairs of choice and mode. The mode of a choice that is
     /// not named is open, and its first transition decides.
     pub modes: Vec<(String, String)>,
-    /// Which of several possible transitions is taken.
-    pub follow: Follow,
+    /// The transitions that are taken, by name: a list per step with an entry per choice. The run ends
+    /// where one of them is not possible. In the steps after the last list, the first possible
+    /// transition of each choice is taken; with several choices, the first combination whose next state
+    /// is allowed, where the last choice varies first.
+    pub transitions: Vec<Vec<String>>,
     /// The disturbance that is added to the next state, by step; none after the last entry.
     pub disturbances: Vec<Vec<f64>>,
     /// By how much a condition may be violated, in its unit; 1e-9 by default, for rounding. Beyond
@@ -36,7 +25,7 @@ impl Default for SimulationOptions {
     fn default() -> Self {
         SimulationOptions {
             modes: Vec::new(),
-            follow: Follow::First,
+            transitions: Vec::new(),
             disturbances: Vec::new(),
             tolerance: 1e-9,
         }
@@ -45,8 +34,9 @@ impl Default for SimulationOptions {
 
 impl SimulationOptions {
     setters! {
-        /// Sets which of several possible transitions is taken.
-        with_follow(follow: Follow) => follow = follow;
+        /// Sets the transitions that are taken, by name: a list per step with an entry per choice, as
+        /// [`Simulation::taken`](super::Simulation::taken) returns them.
+        with_transitions(transitions: Vec<Vec<String>>) => transitions = transitions;
         /// Sets what is added to the next state, by step, in the states' units.
         with_disturbances(disturbances: Vec<Vec<f64>>) => disturbances = disturbances;
         /// Sets by how much a condition may be violated, in its unit; finite, at least 0.

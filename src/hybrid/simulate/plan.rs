@@ -3,7 +3,7 @@
 use super::error::RunError;
 use super::memory::Memory;
 use super::step::StepStart;
-use crate::error::{Error, ErrorKind, check_finite, check_length};
+use crate::error::{Error, check_finite, check_length};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::HybridSystem;
 
@@ -34,7 +34,7 @@ impl<'a> PlannedRun<'a> {
             let number = |name: &String| {
                 let found = choice.transitions.iter().position(|own| own.name == *name);
                 let kind = "transition of the choice";
-                found.ok_or_else(|| ErrorKind::UnknownName { name: name.clone(), kind }.into())
+                found.ok_or_else(|| Error::unknown_name(name, kind))
             };
             taken.push(names.iter().map(number).collect::<Result<_, Error>>()?);
             let own = run.modes(&choice.name).ok().filter(|_| !choice.modes().is_empty());

@@ -1,7 +1,7 @@
 //! Runs of a hybrid system, step by step.
 
 use super::memory::Memory;
-use super::options::{Follow, SimulationOptions};
+use super::options::SimulationOptions;
 use super::simulation::Simulation;
 use super::step::{StepStart, sample_conditions};
 use super::stepper::{Stepper, Taken, violated};
@@ -94,10 +94,7 @@ impl HybridSystem {
             }
             let start = StepStart { system: self, step, state: &state, input: input.as_ref() };
             let disturbance = options.disturbances.get(step).map_or(&[][..], Vec::as_slice);
-            let plan = match &options.follow {
-                Follow::Planned(steps) => steps.get(step).map(Vec::as_slice),
-                _ => None,
-            };
+            let plan = options.transitions.get(step).map(Vec::as_slice);
             let stepper = Stepper { start, memory: &memory, options, disturbance };
             match stepper.take(plan)? {
                 Err(end) => run.dead_end = Some(end),
@@ -154,10 +151,8 @@ impl HybridSystem {
                 }
             }
         }
-        if let Follow::Planned(steps) = &options.follow {
-            for step in steps {
-                check_length("the planned transitions of a step", step.len(), self.choices.len())?;
-            }
+        for step in &options.transitions {
+            check_length("the planned transitions of a step", step.len(), self.choices.len())?;
         }
         Ok(())
     }

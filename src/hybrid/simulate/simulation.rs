@@ -208,7 +208,7 @@ impl Simulation {
     }
 
     /// The transitions taken, a list per step with an entry per choice, for
-    /// [`Follow::Planned`](super::Follow::Planned).
+    /// [`SimulationOptions::with_transitions`](super::SimulationOptions::with_transitions).
     pub fn taken(&self) -> Vec<Vec<String>> {
         self.steps.iter().map(|step| step.taken.clone()).collect()
     }

@@ -82,7 +82,7 @@ impl HybridSystem {
         let modes = choice.modes();
         for dwell in dwells {
             if !modes.contains(&dwell.mode.as_str()) {
-                return Err(unknown(&dwell.mode, "mode of the system"));
+                return Err(Error::unknown_name(&dwell.mode, "mode of the system"));
             }
             dwell.check()?;
         }
@@ -96,7 +96,7 @@ impl HybridSystem {
         transition.prediction_guards.iter().try_for_each(|guard| check_halfspace(guard, n, 0))?;
         for (input, range) in &transition.inputs {
             if self.inputs.iter().all(|(name, _)| name != input) {
-                return Err(unknown(input, "input of the system"));
+                return Err(Error::unknown_name(input, "input of the system"));
             }
             range.check(&format!("the range of `{input}`"))?;
             range.values().try_for_each(|range| check_ends(input, *range))?;
@@ -135,8 +135,12 @@ pub(super) fn at_least_one(what: &str, count: usize) -> Result<(), Error> {
     Ok(())
 }
 
-fn unknown(name: &str, kind: &'static str) -> Error {
-    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
+/// Refuses what cannot be a name.
+pub(super) fn check_name(name: &str) -> Result<(), Error> {
+    match is_name(name) {
+        true => Ok(()),
+        false => Err(ErrorKind::InvalidName { name: name.to_owned() }.into()),
+    }
 }
 
 /// Refuses names that are used twice, and what cannot be a name.
@@ -146,11 +150,9 @@ fn check_names<'a>(
 ) -> Result<(), Error> {
     let mut seen: Vec<&String> = Vec::new();
     for name in names {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.clone() }.into());
-        }
+        check_name(name)?;
         if seen.contains(&name) {
-            return Err(ErrorKind::DuplicateName { name: name.clone(), kind }.into());
+            return Err(Error::duplicate_name(name, kind));
         }
         seen.push(name);
     }

@@ -33,19 +33,14 @@ impl Dwell {
     }
 }
 
-/// One of the independent choices of a step: exactly one of its transitions is taken.
-///
-/// A choice is a wall, a body or a thruster. Choices of a step are independent: the next state is
-/// that of the system's [common flow](super::HybridSystem::with_flow) plus what each choice's
-/// transition changes about it.
+/// One of the independent choices of a step, such as a wall or a thruster: exactly one of its
+/// transitions is taken.
 #[derive(Debug, Clone, PartialEq)]
 #[doc(hidden)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Choice {
-    /// Its name, for variables and reports.
     pub name: String,
-    /// Its transitions, at least one.
     pub transitions: Vec<Transition>,
     pub(crate) dwells: Vec<Dwell>,
     /// Whether overlaps are meant; see [`HybridSystem::expect`](super::HybridSystem::expect).
@@ -55,7 +50,6 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// A choice without transitions.
     pub fn new(name: impl Into<String>) -> Self {
         Choice {
             name: name.into(),
@@ -67,22 +61,17 @@ impl Choice {
     }
 
     setters! {
-        /// Declares overlaps of the transitions intended.
         with_free_choice(is_free: bool) => is_free = is_free;
-        /// Declares gaps between the transitions and states without a way on intended.
         with_dead_ends(may_end: bool) => may_end = may_end;
     }
 
-    /// Adds a transition.
     #[must_use]
     pub fn with_transition(mut self, transition: Transition) -> Self {
         self.transitions.push(transition);
         self
     }
 
-    /// Limits how long a mode lasts: once entered, it is kept for at least `least` samples in a
-    /// row, and for at most `most`. A plan may begin anywhere in that time and end before it is
-    /// over.
+    /// Limits how long a mode lasts once it is entered, in samples.
     #[must_use]
     pub fn with_dwell(
         mut self,

@@ -2,12 +2,13 @@
 
 #[cfg(doc)]
 use super::TransitionMut;
+use super::check::check_name;
 use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
 use super::{HybridSystem, Schedule};
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::interval::Interval;
-use crate::model::{Affine, Row, Variable, is_name};
+use crate::model::{Affine, Row, Variable};
 
 impl HybridSystem {
     /// Declares a state with its domain, in the state's unit: at every sample the state lies in it.
@@ -110,9 +111,7 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::InvalidName`].
     pub fn output(&mut self, name: &str) -> Result<Variable, Error> {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
+        check_name(name)?;
         Ok(self.handles.of(Meaning::Output(name.to_owned())))
     }
 
@@ -125,9 +124,7 @@ impl HybridSystem {
     /// [`ErrorKind::ForeignHandle`], [`ErrorKind::EmptyRow`], [`ErrorKind::UnlimitedRow`],
     /// [`ErrorKind::InvalidName`].
     pub fn limit(&mut self, name: &str, row: Row) -> Result<(), Error> {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
+        check_name(name)?;
         self.add_limit(Some((name, true)), &row)
     }
 
@@ -235,14 +232,12 @@ impl HybridSystem {
     }
 
     fn check_name(&self, name: &str) -> Result<(), Error> {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
+        check_name(name)?;
         let states = self.states.iter().map(|(own, _)| own);
         let mut names = states.chain(self.inputs.iter().map(|(own, _)| own));
         if names.any(|own| own == name) || self.handles.has_series(name) {
             let kind = "state, input or series";
-            return Err(ErrorKind::DuplicateName { name: name.to_owned(), kind }.into());
+            return Err(Error::duplicate_name(name, kind));
         }
         Ok(())
     }

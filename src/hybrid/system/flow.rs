@@ -36,8 +36,7 @@ impl HybridSystem {
                 return Err(self.misplaced(state.into(), place, "name a state"));
             };
             if std::mem::replace(&mut named[i], true) {
-                let name = self.states[i].0.clone();
-                return Err(ErrorKind::DuplicateName { name, kind: "row of the flow" }.into());
+                return Err(Error::duplicate_name(&self.states[i].0, "row of the flow"));
             }
             let row: Affine = row.into();
             let all = self.plain_coefficients(&row, place)?;

@@ -2,31 +2,24 @@
 
 use super::schedule::Schedule;
 
-/// A named half-space `normal . (state, input) <= limit`.
-///
-/// The normal has one coefficient per state, and then, if the half-space depends on the inputs too,
-/// one per input.
+/// A named half-space `normal . (state, input) <= limit`; without coefficients of inputs, it does not
+/// depend on them.
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Halfspace {
-    /// Its description, which explanations quote.
     pub name: String,
-    /// One coefficient per state, and optionally one per input, in the limit's unit per unit of the
-    /// state or input.
     pub normal: Vec<f64>,
-    /// The limit by step, in any unit you choose; infinite at steps at which nothing is limited.
+    /// By step; infinite at steps at which nothing is limited.
     #[cfg_attr(feature = "serde", serde(serialize_with = "super::serialized::write_limits"))]
     #[cfg_attr(feature = "serde", serde(deserialize_with = "super::serialized::read_limits"))]
     pub limit: Schedule<f64>,
-    /// Whether it could be dropped, unlike physics. An
-    /// [explanation](crate::hybrid::reach::ReachExplanation) says whether dropping it would help.
+    /// Whether an explanation may drop it.
     pub is_limit: bool,
 }
 
 impl Halfspace {
-    /// `normal . (state, input) <= limit`.
     pub fn new(
         name: impl Into<String>,
         normal: impl Into<Vec<f64>>,
@@ -36,7 +29,6 @@ impl Halfspace {
         Halfspace { name, normal, limit, is_limit: false }
     }
 
-    /// `normal . (state, input) <= limit`, which could be dropped.
     pub fn limit(
         name: impl Into<String>,
         normal: impl Into<Vec<f64>>,
@@ -56,13 +48,12 @@ impl Halfspace {
         [Halfspace::new(name.clone(), normal, value), Halfspace::new(name, opposite, -value)]
     }
 
-    /// The coefficients of the states and of the inputs, for a system with `states` states. Those
-    /// of the inputs are empty if the half-space does not depend on them.
+    /// The coefficients of the states and of the inputs; the latter may be empty.
     pub(crate) fn parts(&self, states: usize) -> (&[f64], &[f64]) {
         self.normal.split_at(states.min(self.normal.len()))
     }
 
-    /// Whether an input has a coefficient other than 0, for a system with `states` states.
+    /// Whether an input has a coefficient other than 0.
     pub(crate) fn is_joint(&self, states: usize) -> bool {
         self.parts(states).1.iter().any(|&n| n != 0.0)
     }

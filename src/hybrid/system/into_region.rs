@@ -2,7 +2,6 @@
 
 use super::{HybridSystem, Region};
 use crate::error::Error;
-use crate::interval::Interval;
 use crate::model::Row;
 
 /// A region as a user states it: rows of a system's handles, or a [`Region`].
@@ -32,48 +31,11 @@ impl IntoRegion for Vec<Row> {
     }
 }
 
-impl IntoRegion for Region {
-    fn stated(self) -> StatedRegion {
-        StatedRegion::Region(self)
-    }
-}
-
-impl IntoRegion for &Region {
-    fn stated(self) -> StatedRegion {
-        StatedRegion::Region(self.clone())
-    }
-}
-
-/// One range per state.
-impl<const N: usize> IntoRegion for [Interval; N] {
-    fn stated(self) -> StatedRegion {
-        StatedRegion::Region(self.into())
-    }
-}
-
-/// One range per state.
-impl<const N: usize> IntoRegion for &[Interval; N] {
-    fn stated(self) -> StatedRegion {
-        StatedRegion::Region(self.into())
-    }
-}
-
-/// One range per state.
-impl IntoRegion for &[Interval] {
-    fn stated(self) -> StatedRegion {
-        StatedRegion::Region(self.into())
-    }
-}
-
-/// One range per state.
-impl IntoRegion for &Vec<Interval> {
-    fn stated(self) -> StatedRegion {
-        StatedRegion::Region(self.into())
-    }
-}
-
-/// One range per state.
-impl IntoRegion for Vec<Interval> {
+/// Regions, and lists with one range per state.
+impl<R> IntoRegion for R
+where
+    Region: From<R>,
+{
     fn stated(self) -> StatedRegion {
         StatedRegion::Region(self.into())
     }

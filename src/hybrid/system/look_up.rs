@@ -45,8 +45,10 @@ impl HybridSystem {
     /// [`ErrorKind::UnknownName`].
     pub fn state_named(&self, name: &str) -> Result<State, Error> {
         let number = self.states.iter().position(|(own, _)| own == name);
-        let number = number.ok_or_else(|| unknown(name, "state of the system"))?;
-        self.handles.find_state(number).ok_or_else(|| unknown(name, "state of the system"))
+        let number = number.ok_or_else(|| Error::unknown_name(name, "state of the system"))?;
+        self.handles
+            .find_state(number)
+            .ok_or_else(|| Error::unknown_name(name, "state of the system"))
     }
 
     /// The handle of an input, by its name.
@@ -56,9 +58,9 @@ impl HybridSystem {
     /// [`ErrorKind::UnknownName`].
     pub fn input_named(&self, name: &str) -> Result<Variable, Error> {
         let number = self.inputs.iter().position(|(own, _)| own == name);
-        let number = number.ok_or_else(|| unknown(name, "input of the system"))?;
+        let number = number.ok_or_else(|| Error::unknown_name(name, "input of the system"))?;
         let found = self.handles.find(&Meaning::Input(number));
-        found.ok_or_else(|| unknown(name, "input of the system"))
+        found.ok_or_else(|| Error::unknown_name(name, "input of the system"))
     }
 
     /// The handle of a transition, by the names of its choice (`mode` if there is only one) and its
@@ -69,11 +71,11 @@ impl HybridSystem {
     /// [`ErrorKind::UnknownName`].
     pub fn transition_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
         let number = self.choices.iter().position(|own| own.name == choice);
-        let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
+        let number = number.ok_or_else(|| Error::unknown_name(choice, "choice of the system"))?;
         let taken = self.choices[number].transitions.iter().position(|own| own.name == name);
-        let taken = taken.ok_or_else(|| unknown(name, "transition of the choice"))?;
+        let taken = taken.ok_or_else(|| Error::unknown_name(name, "transition of the choice"))?;
         let found = self.handles.find(&Meaning::Taken(number, taken));
-        found.ok_or_else(|| unknown(name, "transition of the choice"))
+        found.ok_or_else(|| Error::unknown_name(name, "transition of the choice"))
     }
 
     /// The handle of a mode with memory, by the names of its choice and its own: 1 at the samples in the
@@ -84,10 +86,10 @@ impl HybridSystem {
     /// [`ErrorKind::UnknownName`].
     pub fn mode_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
         let number = self.choices.iter().position(|own| own.name == choice);
-        let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
+        let number = number.ok_or_else(|| Error::unknown_name(choice, "choice of the system"))?;
         let is_named = self.choices[number].modes().contains(&name);
         let found = self.handles.find(&Meaning::InMode(number, name.to_owned()));
-        found.filter(|_| is_named).ok_or_else(|| unknown(name, "mode of the choice"))
+        found.filter(|_| is_named).ok_or_else(|| Error::unknown_name(name, "mode of the choice"))
     }
 
     /// The handle of an output, by its name.
@@ -99,7 +101,7 @@ impl HybridSystem {
         let mut outputs = self.transitions().flat_map(|transition| &transition.outputs);
         let is_named = outputs.any(|own| own.name == name);
         let found = self.handles.find(&Meaning::Output(name.to_owned()));
-        found.filter(|_| is_named).ok_or_else(|| unknown(name, "output of the system"))
+        found.filter(|_| is_named).ok_or_else(|| Error::unknown_name(name, "output of the system"))
     }
 
     /// Declares the handles of a choice: of its modes, transitions and outputs.
@@ -115,8 +117,4 @@ impl HybridSystem {
             }
         }
     }
-}
-
-pub(super) fn unknown(name: &str, kind: &'static str) -> Error {
-    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
 }

@@ -8,7 +8,6 @@ use crate::interval::Interval;
 
 #[doc(hidden)]
 impl HybridSystem {
-    /// Adds a state with its domain, in the state's unit.
     #[must_use]
     pub fn with_state(mut self, name: impl Into<String>, domain: Interval) -> Self {
         self.handles.state(self.states.len());
@@ -16,7 +15,6 @@ impl HybridSystem {
         self
     }
 
-    /// Adds an input with its range, in the input's unit.
     #[must_use]
     pub fn with_input(
         mut self,
@@ -28,14 +26,12 @@ impl HybridSystem {
         self
     }
 
-    /// Adds a limit on the states at every sample, or on states and inputs at every step.
     #[must_use]
     pub fn with_limit(mut self, limit: Halfspace) -> Self {
         self.limits.push(limit);
         self
     }
 
-    /// Sets the common flow, whose result the choices change.
     #[must_use]
     pub fn with_flow(mut self, flow: LinearSystem) -> Self {
         self.flow = Some(flow);
@@ -51,7 +47,6 @@ impl HybridSystem {
         self
     }
 
-    /// Adds a choice, independent of the others.
     #[must_use]
     pub fn with_choice(mut self, choice: Choice) -> Self {
         self.choices.push(choice);
@@ -59,15 +54,12 @@ impl HybridSystem {
         self
     }
 
-    /// Limits the number of events of a run, over all choices.
     #[must_use]
     pub fn with_most_events(mut self, most: usize) -> Self {
         self.most_events = Some(most);
         self
     }
 
-    /// Sets what a disturbance may add to each next state, in the states' units. Rows, refutations
-    /// and certificates do not see it.
     #[must_use]
     pub fn with_disturbance(mut self, ranges: impl Into<Vec<Interval>>) -> Self {
         self.disturbance = ranges.into();

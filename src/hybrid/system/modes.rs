@@ -1,13 +1,13 @@
 //! Stating choices: modes with and without memory, events, switches, dwell times.
 
+use super::check::check_name;
 use super::choice::Dwell;
 use super::handles::Meaning;
-use super::look_up::unknown;
 use super::transition::Transition;
 use super::transition_mut::TransitionMut;
 use super::{HybridSystem, MODE};
 use crate::error::{Error, ErrorKind};
-use crate::model::{Variable, is_name};
+use crate::model::Variable;
 
 impl HybridSystem {
     /// A mode without memory: in each step, one of the system's modes and
@@ -100,15 +100,12 @@ impl HybridSystem {
         names: [&str; N],
     ) -> Result<[Variable; N], Error> {
         for (k, name) in names.iter().enumerate() {
-            if !is_name(name) {
-                return Err(ErrorKind::InvalidName { name: (*name).to_owned() }.into());
-            }
+            check_name(name)?;
             if names[..k].contains(name) {
-                let name = (*name).to_owned();
-                return Err(ErrorKind::DuplicateName { name, kind: "mode of the choice" }.into());
+                return Err(Error::duplicate_name(name, "mode of the choice"));
             }
         }
-        self.check_choice_name(choice)?;
+        check_name(choice)?;
         let number = self.choice_numbered(choice);
         Ok(names.map(|name| self.handles.of(Meaning::InMode(number, name.to_owned()))))
     }
@@ -226,7 +223,7 @@ impl HybridSystem {
     /// [`ErrorKind::UnknownName`].
     pub fn expect(&mut self, choice: &str, overlaps: bool, dead_ends: bool) -> Result<(), Error> {
         let found = self.choices.iter_mut().find(|own| own.name == choice);
-        let found = found.ok_or_else(|| unknown(choice, "choice of the system"))?;
+        let found = found.ok_or_else(|| Error::unknown_name(choice, "choice of the system"))?;
         (found.is_free, found.may_end) = (overlaps, dead_ends);
         Ok(())
     }
@@ -239,15 +236,12 @@ impl HybridSystem {
         modes: Option<(String, String)>,
         is_event: bool,
     ) -> Result<TransitionMut<'_>, Error> {
-        self.check_choice_name(choice)?;
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
+        check_name(choice)?;
+        check_name(name)?;
         let known = self.choices.iter().find(|own| own.name == choice);
         let transitions = known.map_or(&[][..], |known| &known.transitions);
         if transitions.iter().any(|own| own.name == name) {
-            let name = name.to_owned();
-            return Err(ErrorKind::DuplicateName { name, kind: "transition of the choice" }.into());
+            return Err(Error::duplicate_name(name, "transition of the choice"));
         }
         let number = self.choices.iter().position(|own| own.name == choice);
         let has_memory = number.is_some_and(|number| self.has_modes(number));
@@ -288,13 +282,6 @@ impl HybridSystem {
         match self.meaning(mode, place)? {
             Meaning::InMode(choice, mode) => Ok((*choice, mode.clone())),
             _ => Err(self.misplaced(mode, place, "name a mode that `modes` has made")),
-        }
-    }
-
-    fn check_choice_name(&self, name: &str) -> Result<(), Error> {
-        match is_name(name) {
-            true => Ok(()),
-            false => Err(ErrorKind::InvalidName { name: name.to_owned() }.into()),
         }
     }
 }

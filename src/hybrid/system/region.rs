@@ -213,9 +213,11 @@ impl Region {
         }
         for (choice, mode) in &self.modes {
             let found = system.choices.iter().find(|c| c.name == *choice);
-            let Some(found) = found else { return Err(unknown(choice, "choice of the system")) };
+            let Some(found) = found else {
+                return Err(Error::unknown_name(choice, "choice of the system"));
+            };
             if !found.modes().contains(&mode.as_str()) {
-                return Err(unknown(mode, "mode of the choice"));
+                return Err(Error::unknown_name(mode, "mode of the choice"));
             }
         }
         Ok(())
@@ -231,8 +233,4 @@ pub(crate) fn check_cut(halfspace: &Halfspace, states: usize) -> Result<(), Erro
         return Err(Error::out_of_range(what, 0.0, "another number than 0; give a direction"));
     }
     Ok(())
-}
-
-fn unknown(name: &str, kind: &'static str) -> Error {
-    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
 }

@@ -38,27 +38,21 @@ pub(crate) struct TransitionOutput {
     pub(crate) is_at_start: bool,
 }
 
-/// One way to get from a sample to the next, such as a mode or a contact.
-///
-/// A step in this transition starts in a state and with an input that satisfy its guards, follows
-/// the flow `y = A x + B u + c`, arrives at a prediction `y` that satisfies the guards on the
-/// prediction, and is reset to `x⁺ = R y + r`.
+/// One way to get from a sample to the next: from a state and an input that satisfy the guards, by the
+/// flow to a prediction that satisfies the guards on the prediction, and by the reset to the next state.
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Transition {
-    /// Its name, for reports.
     pub name: String,
-    /// The flow.
     pub flow: LinearSystem,
-    /// Limits on the state and the input at the start of the step.
+    /// On the start of the step.
     pub guards: Vec<Halfspace>,
-    /// Limits on the flow's result, before the reset.
     pub prediction_guards: Vec<Halfspace>,
     /// Ranges of inputs, by their names, that replace those of the system.
     pub inputs: Vec<(String, Schedule<Interval>)>,
-    /// The mode that it leaves and the mode that it enters, in a choice with memory.
+    /// The mode that it leaves and the one that it enters, in a choice with memory.
     pub modes: Option<(String, String)>,
     pub(crate) reset: Option<Reset>,
     pub(crate) outputs: Vec<TransitionOutput>,
@@ -67,7 +61,6 @@ pub struct Transition {
 }
 
 impl Transition {
-    /// A transition that is not an event: a mode that may last.
     pub fn new(name: impl Into<String>, flow: LinearSystem) -> Self {
         Transition {
             name: name.into(),
@@ -82,36 +75,29 @@ impl Transition {
         }
     }
 
-    /// A transition that is an event: an impact, a switch.
     pub fn event(name: impl Into<String>, flow: LinearSystem) -> Self {
         Transition { is_event: true, ..Transition::new(name, flow) }
     }
 
-    /// Limits the state, or the state and the input, at the start of the step.
     #[must_use]
     pub fn with_guard(mut self, guard: Halfspace) -> Self {
         self.guards.push(guard);
         self
     }
 
-    /// Adds several guards on the start of the step, such as the two of
-    /// [`Halfspace::equality`].
     #[must_use]
     pub fn with_guards(mut self, guards: impl IntoIterator<Item = Halfspace>) -> Self {
         self.guards.extend(guards);
         self
     }
 
-    /// Limits the flow's result, before the reset.
     #[must_use]
     pub fn with_prediction_guard(mut self, guard: Halfspace) -> Self {
         self.prediction_guards.push(guard);
         self
     }
 
-    /// Replaces the system's range of an input in steps that take this transition; in the input's
-    /// unit. The range may exceed the system's. With several choices, those whose transitions set
-    /// no range of the input do not limit it, and it lies in the ranges of all others.
+    /// Replaces the system's range of an input; see `system/input_range.rs`.
     #[must_use]
     pub fn with_input_range(
         mut self,
@@ -127,23 +113,20 @@ impl Transition {
         self.inputs.iter().rfind(|(name, _)| name == input).map(|(_, range)| range)
     }
 
-    /// Makes the transition lead from a mode to a mode, by their names. The modes of a choice are
-    /// those that its transitions name; either all of them name modes or none does.
+    /// Makes the transition lead from a mode to a mode, by their names.
     #[must_use]
     pub fn between(mut self, from: impl Into<String>, to: impl Into<String>) -> Self {
         self.modes = Some((from.into(), to.into()));
         self
     }
 
-    /// Makes the transition stay in a mode.
     #[must_use]
     pub fn within(self, mode: impl Into<String>) -> Self {
         let mode = mode.into();
         self.between(mode.clone(), mode)
     }
 
-    /// Sets the reset `x⁺ = matrix . y + offset`; with n states, `matrix` is n x n and `offset` has
-    /// n entries.
+    /// Sets the reset `x⁺ = matrix . y + offset`.
     #[must_use]
     pub fn with_reset(self, matrix: impl Into<Matrix>, offset: impl Into<Vec<f64>>) -> Self {
         self.with_reset_by_step(matrix, offset.into())
@@ -160,8 +143,7 @@ impl Transition {
         self
     }
 
-    /// Adds an output `factors . y + constant`, where y is the prediction, with n `factors` for n
-    /// states. The constant may depend on the step, as at a moving wall. In transitions of the same choice without this output, it is 0.
+    /// Adds an output `factors . y + constant` of the prediction y.
     #[must_use]
     pub fn with_output(
         mut self,
@@ -174,8 +156,7 @@ impl Transition {
         self
     }
 
-    /// Adds an output `factors . (x, u) + constant` of the state and the input at the start of the
-    /// step; the coefficients of the inputs may be left out.
+    /// Adds an output `factors . (x, u) + constant`; the coefficients of the inputs may be left out.
     #[must_use]
     pub fn with_start_output(
         mut self,

@@ -1,6 +1,7 @@
 //! A transition that is being stated: flow, guards, reset, outputs.
 
 use super::HybridSystem;
+use super::check::check_name;
 use super::coefficients::Moment;
 use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
@@ -9,7 +10,7 @@ use super::transition::{Reset, Transition, TransitionOutput};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
-use crate::model::{Affine, Row, Variable, is_name};
+use crate::model::{Affine, Row, Variable};
 
 /// A transition of a [`HybridSystem`] that is being stated, made by
 /// [`mode`](HybridSystem::mode), [`event`](HybridSystem::event), [`stay`](HybridSystem::stay) and
@@ -52,13 +53,10 @@ impl<'a> TransitionMut<'a> {
     ///
     /// [`ErrorKind::InvalidName`], [`ErrorKind::DuplicateName`].
     pub fn named(mut self, name: &str) -> Result<Self, Error> {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
+        check_name(name)?;
         let mut others = self.system.choices[self.choice].transitions.iter().enumerate();
         if others.any(|(j, other)| j != self.number && other.name == name) {
-            let name = name.to_owned();
-            return Err(ErrorKind::DuplicateName { name, kind: "transition of the choice" }.into());
+            return Err(Error::duplicate_name(name, "transition of the choice"));
         }
         self.own().name = name.to_owned();
         Ok(self)
@@ -187,9 +185,7 @@ impl<'a> TransitionMut<'a> {
     ///
     /// As for [`guard`](TransitionMut::guard); [`ErrorKind::InvalidName`].
     pub fn limit(self, name: &str, row: Row) -> Result<Self, Error> {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
+        check_name(name)?;
         self.add(Some((name, true)), &row)
     }
 
@@ -278,7 +274,7 @@ impl<'a> TransitionMut<'a> {
             };
             if std::mem::replace(&mut named[i], true) {
                 let name = self.system.states[i].0.clone();
-                return Err(ErrorKind::DuplicateName { name, kind: "state of the reset" }.into());
+                return Err(Error::duplicate_name(&name, "state of the reset"));
             }
             let all = self.system.plain_coefficients(&value.into(), &place)?;
             if all.uses_start() {
@@ -309,7 +305,7 @@ impl<'a> TransitionMut<'a> {
             return Err(self.system.misplaced(output, &place, "name an output of the system"));
         };
         if self.own().outputs.iter().any(|own| own.name == name) {
-            return Err(ErrorKind::DuplicateName { name, kind: "output of the transition" }.into());
+            return Err(Error::duplicate_name(&name, "output of the transition"));
         }
         let all = self.system.plain_coefficients(&value.into(), &place)?;
         let is_at_start = all.uses_start();

@@ -227,28 +227,27 @@ fn base_facets(
     units: &[f64],
 ) -> Result<Vec<Facet>, TerminalError> {
     let (n, m) = (target.len(), input.len());
-    let single = |length: usize, at: usize, sign: f64| -> Vec<f64> {
-        (0..length).map(|i| if i == at { sign } else { 0.0 }).collect()
+    let single = |at: usize, sign: f64| -> Vec<f64> {
+        (0..n + m).map(|i| if i == at { sign } else { 0.0 }).collect()
     };
     let mut limits = Vec::new();
-    for (i, (name, domain)) in system.states.iter().enumerate() {
-        for (sign, limit) in [(1.0, domain.upper), (-1.0, -domain.lower)] {
-            let (name, input) = (format!("the domain of {name}"), vec![0.0; m]);
-            limits.push(Limit { name, state: single(n, i, sign), input, limit });
-        }
-    }
-    for (i, ((name, _), range)) in system.inputs.iter().zip(&stay.ranges).enumerate() {
+    let domains = system.states.iter().map(|(name, domain)| ("domain", name, domain));
+    let ranges = system.inputs.iter().zip(&stay.ranges).map(|((name, _), r)| ("range", name, r));
+    for (i, (what, name, range)) in domains.chain(ranges).enumerate() {
         for (sign, limit) in [(1.0, range.upper), (-1.0, -range.lower)] {
-            let (name, state) = (format!("the range of {name}"), vec![0.0; n]);
-            limits.push(Limit { name, state, input: single(m, i, sign), limit });
+            limits.push(Limit {
+                name: format!("the {what} of {name}"),
+                factors: single(i, sign),
+                limit,
+            });
         }
     }
     limits.extend_from_slice(&stay.limits);
     let mut facets = Vec::new();
-    for Limit { name, state, input: factors, limit } in limits {
-        let fed = |j: usize| (0..m).map(|i| factors[i] * gain[(i, j)]).sum::<f64>();
-        let normal: Vec<f64> = (0..n).map(|j| units[j] * (state[j] + fed(j))).collect();
-        let at = state.iter().zip(target).chain(factors.iter().zip(input));
+    for Limit { name, factors, limit } in limits {
+        let fed = |j: usize| (0..m).map(|i| factors[n + i] * gain[(i, j)]).sum::<f64>();
+        let normal: Vec<f64> = (0..n).map(|j| units[j] * (factors[j] + fed(j))).collect();
+        let at = factors.iter().zip(target.iter().chain(input));
         let slack = limit - at.map(|(a, x)| a * x).sum::<f64>();
         // A limit that no error changes only has to hold at the target.
         let moves = normal.iter().any(|a| a.abs() > 1e-12 * limit.abs().max(1.0));

@@ -3,18 +3,25 @@
 use faer::Mat;
 
 use super::error::TerminalError;
-use crate::error::{Error, ErrorKind, check_length};
+use crate::error::{Error, check_length};
+use crate::hybrid::affine::{self, Behaviour, Map, excess};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Transition};
+use crate::hybrid::system::{Choice, HybridSystem, Transition};
 use crate::interval::Interval;
 
-/// A row `state . x + input . u <= limit`.
+/// A row `factors . (x, u) <= limit`.
 #[derive(Debug, Clone)]
 pub(crate) struct Limit {
     pub(crate) name: String,
-    pub(crate) state: Vec<f64>,
-    pub(crate) input: Vec<f64>,
+    pub(crate) factors: Vec<f64>,
     pub(crate) limit: f64,
+}
+
+impl Limit {
+    /// The row `map <= 0`.
+    fn new(name: &str, map: Map) -> Self {
+        Limit { name: name.to_owned(), factors: map.factors, limit: -map.constant }
+    }
 }
 
 /// One transition per choice, repeated for ever from the step at which nothing depends on the step
@@ -43,28 +50,32 @@ impl Stay {
         for (choice, transition) in system.choices.iter().zip(&taken) {
             check_lasts(system, choice, transition)?;
         }
-        let mut limits: Vec<Limit> = system
-            .limits
-            .iter()
-            .chain(taken.iter().flat_map(|transition| &transition.guards))
-            .filter_map(|h| of_halfspace(h, n, m, step))
+        let limits = system.limits.iter();
+        let mut limits: Vec<Limit> = limits
+            .filter_map(|limit| Some(Limit::new(&limit.name, excess(limit, n + m, step)?)))
             .collect();
-        for transition in &taken {
-            let flow = &transition.flow;
-            let guards = transition.prediction_guards.iter();
-            limits.extend(guards.filter_map(|h| of_prediction(h, flow, step)));
+        let behaviour = |t: &&Transition| affine::behaviour(system, t, &[], Vec::new(), step);
+        let behaviours: Vec<Behaviour> = taken.iter().map(behaviour).collect();
+        for (transition, own) in taken.iter().zip(&behaviours) {
+            let names = transition.guards.iter().chain(&transition.prediction_guards);
+            let names: Vec<&String> = names.map(|guard| &guard.name).collect();
+            let guards = own.guards.iter();
+            limits.extend(guards.map(|guard| Limit::new(names[guard.number], guard.map.clone())));
         }
+        let common = system.flow.as_ref().map(affine::flow);
+        let parts: Vec<&[Map]> = behaviours.iter().map(|own| &own.next[..]).collect();
+        let next = affine::sum(common.as_deref(), &parts);
+        let map = LinearSystem::new(
+            Mat::from_fn(n, n, |i, j| next[i].factors[j]),
+            Mat::from_fn(n, m, |i, j| next[i].factors[n + j]),
+            next.iter().map(|next| next.constant).collect::<Vec<f64>>(),
+        )?;
         let ranges = (0..m).map(|input| system.input_range_of(&taken, input, step));
         let modes = system.choices.iter().zip(&taken).filter_map(|(choice, transition)| {
             let (mode, _) = transition.modes.as_ref()?;
             Some((choice.name.clone(), mode.clone()))
         });
-        Ok(Stay {
-            map: map(system.flow.as_ref(), &taken, step)?,
-            limits,
-            ranges: ranges.collect(),
-            modes: modes.collect(),
-        })
+        Ok(Stay { map, limits, ranges: ranges.collect(), modes: modes.collect() })
     }
 
     /// The input nearest to `from` that holds a state as well as an input can.
@@ -106,10 +117,8 @@ pub(crate) fn unit(domain: &Interval) -> f64 {
 }
 
 fn find<'a>(choice: &'a Choice, name: &str) -> Result<&'a Transition, Error> {
-    let unknown =
-        || ErrorKind::UnknownName { name: name.to_owned(), kind: "transition of the choice" };
     let found = choice.transitions.iter().find(|transition| transition.name == name);
-    found.ok_or_else(|| unknown().into())
+    found.ok_or_else(|| Error::unknown_name(name, "transition of the choice"))
 }
 
 /// Refuses transitions that something ends after a while.
@@ -133,68 +142,4 @@ fn check_lasts(
         return refused("it is an event, and the number of events is limited".into());
     }
     Ok(())
-}
-
-fn of_halfspace(halfspace: &Halfspace, n: usize, m: usize, step: usize) -> Option<Limit> {
-    let limit = halfspace.limit_at(step);
-    let (state, input) = halfspace.parts(n);
-    let mut input = input.to_vec();
-    input.resize(m, 0.0);
-    limit.is_finite().then(|| Limit {
-        name: halfspace.name.clone(),
-        state: state.to_vec(),
-        input,
-        limit,
-    })
-}
-
-/// A guard on the flow's result as a limit on the state and the input before the step.
-fn of_prediction(halfspace: &Halfspace, flow: &LinearSystem, step: usize) -> Option<Limit> {
-    let limit = halfspace.limit_at(step);
-    let along = |entry: &dyn Fn(usize) -> f64| -> f64 {
-        halfspace.normal.iter().enumerate().map(|(i, normal)| normal * entry(i)).sum()
-    };
-    let (a, b, c) = (flow.a(), flow.b(), flow.c());
-    limit.is_finite().then(|| Limit {
-        name: halfspace.name.clone(),
-        state: (0..flow.states()).map(|j| along(&|i| a[(i, j)])).collect(),
-        input: (0..flow.inputs()).map(|j| along(&|i| b[(i, j)])).collect(),
-        limit: limit - along(&|i| c[i]),
-    })
-}
-
-/// The next state of a step that takes these transitions.
-fn map(
-    flow: Option<&LinearSystem>,
-    taken: &[&Transition],
-    step: usize,
-) -> Result<LinearSystem, Error> {
-    let maps = taken.iter().map(|transition| after_reset(transition, step));
-    let mut maps = maps.collect::<Result<Vec<_>, _>>()?;
-    let (Some(flow), true) = (flow, maps.len() > 1) else {
-        // One choice: its transition decides alone.
-        return maps.pop().ok_or_else(|| Error::out_of_range("the number of choices", 0.0, "1"));
-    };
-    // Each choice adds what it changes about the common flow.
-    let extra = maps.len() as f64 - 1.0;
-    let (n, m) = (flow.states(), flow.inputs());
-    let sum = |entry: &dyn Fn(&LinearSystem) -> f64| {
-        maps.iter().map(entry).sum::<f64>() - extra * entry(flow)
-    };
-    LinearSystem::new(
-        Mat::from_fn(n, n, |i, j| sum(&|s| s.a()[(i, j)])),
-        Mat::from_fn(n, m, |i, j| sum(&|s| s.b()[(i, j)])),
-        (0..n).map(|i| sum(&|s| s.c()[i])).collect::<Vec<f64>>(),
-    )
-}
-
-fn after_reset(transition: &Transition, step: usize) -> Result<LinearSystem, Error> {
-    let (flow, Some(reset)) = (&transition.flow, &transition.reset) else {
-        return Ok(transition.flow.clone());
-    };
-    let (r, offset) = (&reset.matrix, reset.offset.get(step));
-    let at = |i: usize| offset.and_then(|offset| offset.get(i)).copied().unwrap_or(0.0);
-    let constant = |i: usize| (0..flow.states()).map(|k| r[(i, k)] * flow.c()[k]).sum::<f64>();
-    let constant: Vec<f64> = (0..flow.states()).map(|i| constant(i) + at(i)).collect();
-    LinearSystem::new(r * flow.a().faer(), r * flow.b().faer(), constant)
 }

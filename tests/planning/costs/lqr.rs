@@ -82,8 +82,10 @@ fn long_programs_cost_what_the_equation_says() {
     let v = model.continuous_family("v", steps + 1, -50.0, 50.0).unwrap();
     let a = model.continuous_family("a", steps, -50.0, 50.0).unwrap();
     for t in 0..steps {
-        let next = [x[t + 1], v[t + 1]];
-        line.add_dynamics(&mut model, &["x", "v"], t, &[x[t], v[t]], &[a[t]], &next).unwrap();
+        let predicted = line.predict(&[x[t], v[t]], &[a[t]]).unwrap();
+        for ((name, next), value) in [("next x", &x), ("next v", &v)].iter().zip(predicted) {
+            model.add((*name, t), next[t + 1].equals(value)).unwrap();
+        }
     }
     model.fix(x[0], 3.0).unwrap();
     model.fix(v[0], -1.0).unwrap();

@@ -113,7 +113,7 @@ fn check_tightening(plant: &Plant, tube: &Tube, run: &Run) {
         for mode in part.modes() {
             let family = model.binary_family(&format!("mode_{p}_{mode}"), steps + 1).unwrap();
             let (choice, name) = (format!("part {p}"), format!("m{mode}"));
-            variables = variables.with_mode(choice, name, family.clone());
+            variables.modes.push((choice, name, family.clone()));
             modes.push((p, mode, family));
         }
         first += part.laws.len();

@@ -169,7 +169,7 @@ fn programs_that_do_not_fit_the_tube() {
         "the length of a transition family of the horizon is 13; it must be 12"
     );
     assert_eq!(
-        refuse(states().with_quantity(short.clone(), [(vec![1.0, 0.0], 0.0)])),
+        refuse(states().with_quantity(short.clone(), 0, [(vec![1.0, 0.0], 0.0)])),
         "the length of the values of a quantity is 1; it must be 2"
     );
     let mut other = Model::new("other");

@@ -246,7 +246,12 @@ impl HorizonModel for Planar {
         for t in 0..steps {
             let now: Vec<_> = states.iter().map(|family| family[t]).collect();
             let next: Vec<_> = states.iter().map(|family| family[t + 1]).collect();
-            line.add_dynamics(&mut model, &["y", "vy"], t, &now[2..], &[ay[t]], &next[2..])?;
+            let free = line.predict(&now[2..], &[ay[t]])?;
+            for (name, (next, value)) in
+                ["free y", "free vy"].iter().zip(next[2..].iter().zip(free))
+            {
+                model.add((*name, t), next.equals(value))?;
+            }
             let predicted = line.predict(&now[..2], &[ax[t]])?;
             let predicted = [&predicted[0], &predicted[1]];
             add_by_hand(&mut model, 0.3, t, predicted, [next[0], next[1]], hit[t]);
@@ -306,6 +311,25 @@ impl HorizonModel for Planar {
     }
 }
 
+/// The same planner, which does not say which variables its programs have.
+struct Unnamed(Planar);
+
+impl HorizonModel for Unnamed {
+    type Program = Model;
+
+    fn build(&self, steps: usize) -> Result<Model, Error> {
+        self.0.build(steps)
+    }
+
+    fn waiting(&self) -> Waiting {
+        self.0.waiting()
+    }
+
+    fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
+        self.0.reach_sets()
+    }
+}
+
 #[test]
 fn a_users_own_planner_profits_as_well() {
     let mut solver = BranchAndBound::default();
@@ -313,6 +337,11 @@ fn a_users_own_planner_profits_as_well() {
     let mut find =
         |sets| shortest_horizon(&Planar { dt: 0.1, sets }, &options, &mut solver).unwrap();
     let (with, without) = (find(true), find(false));
+    // Sets refute also where nothing is said about the variables of the programs.
+    let unnamed = shortest_horizon(&Unnamed(Planar { dt: 0.1, sets: true }), &options, &mut solver);
+    let unnamed = unnamed.unwrap();
+    assert_eq!((unnamed.steps, unnamed.refuted_steps), (without.steps, without.refuted_steps));
+    assert!(unnamed.attempts.iter().any(|own| own.verdict == Verdict::Refuted(Refutation::Sets)));
     assert!(with.is_found() && without.is_found());
     assert_eq!((with.steps, with.refuted_steps), (without.steps, without.refuted_steps));
     assert!(with.attempts.iter().filter(|attempt| attempt.is_solve()).count() <= 2);

@@ -1,6 +1,6 @@
 //! Random hybrid systems, stated through the crate's own types, and random runs through them.
 
-use carom::hybrid::{Follow, HybridSystem, LinearSystem, Matrix, SimulationOptions};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, SimulationOptions};
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
@@ -186,9 +186,8 @@ pub(crate) fn follow_wishes(
     wishes: &Wishes,
 ) -> SimulationOptions {
     let mut plan: Vec<Vec<String>> = Vec::new();
-    let options = |plan: &[Vec<String>]| {
-        SimulationOptions::default().with_follow(Follow::Planned(plan.to_vec()))
-    };
+    let options =
+        |plan: &[Vec<String>]| SimulationOptions::default().with_transitions(plan.to_vec());
     for (t, (_, wish)) in wishes.1.iter().enumerate() {
         let names = system
             .choices

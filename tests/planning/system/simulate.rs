@@ -3,8 +3,7 @@
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    Condition, DeadEnd, Follow, HybridSystem, ImpactEstimate, LinearSystem, Restitution,
-    SimulationOptions,
+    Condition, DeadEnd, HybridSystem, ImpactEstimate, LinearSystem, Restitution, SimulationOptions,
 };
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::internals::scene::{Samples, replay_line};
@@ -27,7 +26,7 @@ fn heater() -> HybridSystem {
 
 fn planned(names: &[&str]) -> SimulationOptions {
     let steps = names.iter().map(|name| vec![(*name).to_owned()]).collect();
-    SimulationOptions::default().with_follow(Follow::Planned(steps))
+    SimulationOptions::default().with_transitions(steps)
 }
 
 #[test]
