@@ -2,13 +2,11 @@
 //!
 //! `cargo run --release --example bank_shot [-- PICTURE.svg [ANIMATION.svg]]`
 
-use std::error::Error as StdError;
-
 use carom::hybrid::scene::{Body, Scene, Surface};
 use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
 
-fn main() -> Result<(), Box<dyn StdError>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let table = [0.0..=2.0, 0.0..=1.0]; // m
     // At most 3 m/s and 3 m/s² along each axis; it starts towards the far corner.
     let puck = Body::new("puck", &table, 3.0, 3.0)

@@ -3,8 +3,6 @@
 //!
 //! `cargo run --release --example crash [-- PICTURE.svg]`
 
-use std::error::Error as StdError;
-
 use carom::ErrorKind;
 use carom::hybrid::Restitution;
 use carom::hybrid::scene::{Avoidable, Body, Scene, ScenePlan, Solid, Surface};
@@ -39,7 +37,7 @@ fn carry_on(
     }
 }
 
-fn main() -> Result<(), Box<dyn StdError>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut solver = BranchAndBound::default();
     let steps = 15;
 

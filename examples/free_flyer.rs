@@ -3,8 +3,6 @@
 //!
 //! `cargo run --release --example free_flyer [-- PICTURE.svg [PICTURE.svg]]`
 
-use std::error::Error as StdError;
-
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
@@ -32,7 +30,7 @@ fn scene(start: [f64; 4], [x, y]: [f64; 2], surface: Surface) -> Scene {
         .with_obstacle(Solid::cuboid("pillar", &pillar, surface))
 }
 
-fn main() -> Result<(), Box<dyn StdError>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut solver = BranchAndBound::default();
     let bumper = Surface::bounce(Restitution::new(0.6)?);
     let mut pictures = std::env::args().skip(1);

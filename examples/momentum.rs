@@ -2,13 +2,11 @@
 //!
 //! `cargo run --release --example momentum [-- PICTURE.svg]`
 
-use std::error::Error as StdError;
-
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Shape, Surface};
 use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
 
-fn main() -> Result<(), Box<dyn StdError>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vehicle = |name: &str, mass, half: [f64; 2]| {
         let lane = [0.0..=6.0, 0.0..=1.0]; // m
         Body::new(name, lane, 3.0, 1.0).with_mass(mass).with_shape(Shape::Box(half.to_vec()))

@@ -2,8 +2,6 @@
 //!
 //! `cargo run --release --example moving_gate [-- PICTURE.svg [ANIMATION.svg [PROGRAM.mps]]]`
 
-use std::error::Error as StdError;
-
 use carom::hybrid::ShortestOptions;
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 use carom::model::mps;
@@ -11,7 +9,7 @@ use carom::prelude::*;
 
 const TIME_STEP: f64 = 0.2; // s
 
-fn main() -> Result<(), Box<dyn StdError>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let room = [0.0..=4.0, 0.0..=2.0];
     let drone = Body::new("drone", &room, 1.5, 2.0)
         .with_shape(Shape::Ball(0.1))

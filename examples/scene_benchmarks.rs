@@ -12,7 +12,6 @@ mod instances;
 #[path = "common/output.rs"]
 mod output;
 
-use std::error::Error as StdError;
 use std::time::Instant;
 
 use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario};
@@ -217,7 +216,7 @@ fn estimates() -> Result<(), Error> {
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn StdError>> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     match std::env::args().nth(1).as_deref() {
         None => programs()?,
         Some("paper") => paper()?,

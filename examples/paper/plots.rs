@@ -1,6 +1,5 @@
 //! One figure per figure of the paper: position, velocity and acceleration over time.
 
-use std::error::Error as StdError;
 use std::path::{Path, PathBuf};
 
 use carom::collision_tolerant::{Impact, Plan, Trajectory};
@@ -16,7 +15,7 @@ type Curve<'a> = (String, &'a Trajectory);
 pub(crate) fn write_all(
     results: &[Solved],
     folder: &Path,
-) -> Result<Vec<PathBuf>, Box<dyn StdError>> {
+) -> Result<Vec<PathBuf>, Box<dyn std::error::Error>> {
     std::fs::create_dir_all(folder)?;
     // Many plans are as short; those drawn push as hard as they can.
     let mut solver = BranchAndBound::default();
@@ -83,7 +82,11 @@ pub(crate) fn write_all(
     Ok(written)
 }
 
-fn figure(path: &Path, title: &str, curves: &[Curve<'_>]) -> Result<(), Box<dyn StdError>> {
+fn figure(
+    path: &Path,
+    title: &str,
+    curves: &[Curve<'_>],
+) -> Result<(), Box<dyn std::error::Error>> {
     let mut panels = [
         Chart::new("", "position (m)"),
         Chart::new("", "velocity (m/s)"),
