@@ -2,8 +2,6 @@
 //!
 //! `cargo run --release --example bank_shot [-- PICTURE.svg [ANIMATION.svg]]`
 
-use carom::hybrid::scene::{Body, Scene, Surface};
-use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -24,7 +24,6 @@ use std::alloc::System;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use carom::hybrid::Disturbance;
 use carom::prelude::*;
 use instances::generators::{cartpole, pendulum};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};

@@ -4,8 +4,7 @@
 //! `cargo run --release --example crash [-- PICTURE.svg]`
 
 use carom::ErrorKind;
-use carom::hybrid::Restitution;
-use carom::hybrid::scene::{Avoidable, Body, Scene, ScenePlan, Solid, Surface};
+use carom::hybrid::scene::{Avoidable, ScenePlan};
 use carom::interval::Interval;
 use carom::prelude::*;
 

@@ -3,8 +3,6 @@
 //!
 //! `cargo run --release --example free_flyer [-- PICTURE.svg [PICTURE.svg]]`
 
-use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
-use carom::hybrid::{Restitution, ShortestOptions};
 use carom::prelude::*;
 
 const TIME_STEP: f64 = 0.5; // s

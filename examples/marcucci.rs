@@ -20,10 +20,7 @@ use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use carom::hybrid::{
-    Disturbance, HybridSystem, LinearSystem, Lqr, Matrix, Move, MoveSource, RecedingHorizon,
-    TerminalOptions, TerminalSet,
-};
+use carom::hybrid::{Lqr, Matrix, MoveSource, TerminalOptions, TerminalSet};
 use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;

@@ -2,8 +2,7 @@
 //!
 //! `cargo run --release --example momentum [-- PICTURE.svg]`
 
-use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Shape, Surface};
-use carom::hybrid::{Restitution, ShortestOptions};
+use carom::hybrid::scene::{DamageMeasure, DamageRule};
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

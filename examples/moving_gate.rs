@@ -2,8 +2,6 @@
 //!
 //! `cargo run --release --example moving_gate [-- PICTURE.svg [ANIMATION.svg [PROGRAM.mps]]]`
 
-use carom::hybrid::ShortestOptions;
-use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 use carom::model::mps;
 use carom::prelude::*;
 

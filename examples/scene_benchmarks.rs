@@ -15,10 +15,8 @@ mod output;
 use std::time::Instant;
 
 use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario};
-use carom::hybrid::scene::{
-    Body, DamageMeasure, DamageRule, IntervalOptions, Scene, Solid, Surface,
-};
-use carom::hybrid::{ImpactEstimate, Restitution, ShortestOptions};
+use carom::hybrid::ImpactEstimate;
+use carom::hybrid::scene::{DamageMeasure, DamageRule, IntervalOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
