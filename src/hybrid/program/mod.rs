@@ -31,7 +31,7 @@ use super::system::HybridSystem;
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::model::{Method, Model, Name, Quadratic, Statement, Variable};
+use crate::model::{Model, Name, Quadratic, Statement, Variable};
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};
 
@@ -82,23 +82,8 @@ impl HybridSystem {
     /// from 1 to [`MAX_STEPS`](crate::tolerance::MAX_STEPS); [`ErrorKind::CrossedBounds`] if an input has
     /// no value that any transition allows.
     pub fn program(&self, steps: usize) -> Result<HybridProgram, Error> {
-        self.program_of(steps, None)
-    }
-
-    /// The program of the system with all choices lowered by one method. By default, two transitions are
-    /// a pair of implications, and three or more a disjunction, which the model's
-    /// [`Reformulation`](crate::model::Reformulation) lowers.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`program`](HybridSystem::program).
-    pub fn program_by(&self, steps: usize, method: Method) -> Result<HybridProgram, Error> {
-        self.program_of(steps, Some(method))
-    }
-
-    fn program_of(&self, steps: usize, method: Option<Method>) -> Result<HybridProgram, Error> {
         let mut model = Model::new("program");
-        let variables = self.write_by(&mut model, "", steps, method)?;
+        let variables = self.write(&mut model, "", steps)?;
         Ok(HybridProgram::from_parts(model, variables))
     }
 }

@@ -177,7 +177,7 @@ impl Tube {
             open: 0,
             rows: Vec::new(),
         };
-        if report.infeasible || variables.states.is_empty() {
+        if report.infeasible {
             return Ok(report);
         }
         let changes = self.changes(model, variables)?;

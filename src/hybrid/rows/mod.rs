@@ -37,16 +37,8 @@ use crate::model::{Method, Model};
 
 impl HybridSystem {
     /// Adds the system over a horizon to a model: variables and statements, none of which fix the
-    /// beginning or the end.
-    ///
-    /// # Arguments
-    ///
-    /// * `prefix`: the beginning of every name, as in `cab_x[3]`; empty for plain names. Blanks in
-    ///   names become underscores.
-    /// * `method`: how the choices become rows; by default, two transitions are a pair of
-    ///   implications, and three or more a disjunction.
-    ///
-    /// An error leaves the model as it was.
+    /// beginning or the end. Names begin with `prefix`. By the default method, two transitions are a pair
+    /// of implications, and three or more a disjunction. An error leaves the model as it was.
     #[doc(hidden)]
     pub fn write_by(
         &self,

@@ -119,11 +119,6 @@ fn series<'a, T>(
 
 impl SystemVariables {
     /// The run of a solution.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::NoPoint`] if the solution has no point, [`ErrorKind::ForeignHandle`] if it is
-    /// of another model.
     pub fn read(&self, solution: &Solution) -> Result<HybridRun, Error> {
         match solution.point() {
             Some(point) => self.read_point(point),
@@ -135,10 +130,6 @@ impl SystemVariables {
     }
 
     /// The run of a point.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::ForeignHandle`] if it is of another model.
     pub fn read_point(&self, point: &Point) -> Result<HybridRun, Error> {
         let system = &self.system;
         let steps = self.horizon.steps();
@@ -184,11 +175,6 @@ impl SystemVariables {
     /// The values of all variables of the program in a run: a MIP start, or a point to check. Only
     /// states, inputs, transitions and modes of the run are used; modes need not be given if the
     /// transitions say what they are.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Length`] for a run of another length, [`ErrorKind::UnknownName`] for one of
-    /// another system.
     pub fn values(&self, run: &HybridRun) -> Result<Vec<(Variable, f64)>, Error> {
         let steps = self.horizon.steps();
         let mut values = Vec::new();
