@@ -19,7 +19,7 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 /// The paper's tolerant program, perfectly plastic, at a feasible horizon.
 fn paper(steps: usize) -> Model {
     match Scenario::paper().program(steps, Objective::Feasibility) {
-        Ok(paper) => paper.model,
+        Ok(paper) => paper.model().clone(),
         Err(error) => panic!("the paper's scenario is valid: {error}"),
     }
 }
