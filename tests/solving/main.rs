@@ -12,6 +12,7 @@ mod borderline;
 mod branching_rules;
 mod conformance;
 mod convexity;
+mod dependent_rows;
 mod explain;
 mod far_optima;
 mod far_starts;

@@ -23,6 +23,10 @@ const SOFT_ROUNDING: f64 = 1e-9;
 /// which must not hide the violation of the row without them.
 const EXACT_ROUNDING: f64 = 1e-14;
 
+/// The rounding of the limit of a row that its users tolerate in any case, in units of the last place of
+/// the limit.
+const TOLERATED_PLACES: f64 = 64.0;
+
 /// Proof that no point satisfies rows and bounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Infeasible;
@@ -380,9 +384,13 @@ impl Work {
     ///
     /// Returns by how much: of rows, and of columns.
     fn allow_for_noise(&mut self) -> [Vec<f64>; 2] {
-        let widen = |lower: &mut f64, upper: &mut f64, noise: f64, part: f64| {
+        let widen = |lower: &mut f64, upper: &mut f64, noise: f64, part: f64, least: f64| {
             let known = |limit: f64| SOFT_ROUNDING.max(part * finite_size(limit));
-            let is_widened = noise > known(*lower).max(known(*upper));
+            let size = finite_size(*lower).max(finite_size(*upper));
+            // A small coefficient multiplies the rounding where the row bounds its column.
+            let shows = noise > SOFT_ROUNDING * least;
+            let is_widened = noise > known(*lower).max(known(*upper))
+                || (shows && noise > TOLERATED_PLACES * f64::EPSILON * size);
             if is_widened {
                 (*lower, *upper) = (*lower - noise, *upper + noise);
             }
@@ -394,11 +402,13 @@ impl Work {
             let soft = self.is_equality(row) && !self.rows[row].iter().all(exact);
             let part = if soft { SOFT_ROUNDING } else { EXACT_ROUNDING };
             let (lower, upper) = (&mut self.row_lower[row], &mut self.row_upper[row]);
-            *by = widen(lower, upper, self.row_noise[row], part);
+            let continuous = self.rows[row].iter().filter(|(j, _)| !self.integral[*j]);
+            let least = continuous.map(|(_, a)| a.abs()).fold(f64::INFINITY, f64::min);
+            *by = widen(lower, upper, self.row_noise[row], part, least);
         }
         for (j, by) in columns.iter_mut().enumerate().filter(|(j, _)| !self.integral[*j]) {
             let (lower, upper) = (&mut self.lower[j], &mut self.upper[j]);
-            *by = widen(lower, upper, self.column_noise[j], SOFT_ROUNDING);
+            *by = widen(lower, upper, self.column_noise[j], SOFT_ROUNDING, f64::INFINITY);
         }
         [rows, columns]
     }
