@@ -75,7 +75,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself, or whose
-    /// courses are shorter than the horizon; those of [`HybridSystem::program`].
+    /// courses are shorter than the horizon; those of [`HybridSystem::program`](crate::hybrid::HybridSystem::program).
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let stated = self.stated()?;
         let mut program = stated.program(steps)?;
