@@ -3,7 +3,7 @@
 //! | law | file | paper |
 //! | --- | --- | --- |
 //! | [`ContactLaw::Reflecting`] | `scene/law.rs`, the law of every surface | replaces (8)-(13) |
-//! | [`Contact::transitions_with_rest`] | `scene/resting.rs`, the law of surfaces with rest | |
+//! | `Contact::transitions_with_rest` | `scene/resting.rs`, the law of surfaces with rest | |
 //! | [`ContactLaw::Literal`] | `contact/literal.rs` | (8)-(13), errata applied |
 
 mod literal;

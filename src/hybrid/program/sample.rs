@@ -166,7 +166,7 @@ fn foreign(handle: Variable) -> Error {
     ErrorKind::ForeignHandle { kind: "variable", index, place }.into()
 }
 
-/// What [`HybridProgram::at`](super::HybridProgram::at) takes: expressions, rows and conditions.
+/// An argument of [`HybridProgram::at`](super::HybridProgram::at): an expression, a row or a condition.
 pub trait AtSample {
     /// The same, of the variables of the program's model.
     type Output;

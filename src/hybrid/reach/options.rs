@@ -27,7 +27,7 @@ pub struct SetOptions {
     /// and if there are more of them, they share sets; at least 1, default 256.
     pub layers: usize,
     /// Whether each next state may be disturbed by the system's
-    /// [disturbance](HybridSystem::with_disturbance). Then the sets are *robust*: forward sets hold
+    /// [disturbance](HybridSystem::disturbance). Then the sets are *robust*: forward sets hold
     /// every state to which any disturbance can lead, and backward sets every state from which some
     /// disturbance can lead to the goal. Undisturbed runs are always included; default no, as in
     /// programs.

@@ -32,7 +32,7 @@ pub(super) struct Law {
     pub(super) name: String,
     /// M - 1 without a rebound, by rows.
     pub(super) change: Vec<Vec<f64>>,
-    /// What the rebound adds to it: `-e n n'`.
+    /// The part that the rebound adds to it: `-e n n'`.
     pub(super) rebound: Vec<Vec<f64>>,
     /// The factors of the relative velocity at the start of the step in the change; 0 in mirrored hits.
     pub(super) at_start: Vec<Vec<f64>>,

@@ -150,7 +150,7 @@ impl Handles {
         State { variable }
     }
 
-    /// What a handle stands for; `None` if it is of another system.
+    /// The meaning of a handle; `None` if it is of another system.
     pub(crate) fn meaning(&self, variable: Variable) -> Option<&Meaning> {
         self.meanings.get(variable.index()).filter(|_| variable.tag == self.tag)
     }

@@ -12,7 +12,7 @@ pub enum StatedRegion {
     Region(Region),
 }
 
-/// What can state where a run must be: rows such as `[x.equals(0.0), v.within(-1.0, 1.0)]`, or a
+/// A statement of where a run must be: rows such as `[x.equals(0.0), v.within(-1.0, 1.0)]`, or a
 /// [`Region`].
 pub trait IntoRegion {
     #[doc(hidden)]

@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorKind};
 use crate::model::Variable;
 
 impl HybridSystem {
-    /// What a handle stands for.
+    /// The meaning of a handle.
     ///
     /// # Errors
     ///
