@@ -30,8 +30,8 @@ SLOWEST = 350  # ms from slider to picture, median
 
 # Inputs at the edge: what the link says, and a word of the sentence that must come.
 EDGES = {
-    "goal=-0.5": "inside the wall",
-    "start=-1": "inside the wall",
+    "goal=-0.5": "inside `wall`",
+    "start=-1": "inside `wall`",
     "restitution=1": "wall",
     "timeStep=0.5": "wall",
     "impactLimit=0": "does not pay",
