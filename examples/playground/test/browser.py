@@ -37,7 +37,7 @@ EDGES = {
     "impactLimit=0": "does not pay",
     "maxAcceleration=0": "no plan",
     "maxAcceleration=0&velocity=-5": "no plan",
-    "velocity=-16": "above the largest speed",
+    "velocity=-16": "outside its largest speed",
     "maxSpeed=0.5&timeStep=0.02": "wall",
     "start=0.3": "wall",
     "start=4&velocity=-10&impactLimit=4": "no plan",
