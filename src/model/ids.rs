@@ -65,6 +65,10 @@ handle! {
     SpecialOrderedSet
 }
 handle! {
+    /// A norm or a convex quadratic row of one [`Model`](super::Model).
+    ConicConstraint
+}
+handle! {
     /// A logic statement of one [`Model`](super::Model).
     LogicalConstraint
 }

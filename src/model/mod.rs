@@ -4,6 +4,7 @@ mod affine;
 mod background;
 mod by_step;
 mod checks;
+mod conic;
 mod convexity;
 mod disjunction;
 mod display;
@@ -40,9 +41,13 @@ mod variable;
 mod variables;
 
 pub use affine::Affine;
+pub use conic::{ConicRef, ConicRow, Norm, norm};
 pub use disjunction::{Either, Selected, Term, either};
 pub use function::Function;
-pub use ids::{Constraint, Disjunction, Indicator, LogicalConstraint, SpecialOrderedSet, Variable};
+pub use ids::{
+    ConicConstraint, Constraint, Disjunction, Indicator, LogicalConstraint, SpecialOrderedSet,
+    Variable,
+};
 pub use indicator::{Consequent, Implication, Implications, Reification, Reified};
 pub use literal::Literal;
 pub use logic::{Logic, at_least, at_most, exactly};
@@ -63,6 +68,7 @@ pub use text::read::{Read, Warning};
 pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;
+pub(crate) use conic::{StandardCone, StoredConic};
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use name::is_name;

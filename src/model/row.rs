@@ -5,7 +5,6 @@ use super::checks;
 use super::ids::Variable;
 use super::literal::Literal;
 use super::name::Name;
-use super::quadratic::Quadratic;
 use crate::error::Error;
 
 /// A comparison, not yet added to a model: `lower <= expression <= upper`.
@@ -93,51 +92,3 @@ pub(crate) use comparisons;
 comparisons!(Affine);
 comparisons!(Variable);
 comparisons!(Literal);
-
-/// Fails to compile with a reason: rows are linear.
-#[doc(hidden)]
-#[diagnostic::on_unimplemented(
-    message = "rows are linear: an expression with products or squares cannot be compared",
-    label = "only the objective can be quadratic",
-    note = "a product of a binary and an expression is `model.product(...)`; a curve is \
-            `model.piecewise(...)`"
-)]
-pub trait Comparable<Right> {
-    #[doc(hidden)]
-    fn compared(&self, right: Right) -> Row;
-}
-
-/// Methods that never compile, so that comparisons of products say why.
-impl Quadratic {
-    #[doc(hidden)]
-    pub fn le<Right>(&self, right: Right) -> Row
-    where
-        Quadratic: Comparable<Right>,
-    {
-        self.compared(right)
-    }
-
-    #[doc(hidden)]
-    pub fn ge<Right>(&self, right: Right) -> Row
-    where
-        Quadratic: Comparable<Right>,
-    {
-        self.compared(right)
-    }
-
-    #[doc(hidden)]
-    pub fn equals<Right>(&self, right: Right) -> Row
-    where
-        Quadratic: Comparable<Right>,
-    {
-        self.compared(right)
-    }
-
-    #[doc(hidden)]
-    pub fn within<Right>(&self, lower: Right, _: Right) -> Row
-    where
-        Quadratic: Comparable<Right>,
-    {
-        self.compared(lower)
-    }
-}

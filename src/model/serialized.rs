@@ -5,8 +5,8 @@ use super::checks::{finite, limits};
 use super::disjunction::{MAX_NESTING, check_selector};
 use super::name::Name;
 use super::store::{
-    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, Model, SosData,
-    StoredModel, VariableData,
+    ConicData, ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, Model,
+    SosData, StoredModel, VariableData,
 };
 use super::stored::{StoredRow, StoredTerm};
 use crate::error::Error;
@@ -32,6 +32,9 @@ impl TryFrom<StoredModel> for Model {
         for IndicatorData { name, condition, row, big_m } in stored.indicators {
             let row = row.checked(&model, &name)?;
             model.push_indicator(name, condition, row, big_m)?;
+        }
+        for ConicData { name, condition, conic } in stored.conic {
+            model.push_conic(name, condition, conic)?;
         }
         for LogicalData { name, logic } in stored.logic {
             model.add(name, logic)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::conic::StoredConic;
 use super::function::Function;
 use super::ids::{
     Constraint, Disjunction, LogicalConstraint, ModelTag, SpecialOrderedSet, Variable,
@@ -41,6 +42,8 @@ pub(super) struct StoredModel {
     pub(super) tag: ModelTag,
     pub(super) variables: Vec<VariableData>,
     pub(super) constraints: Vec<ConstraintData>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) conic: Vec<ConicData>,
     pub(super) indicators: Vec<IndicatorData>,
     pub(super) logic: Vec<LogicalData>,
     #[cfg_attr(feature = "serde", serde(default))]
@@ -94,6 +97,16 @@ pub(super) struct ConstraintData {
     pub(super) row: StoredRow,
 }
 
+/// A conic row, and the condition under which it must hold.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct ConicData {
+    pub(super) name: Name,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) condition: Option<Logic>,
+    pub(super) conic: StoredConic,
+}
+
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct IndicatorData {
@@ -138,6 +151,7 @@ pub(super) struct FunctionData {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StatementKind {
     Constraint,
+    Conic,
     Indicator,
     Logical,
     Disjunction,
@@ -159,6 +173,7 @@ impl Model {
             tag,
             variables: Vec::new(),
             constraints: Vec::new(),
+            conic: Vec::new(),
             indicators: Vec::new(),
             logic: Vec::new(),
             disjunctions: Vec::new(),
@@ -308,13 +323,14 @@ impl Model {
         self.is_convex_within_bounds
     }
 
-    /// Whether there is nothing to reformulate.
+    /// Whether there is nothing to reformulate: rows only, and conic rows without a condition.
     pub(crate) fn has_only_rows(&self) -> bool {
         let StoredModel { variables, indicators, disjunctions, logic, functions, sets, .. } =
             &self.stored;
         let semicontinuous = variables.iter().any(|data| data.semicontinuous.is_some());
         indicators.len() + disjunctions.len() + logic.len() + functions.len() + sets.len() == 0
             && !semicontinuous
+            && self.stored.conic.iter().all(|data| data.condition.is_none())
     }
 
     /// The model with only its variables, objective and rows, to which a reformulation adds. Their
@@ -351,6 +367,7 @@ impl Model {
         let stored = &self.stored;
         let (variables, rows) = (stored.variables.len(), stored.constraints.len());
         let (indicators, logic) = (stored.indicators.len(), stored.logic.len());
+        let conic = stored.conic.len();
         let (disjunctions, sets) = (stored.disjunctions.len(), stored.sets.len());
         let functions = stored.functions.len();
         let result = add(self);
@@ -365,6 +382,8 @@ impl Model {
             let logic = stored.logic.drain(logic..).map(|data| data.name);
             let disjunctions = stored.disjunctions.drain(disjunctions..).map(|data| data.name);
             let sets = stored.sets.drain(sets..).map(|data| data.name);
+            let conic = stored.conic.drain(conic..).map(|data| data.name);
+            let rows = rows.chain(conic);
             for name in rows.chain(indicators).chain(logic).chain(disjunctions).chain(sets) {
                 statement_names.remove(&name);
             }

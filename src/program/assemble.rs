@@ -5,16 +5,82 @@ use std::sync::OnceLock;
 use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
 use super::Program;
+use super::assemble_cones::assemble_cones;
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::tolerance;
 
+/// Rows and columns of a program that is being assembled.
+pub(super) struct Entries {
+    entries: Vec<Triplet<usize, usize, f64>>,
+    row_lower: Vec<f64>,
+    row_upper: Vec<f64>,
+    pub(super) lower: Vec<f64>,
+    upper: Vec<f64>,
+    integral: Vec<bool>,
+    step: Vec<Option<usize>>,
+}
+
+impl Entries {
+    /// The variables and linear rows of a model.
+    fn of(model: &Model) -> Self {
+        let (m, n) = (model.constraint_count(), model.variable_count());
+        let mut built = Entries {
+            entries: Vec::new(),
+            row_lower: Vec::with_capacity(m),
+            row_upper: Vec::with_capacity(m),
+            lower: Vec::with_capacity(n),
+            upper: Vec::with_capacity(n),
+            integral: Vec::with_capacity(n),
+            step: Vec::with_capacity(n),
+        };
+        for row in model.constraints() {
+            let (terms, limits) = (row.terms().iter(), row.limits());
+            built.row(terms.map(|&(v, a)| (v.index(), a)), limits.lower, limits.upper);
+        }
+        for variable in model.variables() {
+            let (mut bounds, whole) = (variable.bounds(), variable.kind().is_integral());
+            if whole {
+                bounds.lower = (bounds.lower - tolerance::INTEGRALITY).ceil();
+                bounds.upper = (bounds.upper + tolerance::INTEGRALITY).floor();
+            }
+            built.lower.push(bounds.lower);
+            built.upper.push(bounds.upper);
+            built.integral.push(whole);
+            built.step.push(variable.name().step());
+        }
+        built
+    }
+
+    /// Adds a continuous column.
+    pub(super) fn column(&mut self, lower: f64, upper: f64) -> usize {
+        self.lower.push(lower);
+        self.upper.push(upper);
+        self.integral.push(false);
+        self.step.push(None);
+        self.lower.len() - 1
+    }
+
+    /// Adds a row.
+    pub(super) fn row(
+        &mut self,
+        terms: impl Iterator<Item = (usize, f64)>,
+        lower: f64,
+        upper: f64,
+    ) {
+        let row = self.row_lower.len();
+        self.entries.extend(terms.map(|(j, a)| Triplet::new(row, j, a)));
+        self.row_lower.push(lower);
+        self.row_upper.push(upper);
+    }
+}
+
 impl Program {
-    /// Assembles the matrices of a model.
+    /// Assembles the matrices of a model. Its variables are the first columns; those of cones follow.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Unsupported`] when the model has anything but rows, [`ErrorKind::Allocation`]
+    /// [`ErrorKind::Unsupported`] when the model has anything but rows and cones, [`ErrorKind::Allocation`]
     /// when the matrices cannot be allocated.
     pub fn assemble(model: &Model) -> Result<Program, Error> {
         if !model.has_only_rows() {
@@ -25,16 +91,11 @@ impl Program {
             }
             .into());
         }
-        let (m, n) = (model.constraint_count(), model.variable_count());
         let sign = model.sense().sign();
-
-        let mut entries = Vec::new();
-        let (mut row_lower, mut row_upper) = (Vec::with_capacity(m), Vec::with_capacity(m));
-        for (i, row) in model.constraints().enumerate() {
-            entries.extend(row.terms().iter().map(|&(v, a)| Triplet::new(i, v.index(), a)));
-            row_lower.push(row.limits().lower);
-            row_upper.push(row.limits().upper);
-        }
+        let mut built = Entries::of(model);
+        let cones = assemble_cones(model, &mut built)?;
+        let Entries { entries, row_lower, row_upper, lower, upper, integral, step } = built;
+        let (m, n) = (row_lower.len(), lower.len());
 
         let mut linear = vec![0.0; n];
         for (v, a) in model.objective().affine().terms() {
@@ -45,20 +106,6 @@ impl Program {
             // x'Px / 2 holds q x_a x_b as P_ab = P_ba = q, and q x_a^2 as P_aa = 2 q.
             products.push(Triplet::new(a.index(), b.index(), sign * q));
             products.push(Triplet::new(b.index(), a.index(), sign * q));
-        }
-
-        let (mut lower, mut upper) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        let (mut integral, mut step) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        for variable in model.variables() {
-            let (mut bounds, whole) = (variable.bounds(), variable.kind().is_integral());
-            if whole {
-                bounds.lower = (bounds.lower - tolerance::INTEGRALITY).ceil();
-                bounds.upper = (bounds.upper + tolerance::INTEGRALITY).floor();
-            }
-            lower.push(bounds.lower);
-            upper.push(bounds.upper);
-            integral.push(whole);
-            step.push(variable.name().step());
         }
 
         let matrix = |error: CreationError| Error::with_source(ErrorKind::Allocation, error);
@@ -76,6 +123,7 @@ impl Program {
             upper,
             integers: (0..n).filter(|&j| integral[j]).collect(),
             integral,
+            cones,
             step,
             spread: 1.0,
             steepness: OnceLock::new(),

@@ -1,5 +1,5 @@
 //! Matrix form: `min 1/2 x'Px + q'x + r` over `l <= Ax <= u`, `lower <= x <= upper`, some columns
-//! integral.
+//! integral, and second-order cones over columns.
 //!
 //! A [`Program`] is what the solving tower works on. It is assembled from a model *without*
 //! indicators (see [`reformulate`](crate::reformulate)); columns are the model's variables in the
@@ -8,7 +8,11 @@
 
 mod append;
 mod assemble;
+mod assemble_cones;
+mod cone;
 mod steepness;
+
+pub use cone::{Cone, ConeRole, ConeShape};
 
 use std::sync::OnceLock;
 
@@ -46,6 +50,8 @@ pub struct Program {
     pub integral: Vec<bool>,
     /// The integral columns, in order.
     pub integers: Vec<usize>,
+    /// Second-order cones.
+    pub cones: Vec<Cone>,
     /// Where each column stands in time: the step of its name, for members of families.
     pub step: Vec<Option<usize>>,
     /// How far columns without bounds may be out at points within the radius of proofs, as a multiple of

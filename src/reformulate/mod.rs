@@ -270,6 +270,9 @@ fn lower_with<'a>(
             one_sided.push((function.result(), function.function().clone(), tie));
         }
     }
+    for conic in model.conic_constraints() {
+        lowering.model.push_conic(conic.name().clone(), None, conic.conic().clone())?;
+    }
     for indicator in model.indicators() {
         if token.spend(STATEMENT_WORK) {
             return Ok(None);

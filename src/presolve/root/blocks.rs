@@ -120,6 +120,7 @@ fn extract(
         upper: pick(&program.upper, &columns),
         integers: (0..n).filter(|&k| integral[k]).collect(),
         integral,
+        cones: Vec::new(),
         step: columns.iter().map(|&j| program.step[j]).collect(),
         spread: program.spread,
         steepness: OnceLock::new(),

@@ -453,6 +453,7 @@ impl Work {
             upper: pick(&self.upper, &columns),
             integers: (0..n).filter(|&k| integral[k]).collect(),
             integral,
+            cones: Vec::new(),
             step: columns.iter().map(|&j| self.step[j]).collect(),
             spread: open.map(|j| self.spread[j]).fold(1.0, f64::max),
             steepness: OnceLock::new(),

@@ -1,0 +1,73 @@
+//! Second-order cones over the columns of a program.
+
+/// A second-order cone over columns of a program, each of them there once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cone {
+    /// The shape.
+    pub shape: ConeShape,
+    /// The columns: first those of the head (see [`ConeShape`]), then the tail.
+    pub columns: Vec<usize>,
+    /// The part that it plays beside other cones.
+    pub role: ConeRole,
+}
+
+/// The shape of a second-order cone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ConeShape {
+    /// `|tail| <= head`; the head is one column.
+    Norm,
+    /// `|tail|^2 <= first * second`, both at least 0; the head is two columns.
+    Rotated,
+}
+
+impl ConeShape {
+    /// The number of columns of the head.
+    pub fn head(self) -> usize {
+        match self {
+            ConeShape::Norm => 1,
+            ConeShape::Rotated => 2,
+        }
+    }
+}
+
+/// The part that a cone plays beside others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ConeRole {
+    /// It stands for itself.
+    Single,
+    /// It is split into parts with further columns. The parts together say the same.
+    Whole,
+    /// A part of the last [whole](Self::Whole) cone before it: the square of one entry of its tail is at
+    /// most its first column, which no other cone has, times the head of the whole.
+    Part,
+}
+
+impl Cone {
+    /// The columns of the head.
+    pub fn head(&self) -> &[usize] {
+        &self.columns[..self.shape.head()]
+    }
+
+    /// The columns of the tail.
+    pub fn tail(&self) -> &[usize] {
+        &self.columns[self.shape.head()..]
+    }
+
+    /// By how much a point misses the cone, in the unit of the head: the distance of the head from the
+    /// least one that the tail allows (of a rotated cone, in the direction in which both grow alike).
+    pub fn miss(&self, x: &[f64]) -> f64 {
+        let value = |j: &usize| x[*j];
+        let length = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold(0.0_f64, |length, value| length.hypot(value))
+        };
+        match self.shape {
+            ConeShape::Norm => length(&mut self.tail().iter().map(value)) - x[self.columns[0]],
+            ConeShape::Rotated => {
+                let (first, second) = (x[self.columns[0]], x[self.columns[1]]);
+                let tail = self.tail().iter().map(|j| 2.0 * x[*j]);
+                let all = length(&mut tail.chain([first - second]));
+                0.5 * (all - (first + second))
+            }
+        }
+    }
+}
