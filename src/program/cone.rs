@@ -53,6 +53,12 @@ impl Cone {
         &self.columns[self.shape.head()..]
     }
 
+    /// The cone with other numbers for its columns.
+    pub(crate) fn renumbered(&self, number: impl Fn(usize) -> usize) -> Cone {
+        let columns = self.columns.iter().map(|&j| number(j)).collect();
+        Cone { shape: self.shape, columns, role: self.role }
+    }
+
     /// By how much a point misses the cone, in the unit of the head: the distance of the head from the
     /// least one that the tail allows (of a rotated cone, in the direction in which both grow alike).
     pub fn miss(&self, x: &[f64]) -> f64 {
@@ -70,4 +76,11 @@ impl Cone {
             }
         }
     }
+}
+
+/// Which of so many columns are in cones.
+pub(crate) fn conic_columns(cones: &[Cone], columns: usize) -> Vec<bool> {
+    let mut conic = vec![false; columns];
+    cones.iter().flat_map(|cone| &cone.columns).for_each(|&j| conic[j] = true);
+    conic
 }
