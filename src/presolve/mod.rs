@@ -10,6 +10,7 @@ mod case_row;
 mod change_log;
 mod coefficients;
 mod congruence;
+mod conic_tightening;
 mod disjunctive_tightening;
 mod domain;
 mod implication_probing;
