@@ -125,6 +125,7 @@ impl Program {
             integral,
             cones,
             conic: OnceLock::new(),
+            cuts_cones: false,
             step,
             spread: 1.0,
             steepness: OnceLock::new(),

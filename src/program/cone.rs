@@ -1,5 +1,7 @@
 //! Second-order cones over the columns of a program.
 
+use super::Program;
+
 /// A second-order cone over columns of a program, each of them there once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cone {
@@ -83,4 +85,15 @@ pub(crate) fn conic_columns(cones: &[Cone], columns: usize) -> Vec<bool> {
     let mut conic = vec![false; columns];
     cones.iter().flat_map(|cone| &cone.columns).for_each(|&j| conic[j] = true);
     conic
+}
+
+impl Program {
+    /// Sets the columns of parts of cones to the least values that the point allows.
+    pub(crate) fn complete_parts(&self, x: &mut [f64]) {
+        for cone in self.cones.iter().filter(|cone| cone.role == ConeRole::Part) {
+            let [part, times, entry] = cone.columns[..] else { continue };
+            let square = x[entry] * x[entry];
+            x[part] = if square == 0.0 { 0.0 } else { square / x[times].max(f64::MIN_POSITIVE) };
+        }
+    }
 }
