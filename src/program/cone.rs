@@ -1,5 +1,7 @@
 //! Second-order cones over the columns of a program.
 
+use super::Program;
+
 /// A second-order cone over columns of a program, each of them there once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cone {
@@ -68,6 +70,17 @@ impl Cone {
                 let all = length(&mut tail.chain([first - second]));
                 0.5 * (all - (first + second))
             }
+        }
+    }
+}
+
+impl Program {
+    /// Sets the columns of parts of cones to the least values that the point allows.
+    pub(crate) fn complete_parts(&self, x: &mut [f64]) {
+        for cone in self.cones.iter().filter(|cone| cone.role == ConeRole::Part) {
+            let [part, times, entry] = cone.columns[..] else { continue };
+            let square = x[entry] * x[entry];
+            x[part] = if square == 0.0 { 0.0 } else { square / x[times].max(f64::MIN_POSITIVE) };
         }
     }
 }

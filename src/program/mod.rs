@@ -52,6 +52,9 @@ pub struct Program {
     pub integers: Vec<usize>,
     /// Second-order cones.
     pub cones: Vec<Cone>,
+    /// Whether relaxations cut off cones, by rows that are found on the way, and do not solve them as they
+    /// are.
+    pub cuts_cones: bool,
     /// Where each column stands in time: the step of its name, for members of families.
     pub step: Vec<Option<usize>>,
     /// How far columns without bounds may be out at points within the radius of proofs, as a multiple of

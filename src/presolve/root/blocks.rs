@@ -121,6 +121,7 @@ fn extract(
         integers: (0..n).filter(|&k| integral[k]).collect(),
         integral,
         cones: Vec::new(),
+        cuts_cones: false,
         step: columns.iter().map(|&j| program.step[j]).collect(),
         spread: program.spread,
         steepness: OnceLock::new(),

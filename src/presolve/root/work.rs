@@ -454,6 +454,7 @@ impl Work {
             integers: (0..n).filter(|&k| integral[k]).collect(),
             integral,
             cones: Vec::new(),
+            cuts_cones: false,
             step: columns.iter().map(|&j| self.step[j]).collect(),
             spread: open.map(|j| self.spread[j]).fold(1.0, f64::max),
             steepness: OnceLock::new(),
