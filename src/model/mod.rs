@@ -3,6 +3,7 @@
 mod affine;
 mod background;
 mod by_step;
+pub mod cbf;
 mod checks;
 mod conic;
 mod convexity;
