@@ -18,6 +18,7 @@ mod relaxation;
 mod search;
 mod semidefinite;
 mod simplex;
+mod standard_cone;
 mod strengthening;
 mod subset;
 mod sum;
