@@ -2,11 +2,12 @@
 //!
 //! `cargo run --release --example solve -- FILE [OPTIONS]`; `--help` lists the options.
 //!
-//! Files are MPS (free or fixed), LP, or JSON (with `--features serde`). The format follows from
-//! the extension `.mps`, `.lp` or `.json`, otherwise from the contents.
+//! Files are MPS (free or fixed), LP, CBF, or JSON (with `--features serde`). The format follows from
+//! the extension `.mps`, `.lp`, `.cbf` or `.json`, otherwise from the contents.
 //!
 //! The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
-//! those of indicators. The last one is `status=… objective=… bound=… nodes=… seconds=…`. The status
+//! those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line is
+//! `status=… objective=… bound=… nodes=… seconds=…`. The status
 //! is `optimal`, `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved
 //! optimal) or `limit` (stopped without a point). The objective is `-` if there is no point. The
 //! seconds exclude reading the file. A summary for people is on the standard error, and so is a
@@ -26,7 +27,7 @@ use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-use carom::model::{Read, lp, mps};
+use carom::model::{Read, cbf, lp, mps};
 use carom::prelude::{
     BranchAndBound, Control, Event, Log, Model, Options, Solution, Solver, Termination,
 };
@@ -39,7 +40,7 @@ use bar::Bar;
 const USAGE: &str = "usage: solve FILE [OPTIONS]; `solve --help` lists the options";
 
 const HELP: &str = "\
-Solves a model file (MPS, LP, or JSON with `--features serde`), or writes it in another format.
+Solves a model file (MPS, LP, CBF, or JSON with `--features serde`), or writes it in another format.
 
 usage: solve FILE [OPTIONS]
 
@@ -229,11 +230,13 @@ fn format(path: &str, text: Option<&str>) -> Result<&'static str, Box<dyn Error>
     match (extension.as_deref(), text) {
         (Some("mps"), _) => Ok("mps"),
         (Some("lp"), _) => Ok("lp"),
+        (Some("cbf"), _) => Ok("cbf"),
         (Some("json"), _) => Ok("json"),
         (_, Some(text)) if text.trim_start().starts_with('{') => Ok("json"),
         (_, Some(text)) if text.lines().any(is_rows) => Ok("mps"),
+        (_, Some(text)) if text.lines().any(|line| line.trim_end() == "VER") => Ok("cbf"),
         (_, Some(_)) => Ok("lp"),
-        (_, None) => Err(format!("{path}: expected .mps, .lp or .json").into()),
+        (_, None) => Err(format!("{path}: expected .mps, .lp, .cbf or .json").into()),
     }
 }
 
@@ -246,6 +249,7 @@ fn read(path: &str, text: &str) -> Result<Model, Box<dyn Error>> {
     match format(path, Some(text))? {
         "mps" => Ok(checked(path, mps::read(text)?)),
         "lp" => Ok(checked(path, lp::read(text)?)),
+        "cbf" => Ok(checked(path, cbf::read(text)?)),
         #[cfg(feature = "serde")]
         _ => Ok(serde_json::from_str(text)?),
         #[cfg(not(feature = "serde"))]
@@ -265,6 +269,7 @@ fn write(model: &Model, path: &str) -> Result<(), Box<dyn Error>> {
     let text = match format(path, None)? {
         "mps" => mps::write(model)?,
         "lp" => lp::write(model)?,
+        "cbf" => cbf::write(model)?,
         #[cfg(feature = "serde")]
         _ => serde_json::to_string_pretty(model)?,
         #[cfg(not(feature = "serde"))]
@@ -279,7 +284,11 @@ fn counts(model: &Model) -> String {
     let linear: usize = model.constraints().map(|row| row.terms().len()).sum();
     let switched: usize = model.indicators().map(|row| row.terms().len()).sum();
     let (columns, nonzeros) = (model.variable_count(), linear + switched);
-    format!("rows={rows} columns={columns} integers={integers} nonzeros={nonzeros}")
+    let cones = match model.conic_constraint_count() {
+        0 => String::new(),
+        cones => format!(" cones={cones}"),
+    };
+    format!("rows={rows} columns={columns} integers={integers} nonzeros={nonzeros}{cones}")
 }
 
 /// The arguments; `None` if help is asked for.

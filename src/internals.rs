@@ -59,7 +59,7 @@ pub mod presolve {
 }
 
 pub mod program {
-    pub use crate::program::Program;
+    pub use crate::program::{Cone, ConeRole, ConeShape, Program};
 }
 
 pub mod relaxation {

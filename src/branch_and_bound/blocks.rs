@@ -10,7 +10,7 @@ use super::events::PartOfSolve;
 use super::search::search_task;
 use super::solve::EarlierResults;
 use crate::presolve::root::{ProgramBlock, blocks};
-use crate::program::Program;
+use crate::program::{ConeRole, Program};
 use crate::search::{PointJudge, SearchResult, SolveTask};
 use crate::solution::{Point, Statistics, Termination};
 use crate::solver::{Control, Options, Progress, StopToken};
@@ -359,7 +359,7 @@ impl PointJudge for BlockJudge<'_> {
     }
 }
 
-/// Whether a point satisfies bounds and rows of a program as a model's verification wants it.
+/// Whether a point satisfies bounds, rows and cones of a program as a model's verification wants it.
 fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
     let within = |columns: &[usize], values: &[f64], limits: [f64; 2]| {
         let (mut magnitude, mut whole) = (0.0, true);
@@ -379,5 +379,10 @@ fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
         && (0..program.row_count()).all(|row| {
             let (columns, values) = program.row(row);
             within(columns, values, [program.row_lower[row], program.row_upper[row]])
+        })
+        // Parts only serve the whole.
+        && program.cones.iter().filter(|cone| cone.role != ConeRole::Part).all(|cone| {
+            let magnitude = cone.columns.iter().map(|&j| x[j].abs()).sum();
+            cone.miss(x) <= tolerance::allowed_miss(feasibility, magnitude)
         })
 }

@@ -5,8 +5,9 @@ use super::cut::{CutOutcome, cut};
 use super::solve::EarlierResults;
 use super::start::PreliminaryResult;
 use super::tighten::Tightened;
-use crate::search::{SearchResult, SolveTask, search, search_unstrengthened};
+use crate::search::{SearchResult, SolveTask, approximate_cones, search, search_unstrengthened};
 use crate::solver::Control;
+use std::borrow::Cow;
 
 /// Solves the program of a task: looks for a point to begin with, and searches.
 pub(super) fn search_task(
@@ -46,6 +47,16 @@ pub(super) fn search_once(
         None => Tightened::new(exact, options, token),
     };
     let Tightened { program, mut root } = tightened;
+    let mut program = program;
+    if !program.cones.is_empty() {
+        let mut ladder = task.ladders.take();
+        let cut_off = approximate_cones(&program, &root, options, token, &mut ladder);
+        task.ladders.give_back(ladder);
+        if let Some(cut_off) = cut_off {
+            root.carry_over(&cut_off, token);
+            program = Cow::Owned(cut_off);
+        }
+    }
     let task = SolveTask { program: &program, exact: Some(exact), ..task };
     let cuts = options.cuts && !options.keep_leaves && !known.skips_cuts;
     let cut = if cuts { cut(task, &mut root, known.start) } else { CutOutcome::default() };

@@ -120,7 +120,9 @@ impl DomainReduction<'_> {
             return false;
         }
         self.relaxations -= 1;
-        let Some(reduced) = self.ladder.reducer().reduce(self.program, domain) else { return true };
+        let Some(mut reduced) = self.ladder.reducer().reduce(self.program, domain) else {
+            return true;
+        };
         let question = RelaxationQuestion {
             purpose: Purpose::Node,
             cutoff: f64::INFINITY,
@@ -130,6 +132,6 @@ impl DomainReduction<'_> {
             token: oracle.token(),
             warm: None,
         };
-        matches!(self.ladder.solve(&reduced, &question), RelaxationVerdict::Refuted(_))
+        matches!(self.ladder.solve(&mut reduced, &question), RelaxationVerdict::Refuted(_))
     }
 }

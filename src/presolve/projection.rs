@@ -230,6 +230,11 @@ impl Projector {
                 (open[i], open[j]) = (false, false);
             }
         }
+        for entry in reduced.cones.iter().flat_map(|cone| &cone.entries) {
+            if !entry.is_fixed() {
+                open[entry.place] = false;
+            }
+        }
         if !open.contains(&true) {
             return false;
         }
@@ -393,6 +398,12 @@ impl Projector {
         write(&mut rest.steepness, &reduced.steepness);
         rest.values.clone_from(&reduced.values);
         (rest.offset, rest.spread) = (reduced.offset, reduced.spread);
+        rest.is_cut_off = reduced.is_cut_off;
+        rest.cones.clone_from(&reduced.cones);
+        let entries = rest.cones.iter_mut().flat_map(|cone| &mut cone.entries);
+        entries
+            .filter(|entry| !entry.is_fixed())
+            .for_each(|entry| entry.place = position[entry.place]);
         let Reduced { rows, quadratic, .. } = rest;
         rows.clear(reduced.rows.len(), reduced.rows.index.len());
         for limits in [&mut rest.row_lower, &mut rest.row_upper] {

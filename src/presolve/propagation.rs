@@ -1,16 +1,18 @@
 //! Activity-based bound propagation.
 //!
 //! For a row `l <= a'x <= u` the smallest and the largest activity over the current bounds limit
-//! every column in it. The rows of tightened columns go back on a worklist until no bound moves
-//! enough. Its order is in `worklist`, the arithmetic of one row in `tightening`.
+//! every column in it. A second-order cone bounds its columns likewise. The rows of tightened columns go back on a worklist until no bound moves
+//! enough. Its order is in `worklist`, the arithmetic of one row in `tightening`, that of one cone in
+//! `conic_tightening`.
 
 use super::change_log::{ChangeLog, RowBlockSet};
 use super::congruence::{is_whole_equality, tighten_residues};
+use super::conic_tightening::{BoundedColumns, tighten_cone};
 use super::domain::Domain;
 use super::implications::ImplicationGraph;
 use super::tightening::{Entry, PropagatedRow, RowState, Tightening, tighten};
 use super::worklist::Worklist;
-use crate::program::Program;
+use crate::program::{Cone, Program};
 use crate::solver::StopToken;
 use crate::tolerance;
 
@@ -19,6 +21,8 @@ use crate::tolerance;
 pub enum Conflict {
     /// A row cannot be satisfied within the bounds; the row count stands for the objective's limit.
     Row(usize),
+    /// A cone cannot be satisfied within the bounds.
+    Cone(usize),
     /// A column's bounds crossed, or contradict what is known of it.
     Column(usize),
 }
@@ -67,11 +71,13 @@ struct Uses {
 }
 
 impl Uses {
-    /// The uses of columns in lines, the last of which is the objective, whose upper limit comes later.
+    /// The uses of columns in lines, the last of which is the objective, whose upper limit comes later, and
+    /// in cones, whose numbers follow.
     fn new(
         columns: usize,
         lines: &[PropagatedRow],
         entries: &[Entry],
+        cones: &[Cone],
         change_log: &ChangeLog,
     ) -> Self {
         let mut blocks = vec![0; columns];
@@ -80,15 +86,21 @@ impl Uses {
                 blocks[entry.column()] |= change_log.blocks_of(row);
             }
         }
+        for (number, cone) in (lines.len()..).zip(cones) {
+            cone.columns.iter().for_each(|&j| blocks[j] |= change_log.blocks_of(number));
+        }
         let mut start = vec![0; 2 * columns + 1];
         each_use(lines, entries, |k, _| start[k + 1] += 1);
+        each_conic_use(lines.len(), cones, |k, _| start[k + 1] += 1);
         (0..2 * columns).for_each(|k| start[k + 1] += start[k]);
         let mut rows = vec![0; start[2 * columns]];
         // Every beginning moves to its end, which is where the next one began.
-        each_use(lines, entries, |k, row| {
+        let mut place = |k: usize, row: usize| {
             rows[start[k]] = row as u32;
             start[k] += 1;
-        });
+        };
+        each_use(lines, entries, &mut place);
+        each_conic_use(lines.len(), cones, &mut place);
         start.rotate_right(1);
         start[0] = 0;
         Uses { start, rows, blocks }
@@ -118,12 +130,24 @@ fn each_use(lines: &[PropagatedRow], entries: &[Entry], mut note: impl FnMut(usi
     }
 }
 
+/// Each bound of a column with each cone to which it can matter; the first cone has the number `first`.
+fn each_conic_use(first: usize, cones: &[Cone], mut note: impl FnMut(usize, usize)) {
+    for (number, cone) in (first..).zip(cones) {
+        cone.head().iter().for_each(|&j| note(2 * j + 1, number));
+        for &j in cone.tail() {
+            note(2 * j, number);
+            note(2 * j + 1, number);
+        }
+    }
+}
+
 impl Propagator {
     /// For a program.
     pub fn new(program: &Program) -> Self {
+        let numbers = program.row_count() + 1 + program.cones.len();
         let mut propagator = Propagator {
-            queue: Worklist::new(program.row_count() + 1),
-            status: vec![Status::Idle; program.row_count() + 1],
+            queue: Worklist::new(numbers),
+            status: vec![Status::Idle; numbers],
             asleep: Vec::new(),
             rows: Vec::with_capacity(program.row_count() + 1),
             entries: Vec::new(),
@@ -132,7 +156,7 @@ impl Propagator {
             unfollowed: Vec::new(),
             implications: ImplicationGraph::default(),
             token: StopToken::default(),
-            change_log: ChangeLog::new(program.row_count()),
+            change_log: ChangeLog::new(program.row_count() + program.cones.len()),
             least_gain: tolerance::PROPAGATION_GAIN,
         };
         for row in 0..program.row_count() {
@@ -146,7 +170,8 @@ impl Propagator {
         let costs = program.linear.iter().copied().enumerate().filter(|_| linear);
         propagator.add(costs, [f64::NEG_INFINITY, f64::INFINITY], &program.integral);
         let Propagator { rows, entries, change_log, .. } = &propagator;
-        propagator.uses = Uses::new(program.column_count(), rows, entries, change_log);
+        propagator.uses =
+            Uses::new(program.column_count(), rows, entries, &program.cones, change_log);
         propagator
     }
 
@@ -211,6 +236,7 @@ impl Propagator {
         }
         self.wake(domain);
         (0..program.row_count()).for_each(|row| self.enqueue(row));
+        (self.rows.len()..self.status.len()).for_each(|cone| self.enqueue(cone));
         self.run(program, domain)
     }
 
@@ -345,9 +371,17 @@ impl Propagator {
     ) -> Result<(), Conflict> {
         // A cap on the work: long chains of shrinking gains add nothing that a relaxation lacks.
         let objective = self.objective();
-        let mut budget = 50 * (program.row_count() + 100);
+        let mut budget = 50 * (self.status.len() + 99);
         while let Some(row) = self.queue.pop() {
             self.status[row] = Status::Idle;
+            if row > objective {
+                if budget == 0 || !self.visit_cone(program, domain, found, row)? {
+                    self.clear();
+                    break;
+                }
+                budget -= 1;
+                continue;
+            }
             let PropagatedRow { range: [start, end], limits, whole_equality } = self.rows[row];
             if budget == 0 || self.token.spend(1 + end - start) {
                 self.clear();
@@ -376,6 +410,34 @@ impl Propagator {
             }
         }
         Ok(())
+    }
+
+    /// Propagates a cone, unless the token is over.
+    #[cold]
+    fn visit_cone(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        found: &mut Vec<Tightening>,
+        number: usize,
+    ) -> Result<bool, Conflict> {
+        let index = number - self.rows.len();
+        let Some(cone) = program.cones.get(index) else { return Ok(true) };
+        if self.token.spend(1 + cone.columns.len()) {
+            return Ok(false);
+        }
+        self.change_log.visit(number);
+        let columns = BoundedColumns { integral: &program.integral, bounds: domain.all() };
+        match tighten_cone(columns, cone, self.least_gain, found) {
+            RowState::Violated => return Err(Conflict::Cone(index)),
+            RowState::Implied => {
+                self.status[number] = Status::Asleep;
+                self.asleep.push((number, domain.mark()));
+            }
+            RowState::Open => {}
+        }
+        self.apply(program, domain, found, number)?;
+        Ok(true)
     }
 
     /// Applies what was found of a row, and what follows from implications.

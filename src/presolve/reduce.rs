@@ -12,6 +12,7 @@ use super::parallel::{Patterns, ratio};
 use super::parameters::{CONTRADICTION, IMPLIED};
 use super::projection::{Projection, Projector};
 use super::reduced::{Compressed, Reduced};
+use super::reduced_cone::ReducedCone;
 use crate::program::Program;
 use crate::sum::Sum;
 use crate::tolerance;
@@ -244,6 +245,10 @@ impl Reducer {
         self.substitute_objective(program, reduced);
         self.collect_rows(program, reduced)?;
         reduced.values.clone_from(&self.lower);
+        let cones = program.cones.iter();
+        let cones = cones.map(|cone| ReducedCone::new(cone, &self.position, &self.lower));
+        fill(&mut reduced.cones, cones);
+        reduced.is_cut_off = program.cuts_cones;
         reduced.spread = program.spread;
         reduced.find_steepness(program);
         Ok(())

@@ -1,5 +1,6 @@
 //! A continuous program over the free columns of a node, in compressed form.
 
+use super::reduced_cone::ReducedCone;
 use crate::program::Program;
 
 /// A convex quadratic program `min 1/2 x'Px + q'x + offset` over rows and a box, in compressed
@@ -32,6 +33,10 @@ pub struct Reduced {
     /// By column, a lower bound on the curvature of the objective along it, for any values of the others
     /// (see `Program::steepness`); empty if none is known, or if all columns with curvature have bounds.
     pub steepness: Vec<f64>,
+    /// The cones with a free column, and those that fixed columns may miss.
+    pub cones: Vec<ReducedCone>,
+    /// Whether cones are cut off (see [`Program::cuts_cones`](crate::program::Program)).
+    pub is_cut_off: bool,
     /// As in the program; less than 1 counts as 1.
     pub spread: f64,
 }
@@ -153,6 +158,12 @@ impl Reduced {
             lower: program.lower.clone(),
             upper: program.upper.clone(),
             steepness: Vec::new(),
+            cones: {
+                let place: Vec<usize> = (0..n).collect();
+                let cones = program.cones.iter();
+                cones.map(|cone| ReducedCone::new(cone, &place, &program.lower)).collect()
+            },
+            is_cut_off: program.cuts_cones,
             spread: program.spread,
         }
     }

@@ -399,7 +399,7 @@ fn bound_of_singleton(
 }
 
 /// A candidate bound of an integral column: the next whole value, if it is tighter.
-fn whole(
+pub(super) fn whole(
     [lower, upper]: [f64; 2],
     column: usize,
     is_upper: bool,
@@ -412,7 +412,7 @@ fn whole(
 }
 
 /// A candidate bound of a continuous column, when it is worth it.
-fn worthwhile(
+pub(super) fn worthwhile(
     [lower, upper]: [f64; 2],
     column: usize,
     is_upper: bool,

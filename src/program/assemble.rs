@@ -124,6 +124,8 @@ impl Program {
             integers: (0..n).filter(|&j| integral[j]).collect(),
             integral,
             cones,
+            conic: OnceLock::new(),
+            cuts_cones: false,
             step,
             spread: 1.0,
             steepness: OnceLock::new(),

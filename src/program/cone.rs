@@ -1,5 +1,7 @@
 //! Second-order cones over the columns of a program.
 
+use super::Program;
+
 /// A second-order cone over columns of a program, each of them there once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cone {
@@ -53,6 +55,12 @@ impl Cone {
         &self.columns[self.shape.head()..]
     }
 
+    /// The cone with other numbers for its columns.
+    pub(crate) fn renumbered(&self, number: impl Fn(usize) -> usize) -> Cone {
+        let columns = self.columns.iter().map(|&j| number(j)).collect();
+        Cone { shape: self.shape, columns, role: self.role }
+    }
+
     /// By how much a point misses the cone, in the unit of the head: the distance of the head from the
     /// least one that the tail allows (of a rotated cone, in the direction in which both grow alike).
     pub fn miss(&self, x: &[f64]) -> f64 {
@@ -68,6 +76,24 @@ impl Cone {
                 let all = length(&mut tail.chain([first - second]));
                 0.5 * (all - (first + second))
             }
+        }
+    }
+}
+
+/// Which of so many columns are in cones.
+pub(crate) fn conic_columns(cones: &[Cone], columns: usize) -> Vec<bool> {
+    let mut conic = vec![false; columns];
+    cones.iter().flat_map(|cone| &cone.columns).for_each(|&j| conic[j] = true);
+    conic
+}
+
+impl Program {
+    /// Sets the columns of parts of cones to the least values that the point allows.
+    pub(crate) fn complete_parts(&self, x: &mut [f64]) {
+        for cone in self.cones.iter().filter(|cone| cone.role == ConeRole::Part) {
+            let [part, times, entry] = cone.columns[..] else { continue };
+            let square = x[entry] * x[entry];
+            x[part] = if square == 0.0 { 0.0 } else { square / x[times].max(f64::MIN_POSITIVE) };
         }
     }
 }

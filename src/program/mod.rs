@@ -12,6 +12,7 @@ mod assemble_cones;
 mod cone;
 mod steepness;
 
+pub(crate) use cone::conic_columns;
 pub use cone::{Cone, ConeRole, ConeShape};
 
 use std::sync::OnceLock;
@@ -50,8 +51,13 @@ pub struct Program {
     pub integral: Vec<bool>,
     /// The integral columns, in order.
     pub integers: Vec<usize>,
-    /// Second-order cones.
+    /// Second-order cones. [`is_in_cone`](Program::is_in_cone) remembers them: set them by `set_cones`.
     pub cones: Vec<Cone>,
+    /// Which columns are in cones; computed at the first request.
+    pub(crate) conic: OnceLock<Vec<bool>>,
+    /// Whether relaxations cut off cones, by rows that are found on the way, and do not solve them as they
+    /// are.
+    pub cuts_cones: bool,
     /// Where each column stands in time: the step of its name, for members of families.
     pub step: Vec<Option<usize>>,
     /// How far columns without bounds may be out at points within the radius of proofs, as a multiple of
@@ -79,6 +85,22 @@ impl Program {
     pub fn row(&self, row: usize) -> (&[usize], &[f64]) {
         let range = self.rows.symbolic().row_range(row);
         (&self.rows.symbolic().col_idx()[range.clone()], &self.rows.val()[range])
+    }
+
+    /// Whether a column is in a cone, so that more than its rows and its cost speak of it.
+    #[inline]
+    pub fn is_in_cone(&self, column: usize) -> bool {
+        if self.cones.is_empty() {
+            return false;
+        }
+        let conic = self.conic.get_or_init(|| conic_columns(&self.cones, self.column_count()));
+        // Columns that were appended since are in none.
+        conic.get(column).copied().unwrap_or(false)
+    }
+
+    /// Replaces the cones.
+    pub(crate) fn set_cones(&mut self, cones: Vec<Cone>) {
+        (self.cones, self.conic) = (cones, OnceLock::new());
     }
 
     /// The sum of a row's terms at a point.

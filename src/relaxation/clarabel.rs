@@ -10,7 +10,8 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult};
-use crate::presolve::Reduced;
+use crate::presolve::{ConeEntry, Reduced, ReducedCone};
+use crate::program::{ConeRole, ConeShape};
 
 /// Clarabel's interior-point method with settings measured for branch and bound.
 #[derive(Debug, Clone, Default)]
@@ -31,11 +32,34 @@ enum ConicSource {
     Lower(usize),
     UpperBound(usize),
     LowerBound(usize),
+    /// An entry of the cone `|(first - second, 2 tail)| <= first + second`, or `|tail| <= head`.
+    Cone(usize, usize),
 }
 
 impl Relaxation for ClarabelRelaxation {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let conic = ConicProgram::of(program);
+        self.solve_conic(program, effort, &[]).0
+    }
+}
+
+impl ClarabelRelaxation {
+    /// Solves a program with its cones. Also returns the multipliers of each cone, by entry (see
+    /// [`ConeCut::of_multipliers`](super::ConeCut::of_multipliers)); none for parts of other cones.
+    pub fn solve_cones(
+        &mut self,
+        program: &Reduced,
+        effort: &Effort<'_>,
+    ) -> (RelaxationResult, Vec<Vec<f64>>) {
+        self.solve_conic(program, effort, &program.cones)
+    }
+
+    fn solve_conic(
+        &mut self,
+        program: &Reduced,
+        effort: &Effort<'_>,
+        cones: &[ReducedCone],
+    ) -> (RelaxationResult, Vec<Vec<f64>>) {
+        let conic = ConicProgram::of(program, cones);
         let n = program.columns.len();
         // The library's own time limit ignores the time before its first iteration.
         let token = effort.token;
@@ -72,20 +96,29 @@ impl Relaxation for ClarabelRelaxation {
             Some(solver.solution)
         };
         match catch_unwind(AssertUnwindSafe(run)) {
-            Ok(Some(solution)) => RelaxationResult {
-                claim: match solution.status {
-                    SolverStatus::Solved => RelaxationClaim::Solved,
-                    SolverStatus::PrimalInfeasible => RelaxationClaim::Infeasible,
-                    SolverStatus::DualInfeasible => RelaxationClaim::Unbounded,
-                    SolverStatus::CallbackTerminated if !token.is_over() => RelaxationClaim::Beyond,
-                    _ => RelaxationClaim::Unknown,
-                },
-                y: conic.row_multipliers(&solution.z, program.rows.len()),
-                x: solution.x,
-                iterations: u64::from(solution.iterations),
-                warm: None,
-            },
-            _ => RelaxationResult { x: vec![0.0; n], ..RelaxationResult::nothing(program) },
+            Ok(Some(solution)) => {
+                let multipliers = conic.cone_multipliers(&solution.z, cones);
+                let result = RelaxationResult {
+                    claim: match solution.status {
+                        SolverStatus::Solved => RelaxationClaim::Solved,
+                        SolverStatus::PrimalInfeasible => RelaxationClaim::Infeasible,
+                        SolverStatus::DualInfeasible => RelaxationClaim::Unbounded,
+                        SolverStatus::CallbackTerminated if !token.is_over() => {
+                            RelaxationClaim::Beyond
+                        }
+                        _ => RelaxationClaim::Unknown,
+                    },
+                    y: conic.row_multipliers(&solution.z, program.rows.len()),
+                    x: solution.x,
+                    iterations: u64::from(solution.iterations),
+                    warm: None,
+                };
+                (result, multipliers)
+            }
+            _ => {
+                let x = vec![0.0; n];
+                (RelaxationResult { x, ..RelaxationResult::nothing(program) }, Vec::new())
+            }
         }
     }
 }
@@ -127,10 +160,12 @@ struct ConicProgram {
     sources: Vec<ConicSource>,
     /// The scale of each row of the program.
     factors: Vec<f64>,
+    /// By cone of the program, its first conic row; `None` if it is left out.
+    first: Vec<Option<usize>>,
 }
 
 impl ConicProgram {
-    fn of(program: &Reduced) -> Self {
+    fn of(program: &Reduced, cones: &[ReducedCone]) -> Self {
         let (mut sources, mut right) = (Vec::new(), Vec::new());
         let mut push = |source, limit: f64| {
             if limit.is_finite() {
@@ -154,15 +189,28 @@ impl ConicProgram {
             push(ConicSource::LowerBound(j), -lower);
         }
         let inequalities = sources.len() - equalities;
-        let mut cones = Vec::new();
+        let mut kinds = Vec::new();
         if equalities > 0 {
-            cones.push(SupportedConeT::ZeroConeT(equalities));
+            kinds.push(SupportedConeT::ZeroConeT(equalities));
         }
         if inequalities > 0 {
-            cones.push(SupportedConeT::NonnegativeConeT(inequalities));
+            kinds.push(SupportedConeT::NonnegativeConeT(inequalities));
         }
-        let matrix = conic_matrix(program, &sources, &factors);
-        ConicProgram { matrix, right, cones, sources, factors }
+        let mut first = Vec::with_capacity(cones.len());
+        for (k, cone) in cones.iter().enumerate() {
+            if cone.role == ConeRole::Part || cone.is_fixed() {
+                first.push(None);
+                continue;
+            }
+            first.push(Some(sources.len()));
+            kinds.push(SupportedConeT::SecondOrderConeT(cone.entries.len()));
+            for e in 0..cone.entries.len() {
+                sources.push(ConicSource::Cone(k, e));
+                right.push(entry_terms(cone, e).map(|(entry, a)| a * entry.value).sum());
+            }
+        }
+        let matrix = conic_matrix(program, cones, &sources, &factors);
+        ConicProgram { matrix, right, cones: kinds, sources, factors, first }
     }
 
     /// Multipliers of the program's rows from conic ones, clipped to their cone.
@@ -173,15 +221,42 @@ impl ConicProgram {
                 ConicSource::Equality(i) => y[i] = z * self.factors[i],
                 ConicSource::Upper(i) => y[i] += z.max(0.0) * self.factors[i],
                 ConicSource::Lower(i) => y[i] -= z.max(0.0) * self.factors[i],
-                ConicSource::UpperBound(_) | ConicSource::LowerBound(_) => {}
+                ConicSource::UpperBound(_) | ConicSource::LowerBound(_) | ConicSource::Cone(..) => {
+                }
             }
         }
         y
     }
+
+    /// The multipliers of each cone, by entry.
+    fn cone_multipliers(&self, z: &[f64], cones: &[ReducedCone]) -> Vec<Vec<f64>> {
+        let of = |(cone, first): (&ReducedCone, &Option<usize>)| match first {
+            Some(first) => z[*first..first + cone.entries.len()].to_vec(),
+            None => vec![0.0; cone.entries.len()],
+        };
+        cones.iter().zip(&self.first).map(of).collect()
+    }
+}
+
+/// The terms of an entry of a conic row.
+fn entry_terms(cone: &ReducedCone, entry: usize) -> impl Iterator<Item = (ConeEntry, f64)> {
+    let e = &cone.entries;
+    let terms = match (cone.shape, entry) {
+        (ConeShape::Norm, _) => [Some((e[entry], 1.0)), None],
+        (ConeShape::Rotated, 0) => [Some((e[0], 1.0)), Some((e[1], 1.0))],
+        (ConeShape::Rotated, 1) => [Some((e[0], 1.0)), Some((e[1], -1.0))],
+        (ConeShape::Rotated, _) => [Some((e[entry], 2.0)), None],
+    };
+    terms.into_iter().flatten()
 }
 
 /// The conic matrix by columns; going through the conic rows in order keeps every column sorted.
-fn conic_matrix(program: &Reduced, sources: &[ConicSource], factors: &[f64]) -> CscMatrix<f64> {
+fn conic_matrix(
+    program: &Reduced,
+    cones: &[ReducedCone],
+    sources: &[ConicSource],
+    factors: &[f64],
+) -> CscMatrix<f64> {
     let n = program.columns.len();
     let for_each_entry = |visit: &mut dyn FnMut(usize, usize, f64)| {
         for (k, source) in sources.iter().enumerate() {
@@ -196,6 +271,9 @@ fn conic_matrix(program: &Reduced, sources: &[ConicSource], factors: &[f64]) -> 
                 }
                 ConicSource::UpperBound(j) => visit(j, k, 1.0),
                 ConicSource::LowerBound(j) => visit(j, k, -1.0),
+                ConicSource::Cone(cone, entry) => entry_terms(&cones[cone], entry)
+                    .filter(|(entry, _)| !entry.is_fixed())
+                    .for_each(|(entry, a)| visit(entry.place, k, -a)),
             }
         }
     };

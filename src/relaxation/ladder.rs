@@ -10,6 +10,7 @@ use super::active_set::ActiveSet;
 use super::attempts::{MethodAttempt, Purpose, Rung, VERTEX, attempts};
 use super::borderline::{Doubt, WIDENINGS, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
+use super::cone_cut::ConeCut;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
 use super::record::Record;
@@ -109,6 +110,10 @@ pub struct Ladder {
     spent: Spent,
     prover: Prover,
     reducer: Reducer,
+    /// Solves programs with cones.
+    pub(super) conic: ClarabelRelaxation,
+    /// The cuts that the multipliers of the last program with cones are, with their multipliers.
+    pub(super) cone_cuts: Vec<(ConeCut, f64)>,
 }
 
 impl Ladder {
@@ -145,7 +150,8 @@ impl Ladder {
         fallback: Option<LadderMethod>,
     ) -> Self {
         let (records, spent, prover, reducer) = Default::default();
-        Ladder { warm, cold, fallback, records, spent, prover, reducer }
+        let (conic, cone_cuts) = Default::default();
+        Ladder { warm, cold, fallback, records, spent, prover, reducer, conic, cone_cuts }
     }
 
     /// Proves bounds, in the memory that the ladder has for that.
@@ -173,6 +179,17 @@ impl Ladder {
     /// The attempts, iterations and time taken since this was last called.
     pub fn take_spent(&mut self) -> Spent {
         std::mem::take(&mut self.spent)
+    }
+
+    /// Takes the cuts that the multipliers of the last program with cones are.
+    pub(crate) fn take_cone_cuts(&mut self) -> Vec<ConeCut> {
+        self.cone_cuts.drain(..).map(|(cut, _)| cut).collect()
+    }
+
+    pub(super) fn note_conic(&mut self, iterations: u64, time: Duration) {
+        self.spent.time += time;
+        self.spent.counts.clarabel += 1;
+        self.spent.iterations += iterations;
     }
 
     /// The attempts of a purpose at a program. A method that is alone makes the more thorough attempts
@@ -272,11 +289,17 @@ impl Ladder {
 
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
     /// result is not good enough.
+    ///
+    /// A program with cones that are not cut off gets the rows that the multipliers of its cones are.
     pub fn solve(
         &mut self,
-        program: &Reduced,
+        program: &mut Reduced,
         question: &RelaxationQuestion<'_>,
     ) -> RelaxationVerdict {
+        if program.is_conic() {
+            return self.solve_conic(program, question);
+        }
+        let program = &*program;
         let (verdict, doubt) = self.solve_as_is(program, question);
         let better = match &verdict {
             RelaxationVerdict::Relaxed { bound, x, .. } if question.purpose != Purpose::Trial => {

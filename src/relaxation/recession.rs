@@ -1,6 +1,6 @@
 //! Recession directions: proof that a program has no finite optimum.
 
-use crate::presolve::{Compressed, Reduced};
+use crate::presolve::{Compressed, ConeEntry, FIXED, Reduced, ReducedCone};
 use crate::tolerance;
 
 /// The largest violation of a row by a ray, relative to the row's largest term along it (no unit).
@@ -33,6 +33,8 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
         lower: program.lower.iter().map(side).collect(),
         upper: program.upper.iter().map(side).collect(),
         steepness: Vec::new(),
+        cones: Vec::new(),
+        is_cut_off: false,
         spread: program.spread,
     };
     if directions.lower.iter().chain(&directions.upper).all(|&bound| bound == 0.0) {
@@ -118,5 +120,11 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
         (change <= slack || program.row_upper[i].is_infinite())
             && (change >= -slack || program.row_lower[i].is_infinite())
     });
-    flat && rows
+    let inside = |cone: &ReducedCone| {
+        let at = |entry: &ConeEntry| if entry.is_fixed() { 0.0 } else { d[entry.place] };
+        let mut along = cone.clone();
+        along.entries.iter_mut().for_each(|entry| (entry.value, entry.place) = (at(entry), FIXED));
+        along.miss(&[]) <= RAY_TOLERANCE && along.head().iter().all(|e| e.value >= -RAY_TOLERANCE)
+    };
+    flat && rows && program.cones.iter().all(inside)
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::clock::{Activity, ActivityClock};
+use super::cone_pool::ConePool;
 use super::focus_node::FocusNode;
 use super::root::Root;
 use super::task::SolveTask;
@@ -22,6 +23,7 @@ pub(super) struct Context<'a> {
     pub(super) node: FocusNode,
     pub(super) propagator: Propagator,
     pub(super) ladder: Ladder,
+    pub(super) cone_pool: ConePool,
     pub(super) clock: ActivityClock,
     /// This worker's own clone, which counts its work.
     pub(super) token: StopToken,
@@ -38,6 +40,7 @@ impl<'a> Context<'a> {
             node: FocusNode::root(&root.domain),
             propagator: root.propagator.clone(),
             ladder: task.ladders.take(),
+            cone_pool: ConePool::default(),
             clock: ActivityClock::new(),
             token: task.token.clone(),
             iterations: 0,

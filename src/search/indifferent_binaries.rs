@@ -56,7 +56,7 @@ pub fn groups(program: &Program) -> Vec<BinaryGroup> {
     (0..program.row_count()).filter_map(group).collect()
 }
 
-/// The binaries without a cost that are in no group.
+/// The binaries without a cost that are in no group and in no cone.
 pub fn lone_binaries(program: &Program, groups: &[BinaryGroup]) -> Vec<usize> {
     let mut lone: Vec<bool> =
         (0..program.column_count()).map(|j| is_binary(program, j) && is_free(program, j)).collect();
@@ -68,9 +68,9 @@ fn is_binary(program: &Program, j: usize) -> bool {
     program.integral[j] && program.lower[j] >= 0.0 && program.upper[j] <= 1.0
 }
 
-/// Whether a column has no cost.
+/// Whether a column has no cost and is in no cone, so that only its rows speak of it.
 fn is_free(program: &Program, j: usize) -> bool {
-    program.linear[j] == 0.0 && program.quadratic_column(j).0.is_empty()
+    program.linear[j] == 0.0 && program.quadratic_column(j).0.is_empty() && !program.is_in_cone(j)
 }
 
 /// Gives binaries of groups whole values where the rows allow it at the rest of the point.

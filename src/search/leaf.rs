@@ -7,7 +7,8 @@ use super::context::Context;
 use super::local_bounds::propagate_since;
 use super::node_relaxation::relax;
 use crate::presolve::Reduced;
-use crate::relaxation::{Purpose, RelaxationVerdict, polish, polish_leaf};
+use crate::program::Program;
+use crate::relaxation::{Purpose, RelaxationVerdict, polish, polish_cones, polish_leaf};
 use crate::tolerance;
 
 /// Fixes all integers to the rounded values of `point`, solves the rest and offers the result.
@@ -35,10 +36,10 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
         return false;
     }
     let program = ctx.task().exact.unwrap_or(ctx.program());
-    let Some(reduced) = ctx.ladder.reduce_leaf(program, &ctx.node.domain) else {
+    let Some(mut reduced) = ctx.ladder.reduce_leaf(program, &ctx.node.domain) else {
         return false;
     };
-    let verdict = relax(ctx, &reduced, Purpose::Node);
+    let verdict = relax(ctx, &mut reduced, Purpose::Node);
     let found = match &verdict {
         RelaxationVerdict::Relaxed { x, y, .. } => offer_leaf(ctx, &reduced, x, y),
         _ => false,
@@ -99,6 +100,7 @@ fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f
 fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
     let mut polished = x.to_vec();
     polish(reduced, &mut polished, &ctx.token);
+    polish_cones(reduced, &mut polished, &ctx.token);
     // For columns without bounds and curvature, bounds are proved inside a radius only; a point outside
     // must not be measured by them.
     let open = |j: usize| {
@@ -115,17 +117,24 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
         for &j in &ctx.program().integers {
             point[j] = point[j].round();
         }
+        exact_program(ctx).complete_parts(&mut point);
         if offer_accepted(ctx, &point) {
             return true;
         }
         // Columns that the reduction has fixed inside narrow bounds may have to move.
-        let program = ctx.task().exact.unwrap_or(ctx.program());
+        let program = exact_program(ctx);
         polish_leaf(program, &mut point, &ctx.token);
+        program.complete_parts(&mut point);
         if offer_accepted(ctx, &point) {
             return true;
         }
     }
     false
+}
+
+/// The program before it was strengthened.
+fn exact_program<'a>(ctx: &Context<'a>) -> &'a Program {
+    ctx.task().exact.unwrap_or(ctx.program())
 }
 
 fn offer_accepted(ctx: &Context<'_>, point: &[f64]) -> bool {

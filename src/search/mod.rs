@@ -22,6 +22,7 @@
 //! * `root_point` - the relaxed point of the root, for the rest of these and the first node
 //! * `root` - propagation and probing before the first split
 //! * `perspective` - tighter costs of columns that binaries switch off
+//! * `outer_approximation`, `cone_pool` - cuts of cones, at the root and at nodes
 //! * `cuts` - rows that cut off the relaxed point of the root
 //!
 //! The focus node:
@@ -55,6 +56,7 @@ mod children;
 mod clock;
 mod close_node;
 mod comparison;
+mod cone_pool;
 mod context;
 pub(crate) mod cuts;
 mod driver;
@@ -67,6 +69,7 @@ mod local_bounds;
 mod node;
 mod node_probing;
 mod node_relaxation;
+mod outer_approximation;
 mod parallel;
 mod perspective;
 mod proofs;
@@ -90,6 +93,7 @@ pub(crate) use driver::{complete, first_point};
 pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
 pub use found::SearchResult;
+pub(crate) use outer_approximation::approximate_cones;
 pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};

@@ -3,10 +3,17 @@
 use std::sync::Arc;
 
 use super::clock::Activity;
+use super::cone_pool::separate_cones;
 use super::context::Context;
 use super::proofs::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
-use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict};
+use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
+
+/// Most rounds of cuts of cones at a node; most of them in a row that may be idle, and the least lift of the
+/// bound by one that is not, as a share of the gap to the cutoff.
+const MOST_CONE_ROUNDS: usize = 20;
+const MOST_IDLE_CONE_ROUNDS: usize = 2;
+const CONE_LIFT: f64 = 0.02;
 
 /// The program to relax at the node of the domain; `None` if the node is refuted.
 pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
@@ -46,10 +53,35 @@ pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
 /// * `purpose`: the root, a node below or a trial; a node whose integers are all fixed is a leaf.
 pub(super) fn relax(
     ctx: &mut Context<'_>,
-    reduced: &Reduced,
+    reduced: &mut Reduced,
     purpose: Purpose,
 ) -> RelaxationVerdict {
     let activity = ctx.clock.switch(Activity::Proof);
+    let cuts_cones = reduced.is_cut_off && !reduced.cones.is_empty();
+    let verdict = match cuts_cones {
+        true => relax_in_rounds(ctx, reduced, purpose),
+        false => {
+            let warm = ctx.node.warm.take();
+            let verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
+            ctx.node.warm = warm;
+            for cut in ctx.ladder.take_cone_cuts() {
+                ctx.cone_pool.keep(cut);
+            }
+            verdict
+        }
+    };
+    ctx.book_relaxations();
+    ctx.clock.switch(activity);
+    verdict
+}
+
+/// Solves a reduced program as it is.
+fn relax_once(
+    ctx: &mut Context<'_>,
+    reduced: &mut Reduced,
+    purpose: Purpose,
+    warm: Option<&WarmState>,
+) -> RelaxationVerdict {
     let is_leaf = purpose != Purpose::Trial && ctx.is_leaf();
     let question = RelaxationQuestion {
         purpose: if is_leaf { Purpose::Leaf } else { purpose },
@@ -58,21 +90,60 @@ pub(super) fn relax(
         constant: ctx.program().constant,
         look_for_descent: purpose == Purpose::Root,
         token: &ctx.token,
-        warm: ctx.node.warm.as_ref(),
+        warm,
     };
-    let verdict = ctx.ladder.solve(reduced, &question);
-    ctx.book_relaxations();
-    ctx.clock.switch(activity);
+    ctx.ladder.solve(reduced, &question)
+}
+
+/// Solves a reduced program with cuts in place of its cones, and cuts off its points while that lifts the
+/// bound.
+fn relax_in_rounds(
+    ctx: &mut Context<'_>,
+    reduced: &mut Reduced,
+    purpose: Purpose,
+) -> RelaxationVerdict {
+    let (place, rows) = (reduced.places(), ctx.program().row_count());
+    ctx.cone_pool.append_to(reduced, &place, rows);
+    let mut warm = ctx.node.warm.clone();
+    let mut verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
+    let mut idle = 0;
+    let most = if purpose == Purpose::Trial { 0 } else { MOST_CONE_ROUNDS };
+    for _ in 0..most {
+        let RelaxationVerdict::Relaxed { bound, x, warm: state, .. } = &verdict else { break };
+        let (before, cutoff) = (*bound, ctx.tree.cutoff());
+        if before >= cutoff || ctx.token.is_over() {
+            break;
+        }
+        let cuts = separate_cones(reduced, x);
+        if cuts.is_empty() {
+            break;
+        }
+        warm = state.clone().or(warm);
+        for cut in cuts {
+            ctx.cone_pool.add(cut, reduced, &place, rows);
+        }
+        let next = relax_once(ctx, reduced, purpose, warm.as_ref());
+        ctx.ladder.reuse(std::mem::replace(&mut verdict, next));
+        let RelaxationVerdict::Relaxed { bound, .. } = &verdict else { break };
+        let room = if cutoff.is_finite() { cutoff - before } else { before.abs().max(1.0) };
+        idle = if bound - before > CONE_LIFT * room { 0 } else { idle + 1 };
+        if idle >= MOST_IDLE_CONE_ROUNDS {
+            break;
+        }
+    }
+    if let RelaxationVerdict::Relaxed { y, .. } = &verdict {
+        ctx.cone_pool.note(reduced, y, rows);
+    }
     verdict
 }
 
 /// As [`relax`], with multipliers for a later solve, if they are kept.
 pub(super) fn relax_and_keep(
     ctx: &mut Context<'_>,
-    projection: &Projection,
+    projection: &mut Projection,
     purpose: Purpose,
 ) -> (RelaxationVerdict, Option<Arc<ProofMultipliers>>) {
-    let verdict = relax(ctx, &projection.reduced, purpose);
+    let verdict = relax(ctx, &mut projection.reduced, purpose);
     let (x, y) = match &verdict {
         RelaxationVerdict::Refuted(y) => (None, y),
         RelaxationVerdict::Relaxed { x, y, .. } => (Some(x), y),
@@ -101,7 +172,8 @@ pub(super) struct ExactRelaxation {
 /// further and further would not lift its bound.
 pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<ExactRelaxation> {
     let exact = ctx.task().exact?;
-    if std::ptr::eq(exact, ctx.program()) || exact.quadratic.compute_nnz() == 0 {
+    let is_linear = exact.quadratic.compute_nnz() == 0 && exact.cones.is_empty();
+    if std::ptr::eq(exact, ctx.program()) || is_linear {
         return None;
     }
     let activity = ctx.clock.switch(Activity::Reduction);
@@ -111,8 +183,8 @@ pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<ExactRelaxation> {
     let refuted = ExactRelaxation { bound: ctx.tree.strengthen(ctx.node.cutoff), point: None };
     let Some(reduced) = reduced else { return Some(refuted) };
     let warm = ctx.node.warm.take();
-    let projection = project_reduced(ctx, reduced);
-    let verdict = relax(ctx, &projection.reduced, Purpose::Node);
+    let mut projection = project_reduced(ctx, reduced);
+    let verdict = relax(ctx, &mut projection.reduced, Purpose::Node);
     ctx.node.warm = warm;
     let found = match &verdict {
         RelaxationVerdict::Refuted(_) => Some(refuted),

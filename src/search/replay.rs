@@ -328,8 +328,8 @@ impl Replay {
     /// Whether the relaxation of the domain closes an end; keeps its multipliers if it does.
     fn relax(&mut self, ctx: &mut Context<'_>, end: End) -> bool {
         let Some(reduced) = reduce_node(ctx) else { return true };
-        let projection = project_reduced(ctx, reduced);
-        let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
+        let mut projection = project_reduced(ctx, reduced);
+        let (verdict, multipliers) = relax_and_keep(ctx, &mut projection, Purpose::Trial);
         ctx.ladder.reducer().reuse_projection(projection);
         let closes = match verdict {
             RelaxationVerdict::Refuted(_) => true,

@@ -55,8 +55,8 @@ impl RootPoint {
     ) -> Option<RootPoint> {
         let mut reduced = ladder.reducer().reduce(program, domain)?;
         tighten_coefficients(&mut reduced, &program.integral);
-        let projection = ladder.reducer().project(reduced, &program.integral);
-        let reduced = &projection.reduced;
+        let mut projection = ladder.reducer().project(reduced, &program.integral);
+        let is_empty = projection.reduced.columns.is_empty();
         let question = RelaxationQuestion {
             purpose: Purpose::Separation,
             cutoff: f64::INFINITY,
@@ -66,7 +66,8 @@ impl RootPoint {
             token,
             warm,
         };
-        let verdict = (!reduced.columns.is_empty()).then(|| ladder.solve(reduced, &question));
+        let verdict = (!is_empty).then(|| ladder.solve(&mut projection.reduced, &question));
+        let reduced = &projection.reduced;
         let point = match verdict {
             Some(RelaxationVerdict::Relaxed { bound, x, converged: true, warm, .. }) => {
                 let (value, x) = (reduced.objective(&x), projection.lift(&x));

@@ -216,9 +216,9 @@ fn relax_node(
         close_refuted(ctx, &node.path);
         return None;
     };
-    let projection = project_reduced(ctx, reduced);
+    let mut projection = project_reduced(ctx, reduced);
     let purpose = if node.path.is_empty() { Purpose::Root } else { Purpose::Node };
-    let (mut verdict, multipliers) = relax_and_keep(ctx, &projection, purpose);
+    let (mut verdict, multipliers) = relax_and_keep(ctx, &mut projection, purpose);
     ctx.node.multipliers = multipliers.or(ctx.node.multipliers.take());
     if node.id == 0 {
         keep_proof(ctx);

@@ -5,6 +5,7 @@ mod common;
 
 mod active_set;
 mod congruence;
+mod conic_propagation;
 mod decimal;
 mod exponential;
 mod extended;

@@ -57,7 +57,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
 fn one_of(work: &Work, row: usize) -> Option<(Vec<usize>, f64)> {
     let entries = &work.rows[row];
     let &(_, first) = entries.first()?;
-    let alike = entries.iter().all(|&(j, a)| a == first && work.lower[j] == 0.0 && !work.given[j]);
+    let alike =
+        entries.iter().all(|&(j, a)| a == first && work.lower[j] == 0.0 && !work.is_held(j));
     let one = work.is_equality(row) && work.row_lower[row] == first;
     let fits = alike && one && (2..=MAX_CODED_COLUMNS).contains(&entries.len());
     fits.then(|| (entries.iter().map(|e| e.0).collect(), first))
@@ -101,7 +102,7 @@ fn code_row(work: &Work, row: usize, is_one: &dyn Fn(usize) -> bool) -> Option<(
     let (&(column, b), None) = (rest.next()?, rest.next()) else { return None };
     let &(_, a) = entries.iter().find(|e| is_one(e.0))?;
     let alike = entries.iter().all(|&(j, v)| j == column || v == a);
-    let free = work.linear[column] == 0.0 && work.is_straight(column);
+    let free = work.linear[column] == 0.0 && work.is_straight(column) && !work.is_held(column);
     let binary = work.integral[column] && work.lower[column] == 0.0 && work.upper[column] == 1.0;
     let (limit, other) = if a > 0.0 {
         (work.row_upper[row], work.row_lower[row])

@@ -1,4 +1,4 @@
-//! Independent blocks: parts of a program that no row and no product links.
+//! Independent blocks: parts of a program that no row, no product and no cone links.
 //!
 //! Examples are two vehicles without a common row, or decoupled axes. The tree of the whole is the
 //! product of the trees of its blocks; searching them one after the other makes it their sum.
@@ -40,6 +40,9 @@ pub fn blocks(program: &Program) -> Vec<ProgramBlock> {
     for j in 0..n {
         program.quadratic_column(j).0.iter().for_each(|&i| parts.join(i, j));
     }
+    for cone in &program.cones {
+        cone.columns.windows(2).for_each(|pair| parts.join(pair[0], pair[1]));
+    }
     // Parts without integers are joined with the first of them.
     let mut has_integers = vec![false; n];
     program.integers.iter().for_each(|&j| has_integers[parts.root(j)] = true);
@@ -68,12 +71,16 @@ pub fn blocks(program: &Program) -> Vec<ProgramBlock> {
     for row in 0..program.row_count() {
         rows[program.row(row).0.first().map_or(0, |&j| block_of[j])].push(row);
     }
+    let mut cones = vec![Vec::new(); columns.len()];
+    for (k, cone) in program.cones.iter().enumerate() {
+        cones[cone.columns.first().map_or(0, |&j| block_of[j])].push(k);
+    }
     let mut position = vec![0; n];
     columns.iter().for_each(|c| c.iter().enumerate().for_each(|(k, &j)| position[j] = k));
-    let parts = columns.into_iter().zip(rows);
+    let parts = columns.into_iter().zip(rows).zip(cones);
     let mut blocks: Vec<ProgramBlock> = Vec::new();
-    for (columns, rows) in parts {
-        match extract(program, columns, &rows, &position) {
+    for ((columns, rows), cones) in parts {
+        match extract(program, columns, [&rows, &cones], &position) {
             Some(block) => blocks.push(block),
             None => return Vec::new(),
         }
@@ -86,12 +93,12 @@ fn pick_widened(from: &[f64], which: &[usize]) -> Vec<f64> {
     which.iter().filter_map(|&k| from.get(k).copied()).collect()
 }
 
-/// The part of a program over some columns and all of their rows; `position` tells where a column
+/// The part of a program over some columns and all of their rows and cones; `position` tells where a column
 /// is in its block. `None` if the matrices cannot be allocated.
 fn extract(
     program: &Program,
     columns: Vec<usize>,
-    rows: &[usize],
+    [rows, cones]: [&[usize]; 2],
     position: &[usize],
 ) -> Option<ProgramBlock> {
     let (m, n) = (rows.len(), columns.len());
@@ -105,6 +112,7 @@ fn extract(
         products.extend(inside.iter().zip(values).map(|(&i, &p)| Triplet::new(position[i], k, p)));
     }
     let pick = |from: &[f64], which: &[usize]| which.iter().map(|&k| from[k]).collect();
+    let cones = cones.iter().map(|&k| program.cones[k].renumbered(|j| position[j])).collect();
     let integral: Vec<bool> = columns.iter().map(|&j| program.integral[j]).collect();
     let program = Program {
         quadratic: SparseColMat::try_new_from_triplets(n, n, &products).ok()?,
@@ -120,7 +128,9 @@ fn extract(
         upper: pick(&program.upper, &columns),
         integers: (0..n).filter(|&k| integral[k]).collect(),
         integral,
-        cones: Vec::new(),
+        cones,
+        conic: OnceLock::new(),
+        cuts_cones: program.cuts_cones,
         step: columns.iter().map(|&j| program.step[j]).collect(),
         spread: program.spread,
         steepness: OnceLock::new(),

@@ -9,6 +9,9 @@
 //! If the objective is unbounded, there is no optimum, so the second step requires a lower bound of
 //! the objective that follows from costs and bounds.
 //!
+//! Columns of cones are no candidates. Signs are enough for others, because a column that moves alone
+//! changes no cone; but a program with cones may have an optimum without multipliers, so it ends there.
+//!
 //! For an integral column the argument is the same: the optimal value as a function of the column
 //! is convex, and its slopes are the reduced costs.
 
@@ -36,7 +39,8 @@ pub(super) fn apply(work: &mut Work) -> usize {
             changes += 1;
         }
     }
-    if changes > 0 || !is_bounded(work) {
+    // Programs with cones may have no multipliers.
+    if changes > 0 || !work.cones.is_empty() || !is_bounded(work) {
         return changes;
     }
     let multipliers = multipliers(work);
@@ -77,7 +81,7 @@ fn decided(
     multiplier: impl Fn(usize) -> [f64; 2] + Copy,
     margin: f64,
 ) -> Option<f64> {
-    if work.given[column] || !work.is_straight(column) {
+    if work.is_held(column) || !work.is_straight(column) {
         return None;
     }
     let [least, most] = reduced_cost(work, column, multiplier, None);

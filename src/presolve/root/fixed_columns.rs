@@ -1,4 +1,4 @@
-//! Fixed columns are substituted in rows and objective.
+//! Fixed columns are substituted in rows and objective. Those of cones stay as columns.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{OldColumn, Work};
@@ -14,11 +14,18 @@ pub(super) fn apply(work: &mut Work) -> usize {
         .live_columns()
         .into_iter()
         .filter(|&j| work.lower[j] == work.upper[j] && !work.given[j])
+        .filter(|&j| !work.conic[j] || has_entries(work, j))
         .collect();
     work.each_column(fixed, |work, column| {
         fix(work, column, work.lower[column]);
         1
     })
+}
+
+/// Whether a column is in a row or in the objective.
+fn has_entries(work: &Work, column: usize) -> bool {
+    let in_rows = !work.uses[column].is_empty();
+    in_rows || work.linear[column] != 0.0 || !work.is_straight(column)
 }
 
 pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
@@ -37,6 +44,7 @@ pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
         }
     }
     work.drop_column(column);
+    work.column_alive[column] = work.conic[column];
     work.push(FixedColumn { old, value });
 }
 

@@ -10,7 +10,7 @@ use crate::presolve::coefficients::is_whole;
 use crate::presolve::parameters::IMPLIED;
 
 pub(super) fn apply(work: &mut Work, column: usize) -> usize {
-    if work.given[column] || !work.is_straight(column) {
+    if work.is_held(column) || !work.is_straight(column) {
         return 0;
     }
     let cost = work.linear[column];

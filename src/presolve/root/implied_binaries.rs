@@ -21,7 +21,7 @@ fn make_whole(work: &mut Work, column: usize) -> usize {
     let open = work.lower[column] == 0.0
         && work.upper[column] >= 1.0
         && !work.integral[column]
-        && !work.given[column]
+        && !work.is_held(column)
         && work.is_straight(column);
     let is_binary = || work.upper[column] == 1.0 || is_at_most_one(work, column);
     if !open || work.uses[column].is_empty() || !is_binary() {

@@ -43,7 +43,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
         let count =
             |j: usize| [work.lower[j], work.upper[j]].into_iter().filter(|b| b.is_finite()).count();
         let open: Vec<bool> = (0..work.uses.len())
-            .map(|j| work.column_alive[j] && !work.given[j] && count(j) <= most)
+            .map(|j| work.column_alive[j] && !work.is_held(j) && count(j) <= most)
             .collect();
         if !open.contains(&true) || work.is_late(0) {
             continue;

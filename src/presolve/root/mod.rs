@@ -2,6 +2,23 @@
 //!
 //! Each [`PresolveRule`] has its own file. They are applied in turn until none finds anything; then `blocks`
 //! finds independent parts.
+//!
+//! # Cones
+//!
+//! A column of a second-order cone keeps its place (`Work::is_held`), and the cones are carried over. Rules
+//! are right with cones for one of three reasons:
+//!
+//! * They conclude from rows and bounds what holds at every point, so further conditions change nothing:
+//!   singleton rows, redundant rows, parallel rows, coefficients. A row that forces columns stays if one of
+//!   them is in a cone: a cone may turn a rounding of its head into a large change of its tail.
+//! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves rows and
+//!   objective, and stays), binary codes, doubletons, lineality, slack columns, implied free columns,
+//!   parallel columns. The columns that go or move are in no cone, so that the cones do not change.
+//! * They move a column while all others stay, at no cost, until something stops it: implied binaries, held
+//!   columns, dominated columns. Columns of cones are not moved, and cones do not stop others. What needs
+//!   multipliers is left out (see `dominated_columns`).
+//!
+//! Multipliers of programs with cones are not restored.
 
 mod binary_codes;
 mod blocks;

@@ -23,7 +23,7 @@ struct ParallelColumn {
 pub(super) fn apply(work: &mut Work) -> usize {
     let mut seen = Patterns::new(work.uses.len());
     work.each_column(work.live_columns(), |work, column| {
-        if work.given[column] || !work.is_straight(column) || work.uses[column].is_empty() {
+        if work.is_held(column) || !work.is_straight(column) || work.uses[column].is_empty() {
             return 0;
         }
         let bucket = seen.bucket(work.uses[column].iter().copied());

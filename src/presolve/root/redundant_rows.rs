@@ -44,7 +44,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         let width = work.upper[j] - work.lower[j];
         // Forcing a column moves it by a part of its unit at most, however wide it is.
         let moves = a.abs() * width.min(1.0) >= MIN_FORCED_CHANGE * margin.max(noise);
-        !work.given[j] && (width == 0.0 || moves)
+        !work.is_held(j) && (width == 0.0 || moves)
     };
     if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
         let room = if by_lower { range.most - lower } else { upper - range.least };

@@ -22,7 +22,7 @@ struct RowSlack {
 
 pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     let [row] = work.uses[column][..] else { return 0 };
-    if work.given[column]
+    if work.is_held(column)
         || work.integral[column]
         || !work.is_straight(column)
         || work.rows[row].len() < 2

@@ -46,7 +46,7 @@ pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
     let pivot = work.coefficient(row, column).abs();
     let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= MAX_PIVOT_RATIO * pivot);
     let constant = work.row_lower[row] / pivot;
-    !work.given[column]
+    !work.is_held(column)
         && in_row
         && f64::EPSILON * constant.abs() <= MAX_CONSTANT_ROUNDING
         && work.column(column).all(|(_, a)| a.abs() <= MAX_PIVOT_RATIO * pivot)

@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind};
 use crate::presolve::coefficients::is_exact;
 use crate::presolve::parameters::{CONTRADICTION, LARGEST_WHOLE};
 use crate::presolve::tightening::finite_size;
-use crate::program::Program;
+use crate::program::{Cone, Program, conic_columns};
 use crate::solver::StopToken;
 use crate::tolerance;
 
@@ -58,6 +58,11 @@ pub(super) struct Work {
     /// Columns whose value comes from outside: they keep their bounds, and no rule may choose their
     /// value, put them in terms of others, or use that they could move.
     pub(super) given: Vec<bool>,
+    /// Second-order cones. Their columns stay, and no rule may choose their value, put them in terms of
+    /// others, or use that they could move. Their bounds may become tighter.
+    pub(super) cones: Vec<Cone>,
+    /// Which columns are in cones.
+    pub(super) conic: Vec<bool>,
     pub(super) linear: Vec<f64>,
     /// `P`, both triangles.
     pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
@@ -136,6 +141,8 @@ impl Work {
             column_alive: vec![true; n],
             integral: program.integral.clone(),
             given: vec![false; n],
+            cones: program.cones.clone(),
+            conic: conic_columns(&program.cones, n),
             linear: program.linear.clone(),
             quadratic: (0..n).map(|j| pairs(program.quadratic_column(j)).collect()).collect(),
             offset: program.offset,
@@ -197,6 +204,11 @@ impl Work {
 
     pub(super) fn is_equality(&self, row: usize) -> bool {
         self.row_lower[row] == self.row_upper[row]
+    }
+
+    /// Whether more than its rows and its cost speak of a column: it comes from outside, or a cone has it.
+    pub(super) fn is_held(&self, column: usize) -> bool {
+        self.given[column] || self.conic[column]
     }
 
     /// Whether a column has no part in the curvature of the objective.
@@ -453,7 +465,9 @@ impl Work {
             upper: pick(&self.upper, &columns),
             integers: (0..n).filter(|&k| integral[k]).collect(),
             integral,
-            cones: Vec::new(),
+            cones: self.cones.iter().map(|cone| cone.renumbered(|j| position[j])).collect(),
+            conic: OnceLock::new(),
+            cuts_cones: false,
             step: columns.iter().map(|&j| self.step[j]).collect(),
             spread: open.map(|j| self.spread[j]).fold(1.0, f64::max),
             steepness: OnceLock::new(),

@@ -50,7 +50,10 @@ impl DualSimplex {
     /// Whether the method suits a program. An objective with few terms leaves a large face of optima. An
     /// interior-point method ends in its middle, which is a better point for branching than a vertex.
     pub fn suits(program: &Reduced) -> bool {
-        program.quadratic.index.is_empty() && DualSimplex::suits_costs(&program.linear)
+        // Each round of cuts of cones begins with the basis of the last one.
+        let is_cut_off = program.is_cut_off && !program.cones.is_empty();
+        program.quadratic.index.is_empty()
+            && (is_cut_off || DualSimplex::suits_costs(&program.linear))
     }
 
     /// As [`suits`](Self::suits), by the costs alone.

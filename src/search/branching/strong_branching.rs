@@ -51,8 +51,8 @@ pub(super) fn try_child(
         close_side(ctx, decision, f64::INFINITY);
         return None;
     };
-    let projection = project_reduced(ctx, reduced);
-    let (mut verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
+    let mut projection = project_reduced(ctx, reduced);
+    let (mut verdict, multipliers) = relax_and_keep(ctx, &mut projection, Purpose::Trial);
     let mut point = Vec::new();
     if let RelaxationVerdict::Relaxed { x, converged: true, .. } = &verdict {
         point = projection.lift(x);

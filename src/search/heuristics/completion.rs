@@ -77,8 +77,8 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
             solve_assignment(ctx, mark);
             return;
         }
-        let Some(projection) = project_node(ctx) else { return };
-        let verdict = relax(ctx, &projection.reduced, Purpose::Node);
+        let Some(mut projection) = project_node(ctx) else { return };
+        let verdict = relax(ctx, &mut projection.reduced, Purpose::Node);
         let point = match &verdict {
             RelaxationVerdict::Relaxed { x, .. } => Some(projection.lift(x)),
             _ => None,

@@ -145,8 +145,8 @@ fn exclude(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
 /// The relaxed point of the domain that the dive has reached; `None` if that domain has no better
 /// point.
 fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
-    let projection = project_node(ctx)?;
-    let verdict = relax(ctx, &projection.reduced, Purpose::Trial);
+    let mut projection = project_node(ctx)?;
+    let verdict = relax(ctx, &mut projection.reduced, Purpose::Trial);
     let point = match &verdict {
         RelaxationVerdict::Relaxed { bound, x, .. }
             if ctx.tree.strengthen(*bound) < ctx.tree.cutoff() =>

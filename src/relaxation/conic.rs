@@ -1,0 +1,126 @@
+//! Relaxations of programs with cones as they are: the conic multipliers become cuts, so that the bound is
+//! proved like any other.
+//!
+//! Multipliers `z` of a cone lie in the cone, and `z.s >= 0` for all `s` of the cone: a row that holds in
+//! it (see [`ConeCut`]). The rows of all cones, each with its multiplier, and the multipliers of the other
+//! rows prove the bound of the conic program.
+
+use super::cone_cut::ConeCut;
+use super::ladder::Ladder;
+use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
+use super::{Effort, Purpose, RelaxationClaim};
+use crate::presolve::{FIXED, Reduced};
+use crate::tolerance;
+use web_time::Instant;
+
+/// Iterations, tolerance and steps of refinement of an attempt.
+type ConicAttempt = (u32, f64, u32);
+
+/// The attempts of a purpose, in their order.
+const fn conic_attempts(purpose: Purpose) -> &'static [ConicAttempt] {
+    match purpose {
+        Purpose::Trial => &[(60, 1e-6, 1)],
+        Purpose::Leaf => &[(100, 1e-9, 4), (300, 1e-11, 10), (300, 1e-7, 10)],
+        _ => &[(100, 1e-8, 2), (300, 1e-9, 10)],
+    }
+}
+
+/// The best result so far.
+struct Best {
+    bound: f64,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    converged: bool,
+    cuts: Vec<(ConeCut, f64)>,
+}
+
+impl Ladder {
+    /// Solves a program with its cones, and verifies the bound. The program gets the rows that the
+    /// multipliers of its cones are; their names are no rows of the program behind it.
+    pub(super) fn solve_conic(
+        &mut self,
+        program: &mut Reduced,
+        question: &RelaxationQuestion<'_>,
+    ) -> RelaxationVerdict {
+        self.cone_cuts.clear();
+        if let Some(verdict) = without_columns(program) {
+            return verdict;
+        }
+        let rows = program.rows.len();
+        let place = program.places();
+        let mut best: Option<Best> = None;
+        for &(iterations, tolerance, refinements) in conic_attempts(question.purpose) {
+            program.truncate_rows(rows);
+            let effort = Effort {
+                iterations,
+                tolerance,
+                refinements,
+                cutoff: question.cutoff,
+                token: question.token,
+                warm: None,
+            };
+            let began = Instant::now();
+            let (mut result, multipliers) = self.conic.solve_cones(program, &effort);
+            self.note_conic(result.iterations, began.elapsed());
+            if result.claim == RelaxationClaim::Unknown && question.token.is_over() {
+                return RelaxationVerdict::Stopped;
+            }
+            let cuts: Vec<(ConeCut, f64)> = program
+                .cones
+                .iter()
+                .zip(&multipliers)
+                .filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z))
+                .collect();
+            for (cut, multiplier) in &cuts {
+                program.append_row(&cut.terms, &place, FIXED);
+                result.y.push(*multiplier);
+            }
+            let cutoff = f64::INFINITY;
+            let own = RelaxationQuestion { cutoff, ..*question };
+            let mut findings = Findings::new(program, &own);
+            let outcome = findings.verify(result, self.prover());
+            let is_last = match outcome {
+                AttemptOutcome::Decided(verdict) => {
+                    self.cone_cuts = cuts;
+                    return verdict;
+                }
+                AttemptOutcome::Sufficient => true,
+                _ => false,
+            };
+            let Findings { bound, x, y, converged, .. } = findings;
+            let enough = is_last || bound >= question.cutoff;
+            if best.as_ref().is_none_or(|best| bound > best.bound || enough) && !x.is_empty() {
+                best = Some(Best { bound, x, y, converged, cuts });
+            }
+            if enough {
+                break;
+            }
+        }
+        program.truncate_rows(rows);
+        let Some(Best { bound, x, y, converged, cuts }) = best else {
+            let x = vec![0.0; program.columns.len()];
+            let (bound, y, converged) = (f64::NEG_INFINITY, Vec::new(), false);
+            return RelaxationVerdict::Relaxed { bound, x, y, converged, warm: None };
+        };
+        cuts.iter().for_each(|(cut, _)| program.append_row(&cut.terms, &place, FIXED));
+        self.cone_cuts = cuts;
+        RelaxationVerdict::Relaxed { bound, x, y, converged, warm: None }
+    }
+}
+
+/// The verdict on a program without free columns.
+fn without_columns(program: &Reduced) -> Option<RelaxationVerdict> {
+    if !program.columns.is_empty() {
+        return None;
+    }
+    let is_missed = program.cones.iter().any(|cone| {
+        let largest = cone.entries.iter().fold(1.0_f64, |most, entry| most.max(entry.value.abs()));
+        cone.miss(&[]) > 2.0 * tolerance::FEASIBILITY * largest
+    });
+    Some(if is_missed {
+        RelaxationVerdict::Refuted(Vec::new())
+    } else {
+        let (bound, x, y) = (program.offset, Vec::new(), Vec::new());
+        RelaxationVerdict::Relaxed { bound, x, y, converged: true, warm: None }
+    })
+}
