@@ -12,6 +12,7 @@ mod assemble_cones;
 mod cone;
 mod steepness;
 
+pub(crate) use append::Addition;
 pub(crate) use cone::conic_columns;
 pub use cone::{Cone, ConeRole, ConeShape};
 

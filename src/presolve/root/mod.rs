@@ -18,7 +18,8 @@
 //!   columns, dominated columns. Columns of cones are not moved, and cones do not stop others. What needs
 //!   multipliers is left out (see `dominated_columns`).
 //!
-//! Multipliers of programs with cones are not restored.
+//! At the end constant heads of cones become columns that binaries switch off, see
+//! [`tighten_switched_cones`]. Multipliers of programs with cones are not restored.
 
 mod binary_codes;
 mod blocks;
@@ -44,6 +45,7 @@ pub(crate) use postsolve::Postsolve;
 pub use postsolve::Presolved;
 
 use crate::error::Error;
+use crate::presolve::tighten_switched_cones;
 use crate::program::Program;
 use crate::solver::StopToken;
 use work::{Infeasible, Work};
@@ -186,7 +188,15 @@ pub(crate) fn presolve_around(
     match reduce(&mut work, rules, token) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
         Ok(()) if token.is_over() => Ok(Presolve::Stopped),
-        Ok(()) => Ok(Presolve::Presolved(Box::new(work.finish()?))),
+        Ok(()) => {
+            let mut presolved = work.finish()?;
+            // Columns and rows that this adds are not of the original.
+            if !rules.is_empty() && !presolved.program.cones.is_empty() {
+                let tighter = tighten_switched_cones(&presolved.program, token);
+                presolved.program = tighter.unwrap_or(presolved.program);
+            }
+            Ok(Presolve::Presolved(Box::new(presolved)))
+        }
     }
 }
 

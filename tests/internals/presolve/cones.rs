@@ -149,7 +149,7 @@ fn compare(program: &Program, rules: &[PresolveRule]) -> Result<(), TestCaseErro
 }
 
 proptest! {
-    #![proptest_config(config(300, REGRESSIONS))]
+    #![proptest_config(config(150, REGRESSIONS))]
 
     #[test]
     fn each_rule(case in program(false), shapes in shapes(), rule in 0..PresolveRule::ALL.len()) {
