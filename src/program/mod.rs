@@ -13,8 +13,8 @@ mod cone;
 mod steepness;
 
 pub(crate) use append::Addition;
-pub(crate) use cone::conic_columns;
 pub use cone::{Cone, ConeRole, ConeShape};
+pub(crate) use cone::{LONGEST_TAIL, conic_columns};
 
 use std::sync::OnceLock;
 

@@ -126,7 +126,7 @@ fn build(case: &Case) -> (Program, Vec<usize>, Vec<usize>, Vec<usize>) {
 
 /// Sets the columns between binaries and entries, further heads and parts so as to leave as much room as
 /// there is.
-fn complete(program: &Program, x: &mut [f64], open: &[bool]) {
+pub(super) fn complete(program: &Program, x: &mut [f64], open: &[bool]) {
     for j in (0..program.column_count()).filter(|&j| open[j]) {
         let is_part = |cone: &&Cone| cone.shape == ConeShape::Rotated && cone.columns[0] == j;
         if program.cones.iter().any(|cone| is_part(&cone)) {
