@@ -13,7 +13,7 @@ use crate::model::sense::Sense;
 use crate::model::text::lines::{lines, number};
 use crate::model::{Model, Quadratic};
 
-/// ConicLines that lie in cones.
+/// Rows that lie in cones.
 #[derive(Default)]
 struct ConicLines {
     blocks: Vec<(ConeKind, usize)>,
