@@ -1,7 +1,6 @@
 //! Second-order cones: every kind of entry in every place, by optima.
 
 use carom::model::cbf;
-use carom::prelude::*;
 
 use super::{file, optimum, read};
 
