@@ -18,6 +18,20 @@ pub mod hybrid {
 }
 
 pub mod model {
+    use crate::error::Error;
+    use crate::model::{Affine, ConicRow, Model, Name};
+
+    /// The head and the tail of the cone that a row is in a model.
+    pub fn standard_cone(
+        model: &Model,
+        row: ConicRow,
+    ) -> Result<(Vec<Affine>, Vec<Affine>), Error> {
+        let name = Name::from("row");
+        let conic = row.checked(model, &name)?;
+        let cone = model.standard_cone(&conic, &name)?;
+        Ok((cone.head, cone.tail))
+    }
+
     pub use crate::model::name_table::NameTable;
     pub use crate::model::subset::{AnyStatement, statements, subset};
 

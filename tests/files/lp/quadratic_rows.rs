@@ -3,7 +3,7 @@
 use carom::model::{lp, mps, norm};
 use carom::prelude::*;
 
-use super::{read, warned};
+use super::{error, read, warned};
 
 /// A file that maximises x + y within a disc that a row says.
 fn with(row: &str) -> String {
@@ -34,6 +34,8 @@ fn forms_of_rows() {
     check(&with("c: 8 >= [ x ^2 + y ^2 ]"), 4.0);
     check(&with("c: - [ x ^2 + y ^2 ] >= -8"), 4.0);
     check(&with("c: [ - x ^2 - y ^2 ] >= -8"), 4.0);
+    check(&with("c: [ x ^2 + x * y + y ^2 ] <= 12"), 4.0);
+    check(&with("c: [ x ^2 + 2 x * y\n + y ^2 ] + [ x^2 - 2 y * x + y ^2 ] <= 16"), 4.0);
     check(&with("c: x - 2 y + [ x ^2 + y ^2 ] - x + 2 y <= 8"), 4.0);
     // x^2 + y^2 - 2 x <= 7, a disc around (1, 0).
     check(&with("c: [ x ^2 + y ^2 ] - 2 x <= 7"), 5.0);
@@ -65,13 +67,21 @@ fn products_that_cancel_leave_a_linear_row() {
 }
 
 #[test]
+fn rows_that_are_no_cones() {
+    for row in ["c: [ x ^2 ] >= 1", "c: [ x * y ] <= 1", "c: x + [ - y ^2 ] <= 2"] {
+        let refused = error(&with(row));
+        assert!(refused.starts_with("line 3, column 2: "), "{refused}");
+    }
+}
+
+#[test]
 fn the_text_that_is_written() {
     let mut model = Model::new("rows");
     let v = model.continuous_family("v", 2, -1.0, 1.0).unwrap();
     let h = model.continuous("h", 0.0, 4.0).unwrap();
     model.add("plain", norm([1.0 * v[0], 2.0 * v[1]]).le(h)).unwrap();
     model.add("limit", norm([v[0] + 1.0, v[1] + 0.0]).le(h - 1.0)).unwrap();
-    model.add("square", (v[0].square() + v[1].square()).le(4.0 * h - 1.0)).unwrap();
+    model.add("square", (v[0].square() - v[0] * v[1] + v[1].square()).le(4.0 * h - 1.0)).unwrap();
     model.minimize(h).unwrap();
     let expected = "\
 \\ Problem name: rows
@@ -82,7 +92,7 @@ Subject To
  limit_bound: h - limit_bound = 1
  plain: [ v{0} ^2 + 4 v{1} ^2 - h ^2 ] <= 0
  limit: [ v{1} ^2 + limit_entry0 ^2 - limit_bound ^2 ] <= 0
- square: - 4 h + [ v{0} ^2 + v{1} ^2 ] <= -1
+ square: - 4 h + [ v{0} ^2 - v{0} * v{1} + v{1} ^2 ] <= -1
 Bounds
  -1 <= v{0} <= 1
  -1 <= v{1} <= 1

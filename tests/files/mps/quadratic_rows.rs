@@ -3,7 +3,7 @@
 use carom::model::{cbf, mps, norm};
 use carom::prelude::*;
 
-use super::read;
+use super::{error, read};
 
 /// A file with the columns `x`, `y`, `t` and `z` (a binary), which maximises x + y, and whose rows `r` (of
 /// a kind) and `s` (G) have right-hand sides.
@@ -40,11 +40,15 @@ fn squares_and_products() {
     );
     // (x + y)^2 + (x - y)^2 = 2 x^2 + 2 y^2.
     check(&with("L", "15", "QCMATRIX r\n x x 2\n y y 2\n"), 4.0);
+    // x^2 + y^2 + x y, each half of the product once.
+    check(&with("L", "11", "QCMATRIX r\n x x 1\n x y 0.5\n y x 0.5\n y y 1\n"), 4.0);
+    check(&with("L", "11", "QCMATRIX r\n y x 0.5\n y y 1\n x x 1\n x y 0.5\n"), 4.0);
     // Concave, at least something: t - x^2 - y^2 >= -7.
     let concave = with("G", "-7", "QCMATRIX r\n x x -1\n y y -1\n").replace("t r -1", "t r 1");
     check(&concave, 4.0);
     // 1/2 x'Qx, one triangle.
     check(&with("L", "7", "QSECTION r\n x x 2\n y y 2\n"), 4.0);
+    check(&with("L", "11", "QSECTION r\n x x 2\n y x 1\n y y 2\n"), 4.0);
 }
 
 #[test]
@@ -62,6 +66,9 @@ fn cones() {
         .replace(" M 'MARKER' 'INTORG'", " h r 0\n M 'MARKER' 'INTORG'")
     };
     check(&cone("LO"), 4.0);
+    // Without the sign of the head it is no cone.
+    let refused = error(&cone("MI").replace(" MI B h 0", " MI B h"));
+    assert!(refused.starts_with("line 26, column 10: "), "{refused}");
     // x^2 <= h * t.
     let rotated =
         with("L", "7", " UP B h 4\n UP B y 2\nQCMATRIX q\n x x 1\n h t -0.5\n t h -0.5\n")
@@ -87,6 +94,14 @@ fn several_sections() {
     // A row without a limit says nothing.
     let model = read(&with("L", "inf", "QCMATRIX r\n x x -1\n"));
     assert_eq!((model.conic_constraint_count(), model.constraint_count()), (0, 1));
+}
+
+#[test]
+fn rows_that_are_no_cones() {
+    for (kind, matrix) in [("L", " x x -1\n"), ("G", " x x 1\n"), ("L", " x y 1\n y x 1\n")] {
+        let refused = error(&with(kind, "7", &format!("QCMATRIX r\n{matrix}")));
+        assert!(refused.starts_with("line 22, column 10: "), "{refused}");
+    }
 }
 
 #[test]
