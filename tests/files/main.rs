@@ -3,6 +3,7 @@
 mod cbf;
 #[path = "../common/mod.rs"]
 mod common;
+mod cones;
 mod corpus;
 mod lp;
 mod models;

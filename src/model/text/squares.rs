@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::affine::Affine;
 use crate::model::checks::finite;
 use crate::model::conic::StoredConic;
@@ -26,7 +26,7 @@ pub(crate) fn with_quadratic_rows(model: &Model) -> Result<Cow<'_, Model>, Error
     }
     let mut rewritten = model.clone();
     for at in 0..rewritten.stored.conic.len() {
-        let ConicData { name, condition, conic } = rewritten.stored.conic[at].clone();
+        let ConicData { name, condition, conic, .. } = rewritten.stored.conic[at].clone();
         if let StoredConic::Norm { entries, bound } = conic {
             let mut squares = Squares { model: &mut rewritten, name, condition };
             let expression = squares.row(&entries, &bound)?;
@@ -138,10 +138,12 @@ pub(crate) fn add_quadratic_row(
     let row = expression.le(0.0);
     match condition {
         None => model.add(name, row).map(|_| ()),
-        Some(condition) => {
-            condition.check(model, &name)?;
-            model.standard_cone(&row.conic, &name)?;
-            model.push_conic(name, Some(condition), row.conic).map(|_| ())
+        Some(_) => Err(ErrorKind::Unsupported {
+            solver: "the reader".into(),
+            what: format!("the condition of the row `{name}` with products"),
+            help: "write it for a further variable that a row bounds, and the condition for a linear row of it"
+                .into(),
         }
+        .into()),
     }
 }
