@@ -48,7 +48,7 @@ pub use reduce::reduce;
 pub(crate) use reduced::refill;
 pub use reduced::{Compressed, Reduced};
 pub(crate) use reduced_cone::FIXED;
-pub use reduced_cone::{ConeEntry, ReducedCone};
+pub(crate) use reduced_cone::{ConeEntry, ReducedCone};
 pub use switched_cones::tighten_switched_cones;
 pub(crate) use union_find::UnionFind;
 pub use worklist::Worklist;

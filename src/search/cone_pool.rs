@@ -11,7 +11,7 @@ const LEAST_MISS: f64 = 1e-7;
 
 /// Most cuts of a pool, and most relaxations in a row in which one of them may be slack.
 const MOST_CUTS: usize = 4000;
-const MOST_IDLE: u32 = 60;
+const MOST_IDLE: u32 = 6;
 
 /// The cuts of a worker.
 #[derive(Debug, Default)]
@@ -78,7 +78,8 @@ impl ConePool {
 
     fn drop_idle(&mut self) {
         let held = self.cuts.len() - self.free.len();
-        let idle = crate::search::env("IDLE", MOST_IDLE as f64) as u32; let most = if held > MOST_CUTS { idle / 4 } else { idle };
+        let idle = crate::search::env("IDLE", MOST_IDLE as f64) as u32;
+        let most = if held > MOST_CUTS { idle / 4 } else { idle };
         for (name, slot) in self.cuts.iter_mut().enumerate() {
             if slot.as_ref().is_some_and(|(_, idle)| *idle > most) {
                 *slot = None;

@@ -23,6 +23,7 @@
 //! * `root` - propagation and probing before the first split
 //! * `perspective` - tighter costs of columns that binaries switch off
 //! * `outer_approximation`, `cone_pool` - cuts of cones, at the root and at nodes
+//! * `cone_method` - cuts or conic programs at nodes
 //! * `cuts` - rows that cut off the relaxed point of the root
 //!
 //! The focus node:
@@ -56,6 +57,7 @@ mod children;
 mod clock;
 mod close_node;
 mod comparison;
+mod cone_method;
 mod cone_pool;
 mod context;
 pub(crate) mod cuts;
@@ -117,7 +119,8 @@ pub(crate) fn env(name: &str, or: f64) -> f64 {
     use std::sync::Mutex;
     static CACHE: Mutex<Option<HashMap<String, f64>>> = Mutex::new(None);
     let mut cache = CACHE.lock().unwrap();
-    *cache.get_or_insert_default().entry(name.to_string()).or_insert_with(|| {
-        std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or)
-    })
+    *cache
+        .get_or_insert_default()
+        .entry(name.to_string())
+        .or_insert_with(|| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or))
 }
