@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::clauses::{Clause, clauses};
-use super::conic::implied_rows;
+use super::conic_rows::implied_rows;
 use super::implied_bounds::loosened;
 use crate::interval::Interval;
 use crate::model::{

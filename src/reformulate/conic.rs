@@ -12,8 +12,7 @@ use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::{Interval, add_up};
 use crate::model::{
-    Affine, BigM, ConicRef, Literal, Model, Name, Quadratic, StandardCone, StoredConic, StoredRow,
-    Variable,
+    Affine, BigM, ConicRef, Literal, Name, Quadratic, StandardCone, StoredConic, Variable,
 };
 use crate::tolerance;
 
@@ -135,7 +134,7 @@ impl Raised {
     /// The row with its limit raised by multiples of literals.
     pub(super) fn by(self, amounts: &[(f64, Literal)]) -> StoredConic {
         let mut raise = Affine::zero();
-        amounts.iter().for_each(|&(m, literal)| raise += m * super::disjunction::value(literal));
+        amounts.iter().for_each(|&(m, literal)| raise += m * Affine::from(literal));
         match self {
             Raised::Norm { entries, bound } => StoredConic::Norm { entries, bound: bound + raise },
             Raised::Square { expression, .. } => {
@@ -247,37 +246,4 @@ pub(super) fn as_norm(head: &[Affine], tail: Vec<Affine>) -> (Vec<Affine>, Affin
         }
         _ => (tail, head.iter().sum()),
     }
-}
-
-/// Rows that a conic row implies: no entry is longer than the bounds allow all to be.
-pub(super) fn implied_rows(
-    conic: &StoredConic,
-    name: &Name,
-    model: &Model,
-) -> Result<Vec<StoredRow>, Error> {
-    let StandardCone { head, tail } = model.standard_cone(conic, name)?;
-    let mut rows = Vec::new();
-    let mut at_least_zero = |e: Affine| {
-        let (terms, constant) = e.into_parts();
-        if !terms.is_empty() {
-            rows.push(StoredRow { terms, lower: -constant, upper: f64::INFINITY });
-        }
-    };
-    let limit = match &head[..] {
-        [first, second] => {
-            let most = model.range_of(first).upper.max(0.0) * model.range_of(second).upper.max(0.0);
-            // A bound of 0 times no bound says nothing.
-            let most = if most.is_nan() { f64::INFINITY } else { most };
-            Affine::constant(most.sqrt() * (1.0 + LENGTH_ROUNDING))
-        }
-        _ => head.iter().sum(),
-    };
-    head.into_iter().for_each(&mut at_least_zero);
-    if !limit.terms().is_empty() || limit.offset() < tolerance::INFINITE {
-        for e in tail {
-            at_least_zero(&limit - &e);
-            at_least_zero(&limit + e);
-        }
-    }
-    Ok(rows)
 }

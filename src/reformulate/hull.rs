@@ -9,7 +9,8 @@
 
 use std::collections::BTreeMap;
 
-use super::conic::{as_norm, implied_rows};
+use super::conic::as_norm;
+use super::conic_rows::implied_rows;
 use super::disjunction::{nested_name, row_name, value};
 use super::linear_program::Maximizer;
 use super::lowering::Lowering;

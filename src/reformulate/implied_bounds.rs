@@ -12,7 +12,7 @@
 
 use super::cases::{Alternatives, BoundsByColumn};
 use super::circulations::flows;
-use super::conic::implied_rows;
+use super::conic_rows::implied_rows;
 use super::linear_program::Maximizer;
 use crate::error::Error;
 use crate::interval::Interval;

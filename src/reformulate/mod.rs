@@ -26,6 +26,7 @@ mod circulations;
 mod clauses;
 mod compare;
 mod conic;
+mod conic_rows;
 mod direction;
 mod disjunction;
 mod extremum;

@@ -9,7 +9,8 @@
 
 use std::borrow::Cow;
 
-use super::conic::{Raised, implied_rows};
+use super::conic::Raised;
+use super::conic_rows::implied_rows;
 use super::disjunction::{nested_name, row_name, value};
 use super::linear_program::{Maximizer, tidy};
 use super::lowering::Lowering;
