@@ -12,7 +12,7 @@ use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::{Interval, add_up};
 use crate::model::{
-    Affine, BigM, ConicRef, Literal, Name, Quadratic, StandardCone, StoredConic, Variable,
+    Affine, BigM, ConicRef, Literal, Model, Name, Quadratic, StandardCone, StoredConic, Variable,
 };
 use crate::tolerance;
 
@@ -33,6 +33,16 @@ pub(super) enum Raised {
     Norm { entries: Vec<Affine>, bound: Affine },
     /// `expression = |tail|^2 - head <= 0`.
     Square { expression: Quadratic, tail: Vec<Affine>, head: Affine },
+}
+
+/// A conic row that gives by `slack`, in its unit if it is a norm or convex and in that of its root if not.
+pub(crate) fn with_slack(
+    conic: &StoredConic,
+    name: &Name,
+    slack: Variable,
+    model: &Model,
+) -> Result<StoredConic, Error> {
+    Ok(Raised::of(conic, name, true, model)?.by(slack.into()))
 }
 
 /// Adds a conic row of the model, with its condition as an M.
@@ -56,7 +66,7 @@ pub(super) fn apply_unless(
 ) -> Result<(), Error> {
     let (open, fails) = open_guard(guard, lowering)?;
     let is_given = !matches!(row.big_m, BigM::Automatic);
-    let raised = Raised::of(row.conic, row.name, is_given, lowering)?;
+    let raised = Raised::of(row.conic, row.name, is_given, &lowering.model)?;
     let mut entry = BigMEntry::new(row.name, Side::Upper, BigMSource::Bounds);
     let mut need = raised.need(lowering, &mut |e, sign, lowering| lowering.largest(e, sign))?;
     entry.needed = need.value.max(0.0);
@@ -90,9 +100,8 @@ pub(super) fn apply_unless(
             None => None,
         };
         (entry.value, entry.source) = choose((row.name, row.big_m), lowering, Side::Upper, &need)?;
-        let amounts: Vec<(f64, Literal)> =
-            open.iter().map(|&literal| (entry.value, literal)).collect();
-        lowering.conic(raised.by(&amounts))?;
+        let literals: Affine = open.iter().map(|&literal| Affine::from(literal)).sum();
+        lowering.conic(raised.by(entry.value * literals))?;
         entry.row = lowering.newest_conic();
     }
     lowering.report.entries.push(entry);
@@ -109,9 +118,9 @@ impl Raised {
         conic: &StoredConic,
         name: &Name,
         in_its_unit: bool,
-        lowering: &Lowering<'_>,
+        model: &Model,
     ) -> Result<Self, Error> {
-        let StandardCone { head, tail } = lowering.model.standard_cone(conic, name)?;
+        let StandardCone { head, tail } = model.standard_cone(conic, name)?;
         let one = |head: &Affine| head.terms().is_empty() && head.offset() == 1.0;
         Ok(match (conic, &head[..]) {
             (StoredConic::Quadratic { expression }, [first, second]) if one(second) => {
@@ -131,10 +140,8 @@ impl Raised {
         })
     }
 
-    /// The row with its limit raised by multiples of literals.
-    pub(super) fn by(self, amounts: &[(f64, Literal)]) -> StoredConic {
-        let mut raise = Affine::zero();
-        amounts.iter().for_each(|&(m, literal)| raise += m * Affine::from(literal));
+    /// The row with its limit raised by an expression.
+    pub(super) fn by(self, raise: Affine) -> StoredConic {
         match self {
             Raised::Norm { entries, bound } => StoredConic::Norm { entries, bound: bound + raise },
             Raised::Square { expression, .. } => {

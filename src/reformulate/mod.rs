@@ -46,6 +46,7 @@ mod semicontinuous;
 mod sos;
 
 pub use compare::{MethodComparison, MethodSize, compare_methods};
+pub(crate) use conic::with_slack;
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
 use crate::error::{Error, ErrorKind};

@@ -135,12 +135,12 @@ fn add_conic(
     others: &[Other<'_>],
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
-    let raised = Raised::of(conic, name, false, lowering)?;
+    let raised = Raised::of(conic, name, false, &lowering.model)?;
     let from_bounds = raised.need(lowering, &mut |e, sign, lowering| lowering.largest(e, sign))?;
     let mut entry = BigMEntry::new(name, Side::Upper, BigMSource::LinearProgram);
     entry.needed = from_bounds.value.max(0.0);
     entry.note_shares(lowering, &raised.terms(lowering)?, Side::Upper)?;
-    let mut amounts = Vec::with_capacity(others.len());
+    let mut raise = Affine::zero();
     for other in others {
         let need = raised.need(lowering, &mut |e, sign, lowering| {
             let up: Vec<(Variable, f64)> =
@@ -156,9 +156,9 @@ fn add_conic(
         }
         let m = tidy(need.value.min(from_bounds.value));
         entry.value = entry.value.max(m);
-        amounts.push((m, other.selector));
+        raise += m * value(other.selector);
     }
-    lowering.conic(raised.by(&amounts))?;
+    lowering.conic(raised.by(raise))?;
     entry.row = lowering.newest_conic();
     lowering.report.entries.push(entry);
     Ok(())
