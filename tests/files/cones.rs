@@ -7,7 +7,8 @@ use proptest::prelude::*;
 use crate::common::config;
 use crate::there_and_back::through_files;
 
-/// A small program with cones, as numbers: integers `n` within 0 to 3, continuous `x` within -2 to 2.
+/// A small program with cones, as numbers: integers `n` within 1 to 4 (cones whose heads
+/// are 0 would leave tails the root of the tolerance), continuous `x` within -2 to 2.
 #[derive(Debug, Clone)]
 struct Conic {
     /// Whether it is rotated, coefficients of two tails, and of the head.
@@ -30,7 +31,7 @@ fn conic() -> impl Strategy<Value = Conic> {
 
 fn build(plan: &Conic) -> Model {
     let mut model = Model::new("conic");
-    let n = model.integer_family("n", 2, 0.0, 3.0).unwrap();
+    let n = model.integer_family("n", 2, 1.0, 4.0).unwrap();
     let x = model.continuous_family("x", 2, -2.0, 2.0).unwrap();
     let all = [n[0], n[1], x[0], x[1]];
     let sum = |a: &[i32]| all.iter().zip(a).map(|(&x, &a)| f64::from(a) * x).sum::<Affine>();
@@ -73,6 +74,10 @@ proptest! {
         ];
         for again in through.map(|read| read.model) {
             let found = solver.solve(&again).unwrap();
+            // The search may give up on either of them; what is proved has to agree.
+            if [&meant, &found].iter().any(|solution| solution.termination() == Termination::Stalled) {
+                continue;
+            }
             prop_assert_eq!(meant.termination(), found.termination(), "{}\n{}", model, again);
             if let (Some(meant), Some(found)) = (meant.objective(), found.objective()) {
                 let near = 1e-5 * meant.abs().max(1.0);
