@@ -28,7 +28,7 @@ pub(crate) fn with_quadratic_rows(model: &Model) -> Result<Cow<'_, Model>, Error
     for at in 0..rewritten.stored.conic.len() {
         let ConicData { name, condition, conic, .. } = rewritten.stored.conic[at].clone();
         if let StoredConic::Norm { entries, bound } = conic {
-            let mut squares = Squares { model: &mut rewritten, name, condition };
+            let mut squares = NormSquares { model: &mut rewritten, name, condition };
             let expression = squares.row(&entries, &bound)?;
             rewritten.stored.conic[at].conic = StoredConic::Quadratic { expression };
         }
@@ -37,13 +37,13 @@ pub(crate) fn with_quadratic_rows(model: &Model) -> Result<Cow<'_, Model>, Error
 }
 
 /// One norm, and the model that gets what it needs.
-struct Squares<'m> {
+struct NormSquares<'m> {
     model: &'m mut Model,
     name: Name,
     condition: Option<Logic>,
 }
 
-impl Squares<'_> {
+impl NormSquares<'_> {
     /// The sum of the squares of the entries minus that of the bound.
     fn row(&mut self, entries: &[Affine], bound: &Affine) -> Result<Quadratic, Error> {
         let mut sum = Quadratic::zero();
