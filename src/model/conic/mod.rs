@@ -21,5 +21,4 @@ pub use conic_ref::ConicRef;
 pub use conic_row::ConicRow;
 pub use norm::{Norm, norm};
 
-pub(crate) use standard_cone::StandardCone;
 pub(crate) use stored_conic::StoredConic;

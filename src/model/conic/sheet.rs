@@ -21,7 +21,7 @@ const STRICT: f64 = 1e-9;
 const MOST_COMBINED: usize = 64;
 
 /// Most steps towards the combination of bounds that tells the most.
-const MOST_STEPS: usize = 200;
+const MOST_SHEET_STEPS: usize = 200;
 
 /// An affine expression `along * head + across'tail`, without a constant that is at most 0.
 struct InSquares {
@@ -195,7 +195,7 @@ impl InSquares {
             }
         }
         let Some(mut best) = points.first().cloned() else { return false };
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_SHEET_STEPS {
             if dot(&best, &best) < 1.0 - STRICT {
                 return true;
             }
