@@ -7,12 +7,14 @@ use proptest::prelude::*;
 use crate::common::config;
 use crate::there_and_back::through_files;
 
+/// Whether it is rotated, coefficients of two entries and of the head.
+type ConePlan = (bool, [i32; 4], [i32; 4], [i32; 3]);
+
 /// A small program with cones, as numbers: integers `n` within 1 to 4 (cones whose heads
 /// are 0 would leave tails the root of the tolerance), continuous `x` within -2 to 2.
 #[derive(Debug, Clone)]
 struct Conic {
-    /// Whether it is rotated, coefficients of two tails, and of the head.
-    cones: Vec<(bool, [i32; 4], [i32; 4], [i32; 3])>,
+    cones: Vec<ConePlan>,
     /// Of a convex quadratic row.
     squares: [[i32; 4]; 2],
     cost: [i32; 4],
