@@ -74,7 +74,7 @@ impl<'a> ElasticModel<'a> {
             AnyStatement::Disjunction(disjunction) => {
                 let fails = self.slack(name, "_fails", VariableKind::Binary, 1.0)?;
                 let mut terms = self.released(name, disjunction.stored_terms(), fails, None)?;
-                terms.push(StoredTerm { selector: fails.on(), rows: vec![], nested: vec![] });
+                terms.push(StoredTerm::always(fails.on()));
                 self.model.push_disjunction(name.clone(), disjunction.method(), terms)?;
                 Ok((None, Some(fails)))
             }
@@ -132,7 +132,8 @@ impl<'a> ElasticModel<'a> {
             let nested = term.nested.iter();
             let nested = nested.map(|inner| self.released(name, inner, fails, Some(term.selector)));
             let nested = nested.collect::<Result<_, _>>()?;
-            released.push(StoredTerm { selector: own, rows: term.rows.clone(), nested });
+            let (rows, conic) = (term.rows.clone(), term.conic.clone());
+            released.push(StoredTerm { selector: own, rows, conic, nested });
         }
         Ok(released)
     }

@@ -25,6 +25,8 @@ mod cases;
 mod circulations;
 mod clauses;
 mod compare;
+mod conic;
+mod conic_rows;
 mod direction;
 mod disjunction;
 mod extremum;
@@ -271,7 +273,10 @@ fn lower_with<'a>(
         }
     }
     for conic in model.conic_constraints() {
-        lowering.model.push_conic(conic.name().clone(), None, conic.conic().clone())?;
+        if token.spend(STATEMENT_WORK) {
+            return Ok(None);
+        }
+        conic::apply(&conic, &mut lowering)?;
     }
     for indicator in model.indicators() {
         if token.spend(STATEMENT_WORK) {

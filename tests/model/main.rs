@@ -6,6 +6,7 @@ mod common;
 
 mod bad_input;
 mod big_m;
+mod conic_conditions;
 mod disjunctions;
 mod functions;
 mod implied_bounds;
