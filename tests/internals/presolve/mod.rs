@@ -1,6 +1,7 @@
 //! Presolve before the search: the same optimum, points that are restored, multipliers that are.
 
 mod blocks;
+mod conditional_cones;
 mod cones;
 mod cut_sets;
 mod cuts;
