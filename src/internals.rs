@@ -85,7 +85,9 @@ pub mod search {
     }
 
     pub mod cuts {
-        pub use crate::search::cuts::{Cut, MOST_ROWS, cut_set_cuts, mixed_integer_rounding_cuts};
+        pub use crate::search::cuts::{
+            Cut, MOST_ROWS, cut_set_cuts, mixed_integer_rounding_cuts, polymatroid_cuts,
+        };
     }
 
     pub mod heuristics {

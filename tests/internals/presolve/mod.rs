@@ -9,6 +9,7 @@ mod grid;
 mod kkt;
 mod lineality;
 mod logical_programs;
+mod polymatroid;
 mod programs;
 mod rules;
 mod switched_cones;
