@@ -70,9 +70,7 @@ fn is_binary(program: &Program, j: usize) -> bool {
 
 /// Whether a column has no cost and is in no cone, so that only its rows speak of it.
 fn is_free(program: &Program, j: usize) -> bool {
-    program.linear[j] == 0.0
-        && program.quadratic_column(j).0.is_empty()
-        && !program.is_in_cone(j)
+    program.linear[j] == 0.0 && program.quadratic_column(j).0.is_empty() && !program.is_in_cone(j)
 }
 
 /// Gives binaries of groups whole values where the rows allow it at the rest of the point.
