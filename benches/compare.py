@@ -18,6 +18,9 @@ the exit code is 1. Verdicts alone, of one run a file without other solvers:
 
     python3 benches/compare.py ../cases --judge --limit 20
 
+Conic programs are CBF files. The others get them as MPS files with QCMATRIX that carom writes. Files may
+be compressed (`.gz`).
+
 A folder may hold folders, each a family of files, and several folders can be given. Answers are
 checked against `answers.txt` or `answers.csv` in the given folder; without either, against what most
 solvers claim. `--profile FILE.svg` draws the share of files solved within a factor of the best:
@@ -28,19 +31,23 @@ Further variants of carom are compared by `--variant NAME=ARGUMENTS`, for exampl
 `--variant "2 threads=--threads 2"`; an ablation is a list of variants, see `--ablation`.
 """
 import argparse
-import csv
+import functools
+import gzip
 import importlib.util
 import json
 import math
 import os
 import re
 import select
+import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 import judge
+import report
 from report import agrees, families, profile, ratios, solved, table
 
 GAP = 1e-6
@@ -100,6 +107,8 @@ def xpress(path, limit, threads):
 
 def highs(path, limit, threads):
     import highspy
+    if conic(path):
+        return "no cones", 0.0, 0, None
     model = highspy.Highs()
     model.setOptionValue("output_flag", False)
     model.readModel(path)
@@ -137,6 +146,8 @@ def daqp(path, _limit, _threads):
     import highspy
     import numpy as np
     from scipy.sparse import csc_matrix
+    if conic(path):
+        return "no cones", 0.0, 0, None
     reader = highspy.Highs()
     reader.setOptionValue("output_flag", False)
     reader.readModel(path)
@@ -185,13 +196,42 @@ def serve(name):
         print(json.dumps(answer), file=out, flush=True)
 
 
+@functools.cache
+def folder_of_copies():
+    """A folder that goes when the program ends."""
+    return tempfile.TemporaryDirectory()
+
+
+@functools.cache
+def plain(path):
+    """The path of the file, or of a copy that is not compressed."""
+    if not path.endswith(".gz"):
+        return path
+    name = os.path.abspath(path).removesuffix(".gz").replace(os.sep, "_")
+    copy = os.path.join(folder_of_copies().name, name)
+    with gzip.open(path, "rb") as packed, open(copy, "wb") as file:
+        shutil.copyfileobj(packed, file)
+    return copy
+
+
+@functools.cache
+def as_mps(path, program):
+    """The path of the same program as MPS, written by carom; `None` if it cannot."""
+    copy = os.path.join(folder_of_copies().name, os.path.abspath(path).replace(os.sep, "_") + ".mps")
+    run = subprocess.run([program, plain(path), "--write", copy], capture_output=True)
+    return copy if run.returncode == 0 and os.path.exists(copy) else None
+
+
 class Peer:
     """Another solver in a process of its own, started anew when it breaks or hangs."""
 
-    def __init__(self, name, threads):
-        self.name, self.threads, self.process = name, threads, None
+    def __init__(self, name, threads, program):
+        self.name, self.threads, self.program, self.process = name, threads, program, None
 
     def solve(self, path, limit):
+        path = as_mps(path, self.program) if ".cbf" in os.path.basename(path) else plain(path)
+        if path is None:
+            return "error: the file cannot be written as MPS", 0.0, 0, None
         if self.process is None or self.process.poll() is not None:
             command = [sys.executable, __file__, "--serve", self.name]
             if clock is time.process_time:
@@ -228,7 +268,7 @@ class Carom:
         return status, said["seconds"], said["nodes"], said["objective"]
 
     def ask(self, path, limit):
-        command = [self.command[0], path, "--time-limit", str(limit), *self.command[1:]]
+        command = [self.command[0], plain(path), "--time-limit", str(limit), *self.command[1:]]
         nothing = {"stalled": False, "objective": None, "bound": None, "seconds": 0.0, "nodes": 0}
         try:
             run = subprocess.run(command, capture_output=True, text=True, timeout=2 * limit + 30)
@@ -270,8 +310,18 @@ def measure(path, solvers, rounds, limit):
     return answers
 
 
+def conic(path):
+    """Whether rows have squares or products, as far as the format tells."""
+    path = plain(path)
+    if path.endswith(".cbf"):
+        return True
+    with open(path) as file:
+        return any(line.startswith("QCMATRIX") for line in file)
+
+
 def quadratic(path):
     """Whether the objective has squares or products: a section in MPS, brackets in LP."""
+    path = plain(path)
     with open(path) as file:
         return any(line.startswith(("QUADOBJ", "QMATRIX")) or ("]" in line and path.endswith(".lp")) for line in file)
 
@@ -295,22 +345,19 @@ def answers_of(folder):
         with open(path) as file:
             lines = [line.split()[:2] for line in file if line.strip() and not line.startswith("#")]
             truths = {name: value_of(answer) for name, answer in lines}
-    path = os.path.join(folder, "answers.csv")
-    if os.path.exists(path):
-        with open(path) as file:
-            for row in csv.DictReader(file):
-                answer = row["objective"] if row["status"] == "optimal" else row["status"]
-                truths[os.path.splitext(row["file"])[0]] = value_of(answer)
+    for file, row in (judge.listed(folder) or {}).items():
+        answer = row["objective"] if row["status"] == "optimal" else row["status"]
+        truths[judge.stem(file)] = value_of(answer)
     return {name: answer for name, answer in truths.items() if answer is not None}
 
 
 def files_of(folder, only):
-    """Names, without extension and relative to the folder, and paths of all MPS and LP files."""
+    """Names, without extension and relative to the folder, and paths of all MPS, LP and CBF files."""
     for parent, folders, entries in os.walk(folder):
         folders.sort()
         for entry in sorted(entries):
-            name, extension = os.path.splitext(os.path.relpath(os.path.join(parent, entry), folder))
-            if extension in (".mps", ".lp") and (not only or any(part in name for part in only)):
+            name = judge.stem(os.path.relpath(os.path.join(parent, entry), folder))
+            if entry.endswith(judge.EXTENSIONS) and (not only or any(part in name for part in only)):
                 yield name, os.path.join(parent, entry)
 
 
@@ -348,7 +395,7 @@ def installed(package):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folders", nargs="*", help="folders of *.mps, *.lp and answers.txt or answers.csv")
+    parser.add_argument("folders", nargs="*", help="folders of *.mps, *.lp, *.cbf and answers.txt or answers.csv")
     parser.add_argument("--only", nargs="*", default=[], help="parts of names of files")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--limit", type=float, default=40.0, help="seconds a solve")
@@ -391,11 +438,11 @@ def main():
         ours.append(Carom(name.strip(), arguments.solve, words.split()))
     peers = []
     if not arguments.ablation:
-        peers = [Peer(name, arguments.threads) for name in arguments.peers if installed(PEERS[name][1])]
+        peers = [Peer(name, arguments.threads, arguments.solve) for name in arguments.peers if installed(PEERS[name][1])]
     solvers = ours + peers
     names = [solver.name for solver in solvers]
 
-    truths, results, squares = {}, {}, []
+    truths, results, squares, cones = {}, {}, [], []
     for folder in arguments.folders:
         listed = answers_of(folder)
         for name, path in files_of(folder, arguments.only):
@@ -405,7 +452,11 @@ def main():
             truth = listed[name] if name in listed else agreed(results[file])
             if truth is not None:
                 truths[file] = truth
-            if quadratic(path):
+            if path.endswith((".cbf", ".cbf.gz")):
+                report.TOLERANCE = judge.CONIC_TOLERANCE
+            if conic(path):
+                cones.append(file)
+            elif quadratic(path):
                 squares.append(file)
             shown = " | ".join(f"{name} {results[file][name][0]} {results[file][name][1]:.3f}" for name in names)
             print(f"{file}: {shown}", file=sys.stderr, flush=True)
@@ -419,12 +470,13 @@ def main():
     if arguments.profile:
         count = profile(arguments.profile, results, names, truths, arguments.limit)
         print(f"Profile over the {count} files that all of these could read: {arguments.profile}\n")
-    linear = [file for file in results if file not in squares]
+    linear = [file for file in results if file not in squares and file not in cones]
     baseline = names[0] if arguments.ablation else None
     for one in ([solver.name for solver in ours[1:]] if baseline else [solver.name for solver in ours]):
         others = [baseline] if baseline else [peer.name for peer in peers]
         ratios(results, one, others, truths, squares, f"{one}, files with a quadratic objective")
         ratios(results, one, others, truths, linear, f"{one}, linear files")
+        ratios(results, one, others, truths, cones, f"{one}, files with cones")
     if arguments.json:
         with open(arguments.json, "w") as file:
             json.dump({"results": results, "answers": truths}, file, indent=1)

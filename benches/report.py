@@ -4,19 +4,22 @@ import math
 # Added to every time before a geometric mean of a family, so that milliseconds do not decide.
 SHIFT = 0.01
 
+# By how much an objective may differ from the listed one, relative to it.
+TOLERANCE = 1e-6
+
 
 def solved(answer):
     return answer[0] in ("optimal", "infeasible")
 
 
 def agrees(answer, truth):
-    """Whether a claim is the listed one: the same status, the objective to 1e-6 relative."""
+    """Whether a claim is the listed one: the same status, the objective up to the tolerance."""
     status, _, _, objective = answer
     if truth is None or not solved(answer):
         return True
     if truth == "infeasible" or status == "infeasible":
         return status == truth
-    return abs(objective - truth) <= 1e-6 * max(1.0, abs(truth))
+    return abs(objective - truth) <= TOLERANCE * max(1.0, abs(truth))
 
 
 def geometric_mean(values):
@@ -26,7 +29,7 @@ def geometric_mean(values):
 def cell(answer, truth):
     status, seconds, nodes, objective = answer
     if not solved(answer):
-        return f"> {seconds:.0f}" if status == "limit" else {"no MIQP": "no MIQP", "too large": ""}.get(status, "-" if status.startswith("error") else status)
+        return f"> {seconds:.0f}" if status == "limit" else {"no MIQP": "no MIQP", "no cones": "no cones", "too large": ""}.get(status, "-" if status.startswith("error") else status)
     mark = "" if agrees(answer, truth) else f" **{status if objective is None else f'{objective:.8g}'}**"
     return f"{seconds:.3f} ({nodes}){mark}"
 

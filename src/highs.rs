@@ -5,7 +5,7 @@
 //! installed as a program, [`external`](crate::external) needs none of this.
 //!
 //! Models are [lowered](crate::reformulate::lower) first, so it solves any model with a linear
-//! objective. A quadratic objective is an error, [`ErrorKind::Unsupported`]. Points are never
+//! objective and without cones. A quadratic objective and cones are errors, [`ErrorKind::Unsupported`]. Points are never
 //! trusted: the integers are rounded, [`BranchAndBound`](crate::BranchAndBound) solves the rest
 //! again, and the meaning of every statement is checked ([`certify`](crate::solver::certify)).
 //! Bounds and claims of infeasibility are those of HiGHS, up to its tolerances.
@@ -46,7 +46,7 @@ use library::{ColProblem, HighsModelStatus, HighsSolutionStatus, HighsStatus};
 use web_time::Duration;
 
 use crate::error::{Error, ErrorKind};
-use crate::external::{settled, stopped, with_half_the_gap};
+use crate::external::{cones_unsupported, settled, stopped, with_half_the_gap};
 use crate::model::Model;
 use crate::program::Program;
 use crate::reformulate;
@@ -93,7 +93,7 @@ impl Solver for HighsSolver {
 
     /// # Errors
     ///
-    /// Besides those of every solver, [`ErrorKind::Unsupported`] for a quadratic objective.
+    /// Besides those of every solver, [`ErrorKind::Unsupported`] for a quadratic objective and for cones.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
         control.refuse_lazy_constraints("HiGHS")?;
@@ -101,6 +101,9 @@ impl Solver for HighsSolver {
         let Some(lowered) = reformulate::lower_until(model, None, &token)? else {
             return stopped(model, &self.options, &token);
         };
+        if let Some(conic) = lowered.model().conic_constraints().next() {
+            return Err(cones_unsupported("HiGHS", conic.name()));
+        }
         let program = Program::assemble(lowered.model())?;
         if program.quadratic.compute_nnz() > 0 {
             return Err(ErrorKind::Unsupported {

@@ -18,6 +18,20 @@ pub mod hybrid {
 }
 
 pub mod model {
+    use crate::error::Error;
+    use crate::model::{Affine, ConicRow, Model, Name};
+
+    /// The head and the tail of the cone that a row is in a model.
+    pub fn standard_cone(
+        model: &Model,
+        row: ConicRow,
+    ) -> Result<(Vec<Affine>, Vec<Affine>), Error> {
+        let name = Name::from("row");
+        let conic = row.checked(model, &name)?;
+        let cone = model.standard_cone(&conic, &name)?;
+        Ok((cone.head, cone.tail))
+    }
+
     pub use crate::model::name_table::NameTable;
     pub use crate::model::subset::{AnyStatement, statements, subset};
 
@@ -34,7 +48,7 @@ pub mod presolve {
     pub use crate::presolve::{
         Compressed, Domain, ImplicationGraph, Propagator, Reduced, Worklist, probe,
         probe_implications, project, reduce, tighten_big_ms, tighten_by_disjunctions,
-        tighten_coefficients,
+        tighten_coefficients, tighten_switched_cones,
     };
 
     pub mod root {

@@ -22,6 +22,7 @@ use carom::external::{
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{Region, Restitution};
 use carom::interval::Interval;
+use carom::model::norm;
 use carom::prelude::*;
 use common::config;
 use common::enumeration::optimum;
@@ -178,6 +179,23 @@ fn what_is_missing_or_babbles_is_an_error_that_says_so() {
     quadratic.minimize(x.square()).unwrap();
     let refused = ExternalSolver::cbc().solve(&quadratic).unwrap_err().to_string();
     assert!(refused.contains("cbc does not take a quadratic objective; solve it"), "{refused}");
+    let mut conic = model.clone();
+    conic.add("disc[2]", norm([2.0 * x, x - 1.0]).le(7.0)).unwrap();
+    for (solver, name) in [
+        (ExternalSolver::cbc(), "cbc"),
+        (ExternalSolver::highs(), "highs"),
+        (ExternalSolver::glpk(), "glpsol"),
+    ] {
+        let refused = { solver }.solve(&conic).unwrap_err();
+        assert!(matches!(refused.kind(), ErrorKind::Unsupported { .. }), "{refused}");
+        assert_eq!(
+            refused.to_string(),
+            format!(
+                "{name} does not take norms and quadratic rows such as `disc[2]`; solve it with \
+                 `BranchAndBound`, or write linear rows in their place"
+            )
+        );
+    }
 }
 
 #[test]
@@ -211,6 +229,9 @@ fn the_file_is_a_minimisation_with_plain_names() {
         fn program(&self) -> &str {
             "cp"
         }
+        fn takes_cones(&self) -> bool {
+            true
+        }
         fn arguments(&self, files: &Files, _: &Options, _: Option<Duration>) -> Vec<String> {
             let path = |p: &PathBuf| p.to_string_lossy().into_owned();
             vec![path(&files.model), path(&files.solution)]
@@ -227,6 +248,14 @@ fn the_file_is_a_minimisation_with_plain_names() {
     let words: Vec<&str> = text.split_whitespace().collect();
     let text = words.join(" ");
     assert!(text.contains("N obj; L r0;COLUMNS; c0 obj -1; c0 r0 2;RHS; RHS r0 3;"), "{text}");
+    // A norm is a quadratic row.
+    model.add("speed", norm([x - 1.0, 2.0 * x]).le(5.0)).unwrap();
+    let text = ExternalSolver::new(Copying).solve(&model).unwrap_err().to_string();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    assert!(text.contains("N obj; L r0; E r1; L q0;COLUMNS;"), "{text}");
+    assert!(text.contains("RHS r1 1; RHS q0 25;"), "{text}");
+    assert!(text.contains(";QCMATRIX q0; c0 c0 4; c1 c1 1;ENDATA"), "{text}");
 }
 
 // -- folders and the operating system ------------------------------------------------------------
@@ -346,7 +375,11 @@ fn programs_pass_the_suite() {
         for mut solver in installed() {
             let mut lacking = vec![Capability::Events];
             if solver.name() != "scip" {
-                lacking.extend([Capability::Quadratic, Capability::MixedIntegerQuadratic]);
+                lacking.extend([
+                    Capability::Quadratic,
+                    Capability::MixedIntegerQuadratic,
+                    Capability::Cones,
+                ]);
             }
             if solver.name() == "glpsol" {
                 lacking.push(Capability::NodeLimit);

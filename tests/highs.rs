@@ -20,6 +20,7 @@ fn it_passes_the_suite() {
     let lacking = [
         Capability::Quadratic,
         Capability::MixedIntegerQuadratic,
+        Capability::Cones,
         Capability::InterruptWhileRunning,
         Capability::Events,
     ];
@@ -29,7 +30,7 @@ fn it_passes_the_suite() {
 }
 
 #[test]
-fn a_quadratic_objective_is_refused_in_words() {
+fn quadratic_objectives_and_rows_are_refused_in_words() {
     let mut model = Model::new("m");
     let k = model.integer("k", 0.0, 3.0).unwrap();
     model.minimize((k - 1.5).square()).unwrap();
@@ -39,6 +40,15 @@ fn a_quadratic_objective_is_refused_in_words() {
         error.to_string(),
         "HiGHS does not take a quadratic objective; solve it with `BranchAndBound`, or give it a \
          linear one"
+    );
+    let mut model = Model::new("m");
+    let x = model.continuous("x", 0.0, 3.0).unwrap();
+    model.add("disc", x.square().le(4.0)).unwrap();
+    let error = HighsSolver::default().solve(&model).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "HiGHS does not take norms and quadratic rows such as `disc`; solve it with `BranchAndBound`, or \
+         write linear rows in their place"
     );
 }
 

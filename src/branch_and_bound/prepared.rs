@@ -166,7 +166,8 @@ impl ReducedProgram {
         let Some(columns) = given.iter().map(place).collect::<Option<Vec<usize>>>() else {
             return Ok(Reduction::Off);
         };
-        let names: Vec<&Name> = postsolve.columns().iter().map(|&j| &names[j]).collect();
+        // Columns of cones follow those of variables, and have no names.
+        let names: Vec<&Name> = postsolve.columns().iter().filter_map(|&j| names.get(j)).collect();
         let last = LastSolve::new(&names);
         let mut integers = program.integers.clone();
         integers.sort_by_key(|&j| (program.step[j], j));

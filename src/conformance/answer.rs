@@ -50,6 +50,7 @@ impl Case {
         let whole = kind(VariableKind::Integer) || kind(VariableKind::Binary);
         let integral = whole || model.function_count() > 0 || sets || semicontinuous;
         need(quadratic && integral, Capability::MixedIntegerQuadratic);
+        need(model.conic_constraint_count() > 0, Capability::Cones);
         need(model.indicator_count() > 0, Capability::Indicators);
         need(model.logical_constraint_count() > 0, Capability::Logic);
         need(model.disjunction_count() > 0, Capability::Disjunctions);

@@ -14,6 +14,8 @@ pub enum Capability {
     Quadratic,
     /// Convex quadratic objectives with integers or binaries.
     MixedIntegerQuadratic,
+    /// Norms and convex quadratic rows: second-order cones, with and without integers.
+    Cones,
     /// Indicators.
     Indicators,
     /// Logic over binaries.
@@ -45,6 +47,7 @@ impl fmt::Display for Capability {
             Capability::Integers => "integers beyond binaries",
             Capability::Quadratic => "quadratic objectives",
             Capability::MixedIntegerQuadratic => "quadratic objectives with integers",
+            Capability::Cones => "norms and quadratic rows",
             Capability::Indicators => "indicators",
             Capability::Logic => "logic",
             Capability::Disjunctions => "disjunctions",

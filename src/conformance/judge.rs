@@ -117,7 +117,8 @@ pub(super) fn judge(
     });
     // With curvature c, a gap g leaves a distance of sqrt(g / c) to the optimal point.
     let quadratic = !case.model.objective().products().is_empty();
-    let near = if quadratic { 1e-3 } else { 1e-5 };
+    let curved = quadratic || case.model.conic_constraint_count() > 0;
+    let near = if curved { 1e-3 } else { 1e-5 };
     for &(variable, wanted) in values {
         let named = case.model.variable_ref(variable).map(|v| v.name().to_string());
         let name = named.unwrap_or_default();

@@ -18,6 +18,7 @@
 pub(crate) mod answer;
 mod capability;
 mod conduct;
+mod conic;
 mod hybrid;
 mod interrupts;
 mod judge;

@@ -3,7 +3,7 @@
 use crate::error::Error;
 
 use super::answer::Case;
-use super::{hybrid, linear, mixed};
+use super::{conic, hybrid, linear, mixed};
 
 /// The programs of the suite with their answers, for other tests (files, lowering, ...).
 ///
@@ -13,6 +13,7 @@ use super::{hybrid, linear, mixed};
 pub fn answers() -> Result<Vec<Case>, Error> {
     let mut cases = linear::cases()?;
     cases.extend(mixed::cases()?);
+    cases.extend(conic::cases()?);
     cases.extend(hybrid::cases()?);
     Ok(cases)
 }

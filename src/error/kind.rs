@@ -222,6 +222,46 @@ pub enum ErrorKind {
         /// The advice on what to do.
         help: &'static str,
     },
+    /// A quadratic row that no second-order cone expresses.
+    #[error(
+        "the quadratic row `{row}` is not convex: its left side minus its right side has curvature \
+         {curvature:.3e} along the direction {direction}; write convex expressions on the smaller side, a \
+         square or a product of expressions that are at least 0 on the larger one, or a disjunction of \
+         rows (`either`)"
+    )]
+    NotCone {
+        /// The row.
+        row: String,
+        /// The curvature along the direction, in the row's unit per unit of length squared.
+        curvature: f64,
+        /// The variable with the largest step in the direction.
+        name: String,
+        /// The variables of the direction with their steps, the largest ones first.
+        direction: String,
+    },
+    /// A quadratic row that is a second-order cone only where an expression is not negative, and the bounds
+    /// do not show that it is.
+    #[error(
+        "the quadratic row `{row}` is a cone only where {expression} cannot be negative, and the bounds of \
+         its variables do not show that; give them bounds, or make it equal to a variable with the lower \
+         bound 0"
+    )]
+    UnknownSign {
+        /// The row.
+        row: String,
+        /// The expression, or the two factors of a product, in words.
+        expression: String,
+    },
+    /// A comparison of a norm or of a quadratic expression that is no convex row.
+    #[error("the row `{row}` {comparison}, which is not convex; {help}")]
+    NotConicRow {
+        /// The row.
+        row: String,
+        /// The comparison, in words.
+        comparison: &'static str,
+        /// The advice on what to do.
+        help: &'static str,
+    },
     /// An indicator's row has no finite big-M because a variable has no bound.
     #[error(
         "indicator `{indicator}` needs a big-M for its {side} side, but `{variable}` has no \

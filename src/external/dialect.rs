@@ -72,6 +72,11 @@ pub trait Dialect: fmt::Debug + Send {
         false
     }
 
+    /// Whether it takes convex quadratic rows and second-order cones (`QCMATRIX`) together with integers.
+    fn takes_cones(&self) -> bool {
+        false
+    }
+
     /// The command-line arguments.
     fn arguments(&self, files: &Files, options: &Options, time: Option<Duration>) -> Vec<String>;
 

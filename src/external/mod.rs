@@ -3,8 +3,8 @@
 //! [`ExternalSolver`] is a [`Solver`] that runs CBC, GLPK, HiGHS, SCIP or any other program on the
 //! `PATH` for which you implement a [`Dialect`]. It writes the model as an MPS file and reads the
 //! answer back. Nothing is linked or installed. Models are [lowered](crate::reformulate::lower) first, so a program
-//! without indicators or logic can still solve any model; only a quadratic objective needs a program
-//! that takes one.
+//! without indicators or logic can still solve any model; only quadratic objectives and cones need a program
+//! that takes them.
 //!
 //! Points are never trusted: the integers are rounded, [`BranchAndBound`] solves the rest again, and
 //! the meaning of every statement is checked ([`certify`]). A claim that the program is unbounded is
@@ -34,7 +34,7 @@ pub use programs::{Cbc, Glpk, Highs, Scip};
 
 use crate::branch_and_bound::BranchAndBound;
 use crate::error::{Error, ErrorKind};
-use crate::model::Model;
+use crate::model::{Model, Name};
 use crate::reformulate;
 use crate::setters::setters;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
@@ -70,7 +70,7 @@ impl ExternalSolver {
         Self::new(Highs)
     }
 
-    /// SCIP: mixed-integer linear and quadratic programs.
+    /// SCIP: mixed-integer linear and quadratic programs, also with quadratic rows and cones.
     pub fn scip() -> Self {
         Self::new(Scip)
     }
@@ -99,8 +99,8 @@ impl Solver for ExternalSolver {
     /// # Errors
     ///
     /// Besides those of every solver, [`ErrorKind::Io`] when the program cannot be started or its
-    /// files cannot be written or read, [`ErrorKind::Unsupported`] for a quadratic objective that
-    /// it does not take, and [`ErrorKind::Backend`] when it fails or its dialect cannot read the
+    /// files cannot be written or read, [`ErrorKind::Unsupported`] for a quadratic objective or
+    /// cones that it does not take, and [`ErrorKind::Backend`] when it fails or its dialect cannot read the
     /// answer.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
@@ -116,6 +116,11 @@ impl Solver for ExternalSolver {
                 help: "solve it with `BranchAndBound`, or give it a linear one".into(),
             }
             .into());
+        }
+        if !self.dialect.takes_cones()
+            && let Some(conic) = lowered.model().conic_constraints().next()
+        {
+            return Err(cones_unsupported(&self.program, conic.name()));
         }
         let Some(translated) = translate::translate(lowered.model())? else {
             let (termination, values) = (Termination::Infeasible, None);
@@ -161,6 +166,16 @@ impl Solver for ExternalSolver {
         let claimed = Outcome { termination, values, bound, statistics };
         settled(model, claimed, &self.options, &token, control)
     }
+}
+
+/// The error of a solver that takes no cones.
+pub(crate) fn cones_unsupported(solver: &str, name: &Name) -> Error {
+    ErrorKind::Unsupported {
+        solver: solver.into(),
+        what: format!("norms and quadratic rows such as `{name}`"),
+        help: "solve it with `BranchAndBound`, or write linear rows in their place".into(),
+    }
+    .into()
 }
 
 /// The answer if a limit came before the other solver was asked.

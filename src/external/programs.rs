@@ -246,6 +246,10 @@ impl Dialect for Scip {
         true
     }
 
+    fn takes_cones(&self) -> bool {
+        true
+    }
+
     fn arguments(&self, files: &Files, options: &Options, time: Option<Duration>) -> Vec<String> {
         let mut commands = vec![
             format!("set limits gap {}", options.relative_gap),

@@ -1,11 +1,13 @@
-//! Rewrites a model of rows as a minimisation with plain names and without a constant, because all
+//! Rewrites a model of rows and cones as a minimisation with plain names and without a constant, because all
 //! programs read that in the same way.
 
 use std::collections::HashMap;
 
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::model::{Affine, Model, Quadratic, Sense, Variable, mps};
+use crate::model::{
+    Affine, Model, Name, Quadratic, Sense, StoredConic, Variable, mps, with_quadratic_rows,
+};
 
 /// The MPS text, and what is needed to translate the answer back.
 pub(super) struct Translated {
@@ -14,10 +16,13 @@ pub(super) struct Translated {
     pub(super) sign: f64,
     pub(super) offset: f64,
     columns: HashMap<String, usize>,
+    /// The number of columns of the model; further ones are for squares.
+    count: usize,
 }
 
 /// Returns `None` if the bounds of an integer variable contain no whole number.
 pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
+    let (count, model) = (model.variable_count(), &*with_quadratic_rows(model)?);
     let sign = model.sense().sign();
     let mut plain = Model::new("carom");
     let mut renamed: Vec<Variable> = Vec::with_capacity(model.variable_count());
@@ -53,6 +58,15 @@ pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
         let row = affine(row.terms(), 1.0).within(limits.lower, limits.upper);
         plain.add(format!("r{i}").as_str(), row)?;
     }
+    for (i, conic) in model.conic_constraints().enumerate() {
+        let StoredConic::Quadratic { expression } = conic.conic() else { continue };
+        let name = Name::from(format!("q{i}"));
+        let mut row = Quadratic::from(affine(&expression.affine().terms(), 1.0));
+        for (first, second, q) in expression.products() {
+            row.add_product(q, renamed[first.index()], renamed[second.index()]);
+        }
+        plain.add(name, row.le(-expression.affine().offset()))?;
+    }
     let objective = model.objective();
     let mut cost = Quadratic::from(affine(&objective.affine().terms(), sign));
     for (first, second, q) in objective.products() {
@@ -60,7 +74,7 @@ pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
     }
     plain.set_objective(Sense::Minimize, cost)?;
     let offset = sign * objective.affine().offset();
-    Ok(Some(Translated { text: mps::write(&plain)?, sign, offset, columns }))
+    Ok(Some(Translated { text: mps::write(&plain)?, sign, offset, columns, count }))
 }
 
 impl Translated {
@@ -75,6 +89,7 @@ impl Translated {
                 _ => return Err(format!("it says that `{name}` is {value}")),
             }
         }
+        values.truncate(self.count);
         Ok(values)
     }
 }

@@ -70,6 +70,21 @@ impl Model {
     }
 
     fn not_convex(&self, sense: Sense, direction: Direction) -> Error {
+        let curvature = direction.curvature;
+        let (name, direction) = self.direction_text(direction);
+        ErrorKind::NotConvex {
+            sense: sense.word(),
+            curvature,
+            name,
+            direction,
+            help: "only convex costs to minimise (concave ones to maximise) have a proof of \
+                   optimality here; write squares, or linearise products with a binary",
+        }
+        .into()
+    }
+
+    /// The variable with the largest step of a direction, and its steps in words, the largest ones first.
+    pub(super) fn direction_text(&self, direction: Direction) -> (String, String) {
         let name = |j: usize| self.stored.variables[j].name.to_string();
         let mut steps = direction.steps;
         steps.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
@@ -80,15 +95,7 @@ impl Model {
         if steps.len() > NAMED_STEPS {
             text.push(format!("{} more", steps.len() - NAMED_STEPS));
         }
-        ErrorKind::NotConvex {
-            sense: sense.word(),
-            curvature: direction.curvature,
-            name: largest,
-            direction: text.join(", "),
-            help: "only convex costs to minimise (concave ones to maximise) have a proof of \
-                   optimality here; write squares, or linearise products with a binary",
-        }
-        .into()
+        (largest, text.join(", "))
     }
 }
 

@@ -3,8 +3,11 @@
 use std::fmt;
 
 use super::affine::write_terms;
+use super::conic::StoredConic;
 use super::ids::Variable;
 use super::literal::Literal;
+use super::logic::Logic;
+use super::quadratic::Quadratic;
 use super::refs::SpecialOrderedSetRef;
 use super::semicontinuous::with_zero;
 use super::store::Model;
@@ -14,7 +17,7 @@ use crate::interval::Interval;
 use crate::number::Exact;
 
 impl fmt::Display for Model {
-    /// Objective, rows, indicators, disjunctions, logic, ordered sets, functions and bounds, with
+    /// Objective, rows, norms and quadratic rows, indicators, disjunctions, logic, ordered sets, functions and bounds, with
     /// names, one
     /// statement per line.
     ///
@@ -46,13 +49,18 @@ impl fmt::Display for Model {
         for row in self.constraints() {
             writeln!(f, "  {}: {}", row.name(), self.row_text(row.terms(), row.limits()))?;
         }
-        for indicator in self.indicators() {
-            let condition = match indicator.condition().as_literal() {
-                Some(literal) => {
-                    format!("{} = {}", self.name_of(literal.variable()), u8::from(literal.is_on()))
+        for conic in self.conic_constraints() {
+            let row = self.conic_text(conic.conic());
+            match conic.condition() {
+                Some(condition) => {
+                    let condition = self.condition_text(condition);
+                    writeln!(f, "  {}: {condition} implies {row}", conic.name())?;
                 }
-                None => indicator.condition().operand(&|v| self.name_of(v)),
-            };
+                None => writeln!(f, "  {}: {row}", conic.name())?,
+            }
+        }
+        for indicator in self.indicators() {
+            let condition = self.condition_text(indicator.condition());
             let row = self.row_text(indicator.terms(), indicator.limits());
             writeln!(f, "  {}: {condition} implies {row}", indicator.name())?;
         }
@@ -118,6 +126,31 @@ impl Model {
         limits_text(if terms.is_empty() { "0" } else { &text }, limits)
     }
 
+    /// A condition as text, `z = 1` or `(a & b)`.
+    fn condition_text(&self, condition: &Logic) -> String {
+        match condition.as_literal() {
+            Some(literal) => {
+                format!("{} = {}", self.name_of(literal.variable()), u8::from(literal.is_on()))
+            }
+            None => condition.operand(&|v| self.name_of(v)),
+        }
+    }
+
+    /// A conic row as text, `|(x, y)| <= 3` or `x^2 + y^2 <= 4`.
+    pub(crate) fn conic_text(&self, conic: &StoredConic) -> String {
+        let name = |v: Variable| self.name_of(v);
+        match conic {
+            StoredConic::Norm { entries, bound } => {
+                let entries: Vec<String> = entries.iter().map(|entry| entry.text(&name)).collect();
+                format!("|({})| <= {}", entries.join(", "), bound.text(&name))
+            }
+            StoredConic::Quadratic { expression } => {
+                let limit = 0.0 - expression.affine().offset();
+                format!("{} <= {}", self.quadratic_text(expression, false), Exact(limit))
+            }
+        }
+    }
+
     /// A disjunction as text, `(z = 1: x <= 1, y >= 2) or (z = 0: x >= 3)`.
     fn terms_text(&self, terms: &[StoredTerm]) -> String {
         let term = |term: &StoredTerm| {
@@ -141,6 +174,10 @@ impl Model {
     }
 
     fn objective_text(&self) -> String {
+        self.quadratic_text(self.objective(), true)
+    }
+
+    fn quadratic_text(&self, expression: &Quadratic, with_constant: bool) -> String {
         let mut text = String::new();
         let mut part = |coefficient: f64, what: &str| {
             let sign = match (text.is_empty(), coefficient < 0.0) {
@@ -159,7 +196,7 @@ impl Model {
                 text.push_str(what);
             }
         };
-        for (a, b, q) in self.objective().products() {
+        for (a, b, q) in expression.products() {
             let (first, second) = (self.name_of(a), self.name_of(b));
             if a == b {
                 part(q, &format!("{first}^2"));
@@ -167,11 +204,11 @@ impl Model {
                 part(q, &format!("{first} {second}"));
             }
         }
-        for (v, a) in self.objective().affine().terms() {
+        for (v, a) in expression.affine().terms() {
             part(a, &self.name_of(v));
         }
-        let constant = self.objective().affine().offset();
-        if constant != 0.0 {
+        let constant = expression.affine().offset();
+        if constant != 0.0 && with_constant {
             part(constant, "");
         }
         if text.is_empty() { "0".into() } else { text }

@@ -1,7 +1,6 @@
-//! Quadratic expressions, for objectives.
+//! Quadratic expressions, for objectives and rows.
 
 use super::affine::Affine;
-use super::conic::{ConicRow, StoredConic};
 use super::ids::Variable;
 
 /// A quadratic expression `affine + sum q_jk x_j x_k`.
@@ -92,19 +91,6 @@ impl Quadratic {
     pub(crate) fn append(&mut self, other: &Quadratic, factor: f64) {
         self.products.extend(other.products.iter().map(|&(a, b, q)| (a, b, factor * q)));
         self.affine.append(&other.affine, factor);
-    }
-}
-
-impl Quadratic {
-    /// The statement that the expression is at most another one.
-    pub fn le(&self, right: impl Into<Quadratic>) -> ConicRow {
-        let expression = (self - right.into()).compacted();
-        ConicRow::new(StoredConic::Quadratic { expression })
-    }
-
-    /// The statement that the expression is at least another one.
-    pub fn ge(&self, right: impl Into<Quadratic>) -> ConicRow {
-        right.into().le(self)
     }
 }
 

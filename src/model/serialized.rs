@@ -34,6 +34,8 @@ impl TryFrom<StoredModel> for Model {
             model.push_indicator(name, condition, row, big_m)?;
         }
         for ConicData { name, condition, conic } in stored.conic {
+            name.check()?;
+            let conic = model.checked_conic(conic, &name)?;
             model.push_conic(name, condition, conic)?;
         }
         for LogicalData { name, logic } in stored.logic {

@@ -152,7 +152,7 @@ fn misses(columns: BoundedColumns<'_>, cone: &Cone, length: f64) -> bool {
 }
 
 /// Whether every point within the bounds is in the cone.
-fn is_implied(columns: BoundedColumns<'_>, cone: &Cone) -> bool {
+pub(super) fn is_implied(columns: BoundedColumns<'_>, cone: &Cone) -> bool {
     let lower = |j: usize| columns.bounds[j][0].max(0.0) * (1.0 - FEW_ROUNDINGS);
     let room = match (cone.shape, cone.head()) {
         (ConeShape::Rotated, &[x, y]) => lower(x) * lower(y),

@@ -13,6 +13,15 @@ impl Program {
     /// Adds integral columns within `0..=upper` without a cost, and rows with their limits; nothing,
     /// and an unfinished program, where the matrices cannot be allocated.
     pub(crate) fn append(&mut self, upper: &[f64], rows: &[Addition]) -> Option<()> {
+        let old = self.column_count();
+        self.append_continuous(upper, rows)?;
+        self.integral[old..].fill(true);
+        self.integers.extend(old..old + upper.len());
+        Some(())
+    }
+
+    /// Adds continuous columns within `0..=upper` without a cost, and rows, as [`append`](Self::append).
+    pub(crate) fn append_continuous(&mut self, upper: &[f64], rows: &[Addition]) -> Option<()> {
         let (old, count) = (self.column_count(), upper.len());
         let (m, n) = (self.row_count() + rows.len(), old + count);
         let mut entries = Vec::new();
@@ -37,8 +46,7 @@ impl Program {
         self.linear.resize(n, 0.0);
         self.lower.resize(n, 0.0);
         self.upper.extend(upper);
-        self.integral.resize(n, true);
-        self.integers.extend(old..n);
+        self.integral.resize(n, false);
         self.step.resize(n, None);
         self.extend_steepness();
         Some(())

@@ -1,12 +1,9 @@
 //! The cones of a model as cones over columns of its program.
 
 use super::assemble::Entries;
-use super::cone::{Cone, ConeRole, ConeShape};
+use super::cone::{Cone, ConeRole, ConeShape, LONGEST_TAIL};
 use crate::error::Error;
 use crate::model::{Affine, Model};
-
-/// The largest tail of a norm that is cut off as it is; longer ones are split into parts.
-const LONGEST_TAIL: usize = 2;
 
 /// Adds the cones of a model to the entries of its program. Expressions that are not single variables,
 /// each once in a cone, become columns with a row.

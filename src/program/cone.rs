@@ -2,6 +2,9 @@
 
 use super::Program;
 
+/// The largest tail of a norm that is cut off as it is; longer ones are split into parts.
+pub(crate) const LONGEST_TAIL: usize = 2;
+
 /// A second-order cone over columns of a program, each of them there once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cone {
@@ -61,6 +64,13 @@ impl Cone {
         Cone { shape: self.shape, columns, role: self.role }
     }
 
+    /// Sets the first column of a part to the least value that the point allows.
+    pub(crate) fn complete(&self, x: &mut [f64]) {
+        let [part, times, entry] = self.columns[..] else { return };
+        let square = x[entry] * x[entry];
+        x[part] = if square == 0.0 { 0.0 } else { square / x[times].max(f64::MIN_POSITIVE) };
+    }
+
     /// By how much a point misses the cone, in the unit of the head: the distance of the head from the
     /// least one that the tail allows (of a rotated cone, in the direction in which both grow alike).
     pub fn miss(&self, x: &[f64]) -> f64 {
@@ -91,9 +101,7 @@ impl Program {
     /// Sets the columns of parts of cones to the least values that the point allows.
     pub(crate) fn complete_parts(&self, x: &mut [f64]) {
         for cone in self.cones.iter().filter(|cone| cone.role == ConeRole::Part) {
-            let [part, times, entry] = cone.columns[..] else { continue };
-            let square = x[entry] * x[entry];
-            x[part] = if square == 0.0 { 0.0 } else { square / x[times].max(f64::MIN_POSITIVE) };
+            cone.complete(x);
         }
     }
 }

@@ -12,8 +12,9 @@ mod assemble_cones;
 mod cone;
 mod steepness;
 
-pub(crate) use cone::conic_columns;
+pub(crate) use append::Addition;
 pub use cone::{Cone, ConeRole, ConeShape};
+pub(crate) use cone::{LONGEST_TAIL, conic_columns};
 
 use std::sync::OnceLock;
 

@@ -88,7 +88,7 @@ pub(crate) fn approximate_cones(
             rounds.cuts.len()
         );
     }
-    if conic - last > CLOSE_ENOUGH * scale {
+    if conic - last > crate::search::env("CLOSE", CLOSE_ENOUGH) * scale {
         return None;
     }
     rounds.program(program, &active)

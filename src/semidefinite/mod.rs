@@ -49,10 +49,11 @@ pub fn negative_direction(
 }
 
 /// The variables of a block, in order, and its products in places among them.
-type BlockProducts = (Vec<usize>, Vec<Product>);
+pub(crate) type BlockProducts = (Vec<usize>, Vec<Product>);
 
-/// Variables that products link, directly or not, are in one block.
-fn blocks(products: &[Product]) -> Vec<BlockProducts> {
+/// Variables that products link, directly or not, are in one block. The products of a block are in places
+/// among its variables.
+pub(crate) fn blocks(products: &[Product]) -> Vec<BlockProducts> {
     let used = || products.iter().filter(|(.., q)| *q != 0.0);
     let size = used().map(|&(_, b, _)| b + 1).max().unwrap_or(0);
     let mut parent: Vec<usize> = (0..size).collect();

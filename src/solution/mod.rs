@@ -6,6 +6,7 @@
 //! integrality and rows, and the meaning of indicators, disjunctions, logic, functions and
 //! ordered sets.
 
+mod evaluation;
 mod leaves;
 mod multipliers;
 mod note;

@@ -8,11 +8,10 @@
 use std::fmt;
 
 use crate::interval::Interval;
-use crate::model::{Affine, BigM, Function, Model, Name, TermRef, Variable};
+use crate::model::{BigM, Model, Name, TermRef, Variable};
 use crate::number::rounded;
-use crate::sum::Sum;
-use crate::tolerance;
 
+use super::evaluation::{Evaluation, Miss};
 use super::point::Point;
 
 /// The result of checking a [`Point`] against a [`Model`].
@@ -51,6 +50,9 @@ pub struct Checked {
     /// Special ordered sets.
     #[cfg_attr(feature = "serde", serde(default))]
     pub sets: usize,
+    /// Norms and quadratic rows, with and without a condition.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub cones: usize,
 }
 
 /// A statement that a point violates by more than the tolerance.
@@ -82,6 +84,8 @@ pub enum ViolationKind {
     Integrality,
     /// A linear row.
     Row,
+    /// A norm or a quadratic row that must hold.
+    Cone,
     /// An indicator whose condition holds and whose row does not.
     Implication,
     /// A disjunction: a row of the selected term that does not hold, or (with an amount of 1) not
@@ -106,6 +110,7 @@ impl fmt::Display for Violation {
             ViolationKind::Bound => "a bound of",
             ViolationKind::Integrality => "the integrality of",
             ViolationKind::Row => "the row",
+            ViolationKind::Cone => "the cone",
             ViolationKind::Implication => "the implication",
             ViolationKind::Logic => return write!(f, "the logic `{}`", self.name),
             ViolationKind::Disjunction => "the disjunction",
@@ -118,12 +123,12 @@ impl fmt::Display for Violation {
 }
 
 impl Verification {
-    /// Checks a point: bounds, integrality, semi-continuity, rows, implications, disjunctions, logic,
+    /// Checks a point: bounds, integrality, semi-continuity, rows, cones, implications, disjunctions, logic,
     /// functions, ordered sets.
     ///
     /// # Arguments
     ///
-    /// * `feasibility`: the absolute tolerance of rows, bounds and functions, in their units. Rounding
+    /// * `feasibility`: the absolute tolerance of rows, cones, bounds and functions, in their units. Rounding
     ///   is forgiven as well, but not in rows of integers with
     ///   whole coefficients. Integer variables must be whole within 1e-9.
     pub fn of(model: &Model, point: &Point, feasibility: f64) -> Self {
@@ -158,6 +163,12 @@ impl Verification {
             check.note(ViolationKind::Function, miss, || function.name().to_string());
         }
         let on = |variable: Variable| at.is_on(variable);
+        for conic in model.conic_constraints() {
+            if conic.condition().is_none_or(|condition| condition.is_true(on)) {
+                let miss = at.conic(conic.conic());
+                check.note(ViolationKind::Cone, miss, || conic.name().to_string());
+            }
+        }
         for logical in model.logical_constraints() {
             let amount = f64::from(u8::from(!logical.logic().is_true(on)));
             let name = || logical.name().to_string();
@@ -189,6 +200,7 @@ impl Verification {
             logic: model.logical_constraint_count(),
             functions: model.function_count(),
             sets: model.special_ordered_set_count(),
+            cones: model.conic_constraint_count(),
             ..check.checked
         };
         check
@@ -274,155 +286,4 @@ impl Verification {
             self.largest_residual = amount;
         }
     }
-}
-
-/// By how much a statement is missed, the largest number in it, and how much may be missed.
-struct Miss {
-    amount: f64,
-    size: f64,
-    allowed: f64,
-}
-
-impl Miss {
-    /// A miss of something without terms.
-    fn beyond(amount: f64, allowed: f64) -> Self {
-        Miss { amount, size: 0.0, allowed }
-    }
-}
-
-/// The value of an expression.
-struct Value {
-    sum: Sum,
-    /// The sum of the magnitudes of its terms.
-    magnitude: f64,
-    largest: f64,
-    /// Whether it is a whole number whenever its variables are, so that nothing was rounded.
-    whole: bool,
-}
-
-/// Statements evaluated at a point, with compensated sums.
-struct Evaluation<'a> {
-    values: &'a [f64],
-    integral: Vec<bool>,
-    feasibility: f64,
-}
-
-impl<'a> Evaluation<'a> {
-    fn new(model: &Model, values: &'a [f64], feasibility: f64) -> Self {
-        let integral = model.variables().map(|variable| variable.kind().is_integral()).collect();
-        Evaluation { values, integral, feasibility }
-    }
-
-    fn is_on(&self, variable: Variable) -> bool {
-        self.value(variable).round() == 1.0
-    }
-
-    fn value(&self, variable: Variable) -> f64 {
-        self.values[variable.index()]
-    }
-
-    fn terms(&self, terms: impl Iterator<Item = (Variable, f64)>, constant: f64) -> Value {
-        let (magnitude, whole) = (constant.abs(), constant == constant.round());
-        let mut value = Value { sum: Sum::new(constant), magnitude, largest: magnitude, whole };
-        for (variable, a) in terms {
-            let x = self.value(variable);
-            value.sum.add_product(a, x);
-            value.magnitude += (a * x).abs();
-            value.largest = value.largest.max((a * x).abs());
-            value.whole &= self.integral[variable.index()] && a == a.round();
-        }
-        value
-    }
-
-    /// By how much a row misses its limits, and by how much it may.
-    ///
-    /// A whole number misses a limit by at most the tolerance exactly if it does not miss the limit
-    /// rounded, within the tolerance, to a whole number; so rows of whole numbers are compared
-    /// exactly.
-    fn row(&self, terms: &[(Variable, f64)], limits: Interval) -> Miss {
-        let value = self.terms(terms.iter().copied(), 0.0);
-        if !value.magnitude.is_finite() {
-            return Miss::beyond(value.magnitude, 0.0);
-        }
-        let beyond = |limit: f64| {
-            let mut miss = value.sum;
-            miss.add(-limit);
-            miss.value()
-        };
-        let (below, above) = (-beyond(limits.lower), beyond(limits.upper));
-        let limit = if below > above { limits.lower } else { limits.upper };
-        let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
-        let rounded = if value.whole { 0.0 } else { value.magnitude + limit };
-        Miss {
-            amount: below.max(above).max(0.0),
-            size: value.largest.max(limit),
-            allowed: tolerance::allowed_miss(self.feasibility, rounded),
-        }
-    }
-
-    /// How far a variable is from 0 or from other values, whichever is nearer.
-    fn either(&self, variable: Variable, values: Interval) -> Miss {
-        let zero = self.row(&[(variable, 1.0)], Interval::point(0.0));
-        let other = self.row(&[(variable, 1.0)], values);
-        if other.amount < zero.amount { other } else { zero }
-    }
-
-    /// How far a member is from 0 that should be 0: the largest one outside `most` neighbours that
-    /// include the largest of all.
-    fn ordered_set(&self, members: &[(Variable, f64)], most: usize) -> Miss {
-        let at =
-            |&(variable, _): &(Variable, f64)| self.row(&[(variable, 1.0)], Interval::point(0.0));
-        let misses: Vec<Miss> = members.iter().map(at).collect();
-        let size = |k: &usize| misses[*k].amount;
-        let by_size = |a: &usize, b: &usize| size(a).total_cmp(&size(b));
-        let top = (0..misses.len()).max_by(by_size).unwrap_or(0);
-        let outside = |from: usize| {
-            let outside = (0..misses.len()).filter(|k| !(from..from + most).contains(k));
-            outside.max_by(by_size)
-        };
-        let places = (top + 1).saturating_sub(most)..=top;
-        let best = places.map(outside).min_by(|a, b| match (a, b) {
-            (Some(a), Some(b)) => by_size(a, b),
-            (a, b) => a.cmp(b),
-        });
-        match best.flatten() {
-            Some(k) => Miss { ..misses[k] },
-            None => Miss::beyond(0.0, 0.0),
-        }
-    }
-
-    /// How far a variable is from the function it should be, and how far it may be: argument and
-    /// value may both be off the graph by the tolerance, unless they are whole numbers.
-    fn function(&self, function: &Function, result: Variable) -> Miss {
-        let at = |variable| self.value(variable);
-        let (own, factor) = (at(result), function.factor().map_or(1.0, at));
-        let of = |e: &Affine| self.terms(e.terms().into_iter(), e.offset());
-        let arguments: Vec<Value> = function.expressions().iter().map(of).collect();
-        let magnitude = arguments.iter().map(|e| e.magnitude).fold(0.0, f64::max);
-        let magnitude = own.abs() + magnitude * factor.abs();
-        if !magnitude.is_finite() {
-            return Miss::beyond(magnitude, 0.0);
-        }
-        let size = arguments.iter().map(|e| e.largest).fold(own.abs(), f64::max);
-        let allowed = tolerance::allowed_miss(self.feasibility, magnitude);
-        let amount = match function {
-            Function::Piecewise { of, graph } => {
-                let x = of.evaluate(at);
-                let near = graph.values_within(x - allowed, x + allowed);
-                excess(own, near) + excess(x, graph.domain())
-            }
-            _ => (own - function.evaluate(at)).abs(),
-        };
-        let allowed = match function {
-            Function::Product { .. } if arguments.iter().any(|e| !e.whole) => {
-                allowed + self.feasibility * (factor.abs() - 1.0).max(0.0)
-            }
-            _ => allowed,
-        };
-        Miss { amount, size, allowed }
-    }
-}
-
-fn excess(value: f64, limits: Interval) -> f64 {
-    (limits.lower - value).max(value - limits.upper).max(0.0)
 }

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use carom::model::{lp, mps};
+use carom::model::{cbf, lp, mps};
 use carom::prelude::*;
 
 use crate::there_and_back::through_files;
@@ -46,6 +46,14 @@ fn mps_files() {
     assert!(each("mps", read) >= 7);
     each("lp", read);
     each("json", read);
+}
+
+#[test]
+fn cbf_files() {
+    let read = |text: &str| cbf::read(text).map(|read| read.model).map_err(|e| e.to_string());
+    assert!(each("cbf", read) >= 2);
+    each("lp", read);
+    each("mps", read);
 }
 
 #[cfg(feature = "serde")]

@@ -1,7 +1,9 @@
-//! Model files: MPS and LP, by section, damaged, at random and there and back.
+//! Model files: MPS, LP and CBF, by section, damaged, at random and there and back.
 
+mod cbf;
 #[path = "../common/mod.rs"]
 mod common;
+mod cones;
 mod corpus;
 mod lp;
 mod models;

@@ -19,6 +19,7 @@ mod relaxation;
 mod search;
 mod semidefinite;
 mod simplex;
+mod standard_cone;
 mod strengthening;
 mod subset;
 mod sum;

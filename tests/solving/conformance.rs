@@ -417,10 +417,11 @@ impl Solver for Enumeration {
 }
 
 /// What [`Enumeration`] is not made for.
-const BEYOND_ENUMERATION: [Capability; 5] = [
+const BEYOND_ENUMERATION: [Capability; 6] = [
     Capability::Continuous,
     Capability::Integers,
     Capability::Quadratic,
+    Capability::Cones,
     Capability::Functions,
     Capability::Unbounded,
 ];

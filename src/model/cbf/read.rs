@@ -73,10 +73,9 @@ impl<'a> CbfFile<'a> {
         while lines.next(&mut file.warnings) {
             let head = lines.tokens[0];
             if let Some(extra) = lines.tokens.get(1) {
-                let known = is_section(head.text) || head.raw().is_err();
-                return Err(match (known, last) {
-                    (false, Some(section)) => section.too_many(&head),
-                    (_, _) => extra.error(format!(
+                return Err(match last {
+                    Some(section) if !is_section(head.text) => section.too_many(&head),
+                    _ => extra.error(format!(
                         "nothing can follow `{}` in its line; its contents begin in the next one",
                         head.text
                     )),

@@ -35,7 +35,7 @@ impl CbfRow {
         let [(variable, factor)] = self.terms[..] else { return None };
         let root = -self.offset / factor;
         let exact = root.mul_add(factor, self.offset) == 0.0
-            && (root == 0.0 || root.abs().min(self.offset.abs()) > TINY)
+            && (factor.abs() == 1.0 || root == 0.0 || root.abs().min(self.offset.abs()) > TINY)
             && root.abs() < crate::tolerance::INFINITE;
         exact.then_some((variable, factor, if root == 0.0 { 0.0 } else { root }))
     }

@@ -13,7 +13,7 @@ use crate::model::sense::Sense;
 use crate::model::text::lines::{lines, number};
 use crate::model::{Model, Quadratic};
 
-/// ConicLines that lie in cones.
+/// Rows that lie in cones.
 #[derive(Default)]
 struct ConicLines {
     blocks: Vec<(ConeKind, usize)>,
@@ -107,7 +107,7 @@ fn rows(model: &Model) -> Result<ConicLines, Error> {
         };
         rows.within(&[(variable.id(), 1.0)], limits);
     }
-    lines.iter().for_each(|line| rows.within(line.terms, line.limits));
+    lines.iter().for_each(|line| rows.within(&line.terms, line.limits));
     for conic in model.conic_constraints() {
         if conic.condition().is_some() {
             return refuse("the condition of", conic.name());

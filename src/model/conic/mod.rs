@@ -1,15 +1,24 @@
 //! Norms and convex quadratic rows: statements about lengths of vectors.
 //!
 //! * `norm` - the length of a vector, and its comparison
+//! * `stored_conic`, `conic_ref` - what a model stores, and how it is read
 //! * `conic_row` - comparisons as statements of a model
+//! * `quadratic_row` - comparisons of quadratic expressions
 //! * `standard_cone` - a statement as one second-order cone over affine expressions
+//! * `squares` - completion of squares
+//! * `sheet` - the sign of the head of a cone
 
+mod conic_ref;
 mod conic_row;
 mod norm;
+mod quadratic_row;
+mod sheet;
+mod squares;
 mod standard_cone;
+mod stored_conic;
 
-pub use conic_row::{ConicRef, ConicRow};
+pub use conic_ref::ConicRef;
+pub use conic_row::ConicRow;
 pub use norm::{Norm, norm};
 
-pub(crate) use conic_row::StoredConic;
-pub(crate) use standard_cone::StandardCone;
+pub(crate) use stored_conic::StoredConic;

@@ -16,6 +16,7 @@ use crate::model::store::Model;
 use crate::model::stored::StoredRow;
 use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
+use crate::model::text::squares::add_quadratic_row;
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
 use crate::number::Exact;
@@ -44,7 +45,8 @@ pub(super) fn model(mut file: LpFile<'_>) -> Result<Read, Error> {
                 let other = rows.peek().and_then(|((other, half), _)| {
                     let name = joined(label, other.label?)?;
                     let condition = |row: &LpRow<'_>| row.condition.map(|c| (c.column, c.on));
-                    (condition(other) == condition(row) && are_halves(&stored, half))
+                    let is_linear = row.products.is_empty() && other.products.is_empty();
+                    (is_linear && condition(other) == condition(row) && are_halves(&stored, half))
                         .then_some((name, half.upper))
                 });
                 match other {
@@ -68,6 +70,11 @@ pub(super) fn model(mut file: LpFile<'_>) -> Result<Read, Error> {
         };
         if stored.lower.is_infinite() && stored.upper.is_infinite() {
             continue; // has no finite limit
+        }
+        let products = with_products(Quadratic::zero(), &row.products, &variables);
+        if !products.products().is_empty() {
+            add_quadratic(&mut model, row, name, (products, &stored), &variables)?;
+            continue;
         }
         add(&mut model, row, name, stored, &variables)?;
     }
@@ -103,6 +110,32 @@ fn add(
         }
     }
     Ok(())
+}
+
+/// Adds a row with products.
+fn add_quadratic(
+    model: &mut Model,
+    row: &LpRow<'_>,
+    name: Name,
+    (mut expression, stored): (Quadratic, &StoredRow),
+    variables: &[Variable],
+) -> Result<(), Error> {
+    let StoredRow { terms, lower, upper } = stored;
+    if lower.is_finite() && upper.is_finite() {
+        return Err(row.place.error(
+            "a row with products needs one limit, `<=` or `>=`; with two or as an equation it is not \
+             convex",
+        ));
+    }
+    for &(variable, coefficient) in terms {
+        expression += coefficient * variable;
+    }
+    let expression = match upper.is_finite() {
+        true => expression - *upper,
+        false => *lower - expression,
+    };
+    let condition = row.condition.map(|condition| condition.literal(variables).into());
+    add_quadratic_row(model, name, expression, condition).map_err(|error| at(row.place, &error))
 }
 
 fn at(place: Token<'_>, error: &Error) -> Error {
@@ -225,11 +258,18 @@ fn objective(file: &LpFile<'_>, variables: &[Variable]) -> Quadratic {
     for &(column, value) in &file.objective.terms {
         affine.add_term(value, variables[column]);
     }
-    let mut objective = Quadratic::from(affine);
-    for &(first, second, value) in &file.objective.products {
-        objective.add_product(value, variables[first], variables[second]);
+    with_products(affine.into(), &file.objective.products, variables)
+}
+
+fn with_products(
+    mut sum: Quadratic,
+    products: &[(usize, usize, f64)],
+    variables: &[Variable],
+) -> Quadratic {
+    for &(first, second, value) in products {
+        sum.add_product(value, variables[first], variables[second]);
     }
-    objective
+    sum
 }
 
 /// The name of a row without a label: `c` and its position, and underscores if that is taken.

@@ -24,6 +24,10 @@ impl LpFile<'_> {
         }
         for row in &mut self.rows {
             row.terms.iter_mut().for_each(|(at, _)| close(at, index));
+            for (first, second, _) in &mut row.products {
+                close(first, index);
+                close(second, index);
+            }
             if let Some(RowCondition { column, .. }) = &mut row.condition {
                 close(column, index);
             }
@@ -40,7 +44,8 @@ impl LpFile<'_> {
         let mut products = objective.products.iter().flat_map(|&(a, b, _)| [a, b]);
         let mut rows = self.rows.iter().flat_map(|row| {
             let condition = row.condition.map(|condition| condition.column);
-            row.terms.iter().map(|(at, _)| *at).chain(condition)
+            let products = row.products.iter().flat_map(|&(a, b, _)| [a, b]);
+            row.terms.iter().map(|(at, _)| *at).chain(products).chain(condition)
         });
         let mut sets = self.sets.iter().flat_map(|set| set.members.iter().map(|(at, _)| *at));
         is_fixed

@@ -1,4 +1,4 @@
-//! Expressions: terms, constants and, in the objective, products.
+//! Expressions: terms, constants, and products in brackets.
 
 use super::lexer::TokenKind;
 use super::read::{LpFile, is_infinity};
@@ -18,6 +18,11 @@ impl<'a> Expression<'a> {
     /// The constant, if it is not finite.
     pub(super) fn infinite(&self) -> Option<Token<'a>> {
         self.constant.filter(|(value, _)| !value.is_finite()).map(|(_, token)| token)
+    }
+
+    /// Whether there is a variable in it.
+    pub(super) fn has_variables(&self) -> bool {
+        !self.terms.is_empty() || !self.products.is_empty()
     }
 
     /// A number without the constant, for moving it to the other side.
@@ -41,7 +46,7 @@ impl<'a> Expression<'a> {
 
 impl<'a> LpFile<'a> {
     /// The longest expression that begins here, possibly empty.
-    pub(super) fn expression(&mut self, quadratic: bool) -> Result<Expression<'a>, Error> {
+    pub(super) fn expression(&mut self, in_objective: bool) -> Result<Expression<'a>, Error> {
         let mut expression = Expression::default();
         let mut first = true;
         loop {
@@ -69,12 +74,7 @@ impl<'a> LpFile<'a> {
                     self.step();
                     expression.add_constant(sign * f64::INFINITY, token)?;
                 }
-                TokenKind::Open if quadratic => self.products(sign, &mut expression)?,
-                TokenKind::Open => {
-                    return Err(token.error(
-                        "products and squares can stand in the objective only; rows must be linear",
-                    ));
-                }
+                TokenKind::Open => self.products(sign, &mut expression, in_objective)?,
                 _ if signed.is_some() => return Err(self.unexpected("a number or a name")),
                 _ => return Ok(expression),
             }
@@ -82,7 +82,12 @@ impl<'a> LpFile<'a> {
     }
 
     /// `[ ... ]` with products and squares, and the `/ 2` after it.
-    fn products(&mut self, sign: f64, expression: &mut Expression<'a>) -> Result<(), Error> {
+    fn products(
+        &mut self,
+        sign: f64,
+        expression: &mut Expression<'a>,
+        in_objective: bool,
+    ) -> Result<(), Error> {
         self.step();
         let start = expression.products.len();
         let mut places = Vec::new();
@@ -117,6 +122,11 @@ impl<'a> LpFile<'a> {
             let token = self.token();
             if self.kind() != TokenKind::Number || self.step().raw()? != 2.0 {
                 return Err(token.error("only `/ 2` can stand behind `]`"));
+            }
+            if !in_objective {
+                self.warnings.push(token.warning(
+                    "taken as half of what stands in `[ ]`; some solvers refuse `/ 2` in rows",
+                ));
             }
             divisor = 2.0;
         }

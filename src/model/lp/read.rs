@@ -248,8 +248,8 @@ impl<'a> LpFile<'a> {
         match self.kind() {
             TokenKind::End => self.cut_off(),
             TokenKind::Times | TokenKind::Power | TokenKind::Open | TokenKind::Over => token.error(format!(
-                "expected {expected}, found `{}`; products and squares can stand in the objective \
-                 only, as `[ x ^2 + 2 x * y ] / 2`",
+                "expected {expected}, found `{}`; products and squares stand on the left in brackets, \
+                 as `[ x ^2 + 2 x * y ]`, in the objective with `/ 2` behind",
                 token.text
             )),
             _ => token.error(format!("expected {expected}, found `{}`", token.text)),

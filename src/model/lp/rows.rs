@@ -15,6 +15,7 @@ pub(super) struct LpRow<'a> {
     /// The position where it begins.
     pub(super) place: Token<'a>,
     pub(super) terms: Vec<(usize, f64)>,
+    pub(super) products: Vec<(usize, usize, f64)>,
     pub(super) lower: f64,
     pub(super) upper: f64,
     pub(super) condition: Option<RowCondition<'a>>,
@@ -62,7 +63,7 @@ impl<'a> LpFile<'a> {
         if let Some(token) = expression.infinite() {
             return Err(token.error("infinity cannot be part of a sum"));
         }
-        if let (Some((_, token)), false) = (expression.constant, expression.terms.is_empty()) {
+        if let (Some((_, token)), false) = (expression.constant, !expression.has_variables()) {
             return Err(token.error(
                 "a number beside variables is read differently by different solvers; move it to \
                  the other side",
@@ -78,15 +79,16 @@ impl<'a> LpFile<'a> {
                 Exact(upper)
             )));
         }
-        Ok(LpRow { label, place, terms: expression.terms, lower, upper, condition })
+        let Expression { terms, products, .. } = expression;
+        Ok(LpRow { label, place, terms, products, lower, upper, condition })
     }
 
     fn comparison(&mut self) -> Result<Comparison<'a>, Error> {
         let left = self.expression(false)?;
         let relation = self.relation()?;
         let mut limits = (f64::NEG_INFINITY, f64::INFINITY);
-        if !left.terms.is_empty() || left.constant.is_none() {
-            if self.at_name() {
+        if left.has_variables() || left.constant.is_none() {
+            if self.at_name() || self.kind() == TokenKind::Open {
                 return Err(self.unexpected("a number (bring variables to the left)"));
             }
             let (value, _) = self.value()?;
@@ -95,7 +97,7 @@ impl<'a> LpFile<'a> {
         }
         // A number is on the left.
         let right = self.expression(false)?;
-        if right.terms.is_empty() {
+        if !right.has_variables() {
             let Some((value, token)) = right.constant else {
                 return Err(self.unexpected("an expression"));
             };
@@ -155,7 +157,10 @@ fn limit(limits: &mut (f64, f64), relation: TokenKind, value: f64) {
 fn literal(comparison: &Comparison<'_>) -> Option<(usize, bool)> {
     let &[(column, coefficient)] = &comparison.expression.terms[..] else { return None };
     let (lower, upper) = (comparison.lower, comparison.upper);
-    let plain = coefficient == 1.0 && comparison.expression.constant.is_none() && lower == upper;
+    let plain = coefficient == 1.0
+        && comparison.expression.products.is_empty()
+        && comparison.expression.constant.is_none()
+        && lower == upper;
     match lower {
         0.0 if plain => Some((column, false)),
         1.0 if plain => Some((column, true)),

@@ -8,7 +8,10 @@ use crate::interval::Interval;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::sense::Sense;
-use crate::model::text::lines::{FileLine, file_bounds, lines, number, objective_name};
+use crate::model::text::lines::{
+    FileLine, file_bounds, lines, number, objective_name, quadratic_lines,
+};
+use crate::model::text::squares::with_quadratic_rows;
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
@@ -17,7 +20,9 @@ const WIDTH: usize = 100;
 
 /// The text of a model in the LP format.
 pub(super) fn text(model: &Model) -> Result<String, Error> {
-    let lines = lines(model, "LP")?;
+    let model = &*with_quadratic_rows(model)?;
+    let mut lines = lines(model, "LP")?;
+    lines.extend(quadratic_lines(model, "LP")?);
     let columns: Vec<String> = model.variables().map(|v| names::write(v.name())).collect();
     let mut page = Page { text: String::new(), line: 0 };
     let title = model.name().trim();
@@ -131,16 +136,28 @@ fn write_objective(page: &mut Page, model: &Model, lines: &[FileLine<'_>], colum
     page.terms(true, affine);
     if !products.is_empty() {
         // All coefficients are doubled, because readers want the `/ 2`.
-        page.part(if empty { "[" } else { "+ [" });
-        for (k, &(first, second, value)) in products.iter().enumerate() {
-            let (a, b) = (&columns[first.index()], &columns[second.index()]);
-            // Some readers want this spacing.
-            let what = if first == second { format!("{a} ^2") } else { format!("{a} * {b}") };
-            page.terms(k == 0, [(2.0 * value, what.as_str())]);
-        }
-        page.part("] / 2");
+        write_products(page, empty, &products, 2.0, columns);
+        page.part("/ 2");
     }
     page.end();
+}
+
+/// Writes `[ ... ]`, all coefficients times a factor.
+fn write_products(
+    page: &mut Page,
+    first: bool,
+    products: &[(Variable, Variable, f64)],
+    factor: f64,
+    columns: &[String],
+) {
+    page.part(if first { "[" } else { "+ [" });
+    for (k, &(first, second, value)) in products.iter().enumerate() {
+        let (a, b) = (&columns[first.index()], &columns[second.index()]);
+        // Some readers want this spacing.
+        let what = if first == second { format!("{a} ^2") } else { format!("{a} * {b}") };
+        page.terms(k == 0, [(factor * value, what.as_str())]);
+    }
+    page.part("]");
 }
 
 /// The constant of the objective, if it has one.
@@ -184,7 +201,8 @@ fn is_natural(
     let products = products.iter().flat_map(|&(a, b, _)| [a, b]);
     let rows = lines.iter().flat_map(|line| {
         let condition = line.condition.map(Literal::variable);
-        condition.into_iter().chain(line.terms.iter().map(|&(v, _)| v))
+        let products = line.products.iter().flat_map(|&(a, b, _)| [a, b]);
+        condition.into_iter().chain(line.terms.iter().map(|&(v, _)| v)).chain(products)
     });
     let mut known = 0;
     for variable in terms.iter().map(|&(v, _)| v).chain(products).chain(rows) {
@@ -228,7 +246,9 @@ fn write_half(
     }
     let terms = line.terms.iter().map(|&(v, a)| (a, columns[v.index()].as_str()));
     page.terms(true, terms);
-    if line.terms.is_empty() {
+    if !line.products.is_empty() {
+        write_products(page, line.terms.is_empty(), &line.products, 1.0, columns);
+    } else if line.terms.is_empty() {
         // Readers want a variable on the left.
         page.part(&columns.first().map_or("0".into(), |column| format!("0 {column}")));
     }

@@ -1,8 +1,5 @@
 //! From the entries of a file to a model.
 
-use std::cmp::Ordering;
-use std::collections::HashMap;
-
 use super::decimal::Decimal;
 use super::names;
 use super::read::{MpsColumn, MpsFile, MpsRow, MpsRowKind};
@@ -16,6 +13,7 @@ use crate::model::store::Model;
 use crate::model::stored::StoredRow;
 use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
+use crate::model::text::squares::add_quadratic_row;
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
 
@@ -32,9 +30,23 @@ pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
         if lower.is_infinite() && upper.is_infinite() {
             continue; // has no finite limit, like an N row
         }
+        let name = names::read(row.name.text);
+        if let Some(matrix) = &row.matrix {
+            let mut expression = Quadratic::zero();
+            file.add_products(matrix, &variables, &mut expression, &mut warnings)?;
+            if !expression.products().is_empty() {
+                add_quadratic(
+                    &mut model,
+                    row,
+                    matrix.place,
+                    (expression, lower, upper),
+                    &variables,
+                )?;
+                continue;
+            }
+        }
         let terms = row.terms.iter().map(|&(column, value)| (variables[column], value)).collect();
         let stored = StoredRow { terms, lower, upper };
-        let name = names::read(row.name.text);
         match &row.condition {
             None => {
                 model.push_constraint(name, stored)?;
@@ -53,6 +65,31 @@ pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
     let objective = objective(&file, &variables, &mut warnings)?;
     model.set_objective(file.sense.unwrap_or(Sense::Minimize), objective)?;
     Ok(Read { model, warnings })
+}
+
+/// Adds a row with products.
+fn add_quadratic(
+    model: &mut Model,
+    row: &MpsRow<'_>,
+    place: Token<'_>,
+    (mut expression, lower, upper): (Quadratic, f64, f64),
+    variables: &[Variable],
+) -> Result<(), Error> {
+    let name = row.name.text;
+    if lower.is_finite() && upper.is_finite() {
+        return Err(place.error(format!(
+            "row `{name}` has products, so it needs one limit (a row of kind L or G without a range); \
+             with two it is not convex"
+        )));
+    }
+    row.terms.iter().for_each(|&(column, value)| expression += value * variables[column]);
+    let expression = match upper.is_finite() {
+        true => expression - upper,
+        false => lower - expression,
+    };
+    let condition = row.condition.map(|condition| condition.literal(variables).into());
+    add_quadratic_row(model, names::read(name), expression, condition)
+        .map_err(|error| place.error(error.to_string()))
 }
 
 fn variables(
@@ -180,35 +217,8 @@ fn objective(
         row.terms.iter().for_each(|&(column, value)| affine.add_term(value, variables[column]));
         objective = Quadratic::from(affine);
     }
-    let mut seen = HashMap::with_capacity(file.products.len());
-    for product in &file.products {
-        let (a, b) = (product.first, product.second);
-        let key = if file.mirrored { (a, b) } else { (a.min(b), a.max(b)) };
-        if seen.insert(key, product.value).is_some() {
-            let (a, b) = (file.columns[a].name.text, file.columns[b].name.text);
-            let message = format!("a second entry for `{a}` and `{b}`");
-            if file.mirrored {
-                return Err(product.place.error(message));
-            }
-            warnings.push(product.place.warning(message + "; their sum counts"));
-        }
-    }
-    for product in &file.products {
-        let (a, b) = (product.first, product.second);
-        if file.mirrored && seen.get(&(b, a)).copied().unwrap_or(0.0) != product.value {
-            let (a, b) = (file.columns[a].name.text, file.columns[b].name.text);
-            return Err(product.place.error(format!(
-                "QMATRIX is not symmetric: the entry for `{b}` and `{a}` differs or is missing"
-            )));
-        }
-        // The objective is 1/2 x'Qx, and an entry off the diagonal stands for two.
-        match a.cmp(&b) {
-            Ordering::Equal => {
-                objective.add_product(product.value / 2.0, variables[a], variables[b]);
-            }
-            Ordering::Greater if file.mirrored => {}
-            _ => objective.add_product(product.value, variables[a], variables[b]),
-        }
+    if let Some(matrix) = &file.matrix {
+        file.add_products(matrix, variables, &mut objective, warnings)?;
     }
     Ok(objective)
 }

@@ -6,6 +6,7 @@ pub(crate) mod decimal;
 mod fixed;
 mod limits;
 mod names;
+mod products;
 mod read;
 mod section;
 mod sets;

@@ -1,6 +1,7 @@
 //! Reading: from lines to rows and columns as the file lists them.
 
 use super::bounds::MpsBounds;
+use super::products::MpsMatrix;
 use super::section::MpsSection;
 use super::sets;
 use crate::error::{Error, ErrorKind};
@@ -20,8 +21,10 @@ pub(super) struct MpsFile<'a> {
     pub(super) rows: Vec<MpsRow<'a>>,
     pub(super) columns: Vec<MpsColumn<'a>>,
     pub(super) objective: Option<usize>,
-    pub(super) products: Vec<MpsProduct<'a>>,
-    pub(super) mirrored: bool,
+    /// The products of the objective.
+    pub(super) matrix: Option<MpsMatrix<'a>>,
+    /// The row whose products are being read; `None` for those of the objective.
+    pub(super) matrix_row: Option<usize>,
     pub(super) sets: Vec<Set<'a>>,
     pub(super) warnings: Vec<Warning>,
     /// The set of a marker 'SOSORG' that is still open.
@@ -46,6 +49,7 @@ pub(super) struct MpsRow<'a> {
     pub(super) right: Option<Token<'a>>,
     pub(super) range: Option<Token<'a>>,
     pub(super) condition: Option<RowCondition<'a>>,
+    pub(super) matrix: Option<MpsMatrix<'a>>,
     /// The last column with an entry here, to find duplicates.
     last_column: Option<usize>,
 }
@@ -64,15 +68,6 @@ pub(super) struct MpsColumn<'a> {
     pub(super) name: Token<'a>,
     pub(super) integer: bool,
     pub(super) bounds: MpsBounds<'a>,
-}
-
-/// An entry of QUADOBJ or QMATRIX: two columns and a value.
-#[derive(Debug)]
-pub(super) struct MpsProduct<'a> {
-    pub(super) first: usize,
-    pub(super) second: usize,
-    pub(super) value: f64,
-    pub(super) place: Token<'a>,
 }
 
 impl<'a> MpsFile<'a> {
@@ -123,22 +118,15 @@ impl<'a> MpsFile<'a> {
                 self.data(section, rest)?;
                 return Ok(section);
             }
-            MpsSection::Qsection if !rest.is_empty() => self.check_qsection(&rest[0])?,
-            _ => {
-                if let Some(extra) = rest.first() {
-                    return Err(extra.error(format!(
-                        "nothing can follow the section name `{}` (data lines begin with a space)",
-                        head.text
-                    )));
-                }
+            MpsSection::Quadobj
+            | MpsSection::Qmatrix
+            | MpsSection::Qsection
+            | MpsSection::Qcmatrix => {
+                let named = matches!(section, MpsSection::Qsection | MpsSection::Qcmatrix);
+                nothing_after(head, rest.get(usize::from(named)))?;
+                self.begin_matrix(section, *head, rest.first())?;
             }
-        }
-        let mirrored = section == MpsSection::Qmatrix;
-        if mirrored || matches!(section, MpsSection::Quadobj | MpsSection::Qsection) {
-            if !self.products.is_empty() && mirrored != self.mirrored {
-                return Err(head.error("QUADOBJ and QMATRIX cannot both be given"));
-            }
-            self.mirrored = mirrored;
+            _ => nothing_after(head, rest.first())?,
         }
         Ok(section)
     }
@@ -157,9 +145,10 @@ impl<'a> MpsFile<'a> {
             MpsSection::Columns => self.column(tokens),
             MpsSection::Rhs | MpsSection::Ranges => self.right_hand_side(section, tokens),
             MpsSection::Bounds => self.bound(tokens),
-            MpsSection::Quadobj | MpsSection::Qsection | MpsSection::Qmatrix => {
-                self.product(tokens)
-            }
+            MpsSection::Quadobj
+            | MpsSection::Qmatrix
+            | MpsSection::Qsection
+            | MpsSection::Qcmatrix => self.product(expect(tokens, "two column names and a value")?),
             MpsSection::Indicators => self.indicator(tokens),
             MpsSection::Sets => self.set(tokens),
         }
@@ -222,6 +211,7 @@ impl<'a> MpsFile<'a> {
             right: None,
             range: None,
             condition: None,
+            matrix: None,
             last_column: None,
         });
         Ok(())
@@ -304,23 +294,6 @@ impl<'a> MpsFile<'a> {
         Ok(())
     }
 
-    fn product(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
-        let [first, second, value] = expect(tokens, "two column names and a value")?;
-        let product = MpsProduct {
-            first: self.find_column(&first)?,
-            second: self.find_column(&second)?,
-            value: value.raw()?,
-            place: first,
-        };
-        // The objective is 1/2 x'Qx: a square's coefficient is half the entry.
-        let half = if product.first == product.second { 0.5 } else { 1.0 };
-        if token::or_infinite(half * product.value).is_infinite() {
-            value.finite()?;
-        }
-        self.products.push(product);
-        Ok(())
-    }
-
     fn indicator(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
         let [word, name, column, value] = expect(tokens, "IF, a row name, a column name, 0 or 1")?;
         if !word.text.eq_ignore_ascii_case("IF") {
@@ -361,18 +334,7 @@ impl<'a> MpsFile<'a> {
         }
     }
 
-    /// QSECTION may name its row; only the objective can be quadratic.
-    fn check_qsection(&mut self, name: &Token<'a>) -> Result<(), Error> {
-        match self.find_row(name)? {
-            row if self.objective == Some(row) => Ok(()),
-            _ => Err(name.error(format!(
-                "row `{}` is quadratic; only the objective can be, rows must be linear",
-                name.text
-            ))),
-        }
-    }
-
-    fn find_row(&mut self, name: &Token<'a>) -> Result<usize, Error> {
+    pub(super) fn find_row(&mut self, name: &Token<'a>) -> Result<usize, Error> {
         let found = self.row_names.find(name.text);
         found.ok_or_else(|| name.error(format!("row `{}` was not declared in ROWS", name.text)))
     }
@@ -395,6 +357,17 @@ impl<'a> MpsFile<'a> {
     pub(super) fn find_column(&mut self, name: &Token<'a>) -> Result<usize, Error> {
         let found = self.column_names.find(name.text);
         found.ok_or_else(|| name.error(format!("column `{}` is not in COLUMNS", name.text)))
+    }
+}
+
+/// Refuses a word behind the name of a section.
+fn nothing_after(head: &Token<'_>, extra: Option<&Token<'_>>) -> Result<(), Error> {
+    match extra {
+        Some(extra) => Err(extra.error(format!(
+            "nothing can follow the section name `{}` (data lines begin with a space)",
+            head.text
+        ))),
+        None => Ok(()),
     }
 }
 

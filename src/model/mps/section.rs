@@ -18,6 +18,7 @@ pub(super) enum MpsSection {
     Quadobj,
     Qsection,
     Qmatrix,
+    Qcmatrix,
     Indicators,
     Sets,
 }
@@ -37,6 +38,7 @@ impl MpsSection {
             "QUADOBJ" => MpsSection::Quadobj,
             "QSECTION" => MpsSection::Qsection,
             "QMATRIX" => MpsSection::Qmatrix,
+            "QCMATRIX" => MpsSection::Qcmatrix,
             "INDICATORS" => MpsSection::Indicators,
             "SOS" | "SOS1" | "SOS2" | "SETS" => MpsSection::Sets,
             other => {
@@ -44,8 +46,8 @@ impl MpsSection {
                     Some(help) => format!("section `{}` cannot be read: {help}", head.text),
                     None => format!(
                         "section `{}` is not known; expected NAME, OBJSENSE, ROWS, COLUMNS, RHS, \
-                         RANGES, BOUNDS, SOS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines \
-                         begin with a space)",
+                         RANGES, BOUNDS, SOS, QUADOBJ, QMATRIX, QCMATRIX, INDICATORS or ENDATA (data \
+                         lines begin with a space)",
                         head.text
                     ),
                 }));
@@ -57,7 +59,7 @@ impl MpsSection {
 /// The advice about a section that a model cannot hold; `None` for any other section.
 fn refused(name: &str) -> Option<&'static str> {
     Some(match name {
-        "QCMATRIX" | "CSECTION" => "rows must be linear; only the objective can be quadratic",
+        "CSECTION" => "write the cone as a row with QCMATRIX, and its head with the lower bound 0",
         "LAZYCONS" | "USERCUTS" => "move its rows to ROWS, where they always hold",
         "PWLOBJ" | "PWLNAM" | "PWLCON" | "GENCONS" => {
             "functions cannot be read from MPS; write them as rows, or in a program with the \

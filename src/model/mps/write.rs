@@ -1,5 +1,6 @@
 //! Writing: sections in the usual order, every number in its shortest exact form.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::decimal::Decimal;
@@ -9,13 +10,15 @@ use crate::interval::Interval;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::sense::Sense;
-use crate::model::text::lines::{file_bounds, lines, number, objective_name};
+use crate::model::text::lines::{file_bounds, lines, number, objective_name, quadratic_lines};
+use crate::model::text::squares::with_quadratic_rows;
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
 struct MpsLine<'a> {
     name: String,
-    terms: &'a [(Variable, f64)],
+    terms: Cow<'a, [(Variable, f64)]>,
+    products: Vec<(Variable, Variable, f64)>,
     form: Form,
     condition: Option<Literal>,
 }
@@ -29,11 +32,14 @@ struct Form {
 
 /// The text of a model as free MPS.
 pub(super) fn text(model: &Model) -> Result<String, Error> {
-    let lines = lines(model, "MPS")?;
+    let model = &*with_quadratic_rows(model)?;
+    let mut lines = lines(model, "MPS")?;
+    lines.extend(quadratic_lines(model, "MPS")?);
     let objective = objective_name(&lines);
     let lines = lines.into_iter().map(|line| MpsLine {
         name: names::write(line.name),
         terms: line.terms,
+        products: line.products,
         form: form(line.limits),
         condition: line.condition,
     });
@@ -46,6 +52,7 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
     write_bounds(&mut text, model, &columns)?;
     write_sets(&mut text, model, &columns);
     write_products(&mut text, model, &columns);
+    lines.iter().for_each(|line| write_row_products(&mut text, line, &columns));
     let conditions = lines.iter().filter_map(|line| Some((line, line.condition?)));
     for (k, (line, condition)) in conditions.enumerate() {
         section(&mut text, k, "INDICATORS");
@@ -79,7 +86,7 @@ fn write_columns(
         entries[variable.index()].push((objective, value));
     }
     for line in lines {
-        for &(variable, value) in line.terms {
+        for &(variable, value) in &*line.terms {
             entries[variable.index()].push((&line.name, value));
         }
     }
@@ -198,6 +205,20 @@ fn write_products(text: &mut String, model: &Model, columns: &[String]) {
         let value = if first == second { 2.0 * value } else { value };
         let (first, second) = (&columns[first.index()], &columns[second.index()]);
         entry(text, "", first, second, &number(value));
+    }
+}
+
+/// Writes all of Q of `x'Qx`: a pair of two columns in either order with half its coefficient.
+fn write_row_products(text: &mut String, line: &MpsLine<'_>, columns: &[String]) {
+    for (k, &(first, second, value)) in line.products.iter().enumerate() {
+        section(text, k, &format!("QCMATRIX   {}", line.name));
+        let (a, b) = (&columns[first.index()], &columns[second.index()]);
+        if first == second {
+            entry(text, "", a, b, &number(value));
+        } else {
+            entry(text, "", a, b, &number(0.5 * value));
+            entry(text, "", b, a, &number(0.5 * value));
+        }
     }
 }
 

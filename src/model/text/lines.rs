@@ -1,17 +1,22 @@
 //! The rows of a model as files hold them. Statements that no file can hold are refused.
 
+use std::borrow::Cow;
+
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
+use crate::model::conic::StoredConic;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::name::Name;
 use crate::model::semicontinuous::with_zero;
 use crate::model::{Model, VariableRef};
 
-/// A row of a file: a linear row or the row of an indicator.
+/// A row of a file: a linear row, the row of an indicator or a quadratic row.
 pub(crate) struct FileLine<'a> {
     pub(crate) name: &'a Name,
-    pub(crate) terms: &'a [(Variable, f64)],
+    pub(crate) terms: Cow<'a, [(Variable, f64)]>,
+    /// Products as [`Quadratic::products`](crate::model::Quadratic::products) gives them.
+    pub(crate) products: Vec<(Variable, Variable, f64)>,
     pub(crate) limits: Interval,
     pub(crate) condition: Option<Literal>,
 }
@@ -40,15 +45,13 @@ pub(crate) fn lines<'a>(
     }
     model.variables().try_for_each(|variable| variable.name().check())?;
     model.special_ordered_sets().try_for_each(|set| set.name().check())?;
-    let rows = model.constraints().map(|row| {
-        let (name, terms, limits) = (row.name(), row.terms(), row.limits());
-        Ok::<_, Error>(FileLine { name, terms, limits, condition: None })
-    });
+    let rows = model
+        .constraints()
+        .map(|row| Ok::<_, Error>(linear(row.name(), row.terms(), row.limits(), None)));
     let switched = model.indicators().map(|row| {
-        let (name, terms, limits) = (row.name(), row.terms(), row.limits());
         let literal = row.condition().as_literal();
-        let literal = literal.ok_or_else(|| not_in_file("the compound condition of", name))?;
-        Ok(FileLine { name, terms, limits, condition: Some(literal) })
+        let literal = literal.ok_or_else(|| not_in_file(COMPOUND, row.name()))?;
+        Ok(linear(row.name(), row.terms(), row.limits(), Some(literal)))
     });
     rows.chain(switched)
         .map(|line| {
@@ -60,6 +63,46 @@ pub(crate) fn lines<'a>(
             Ok(line)
         })
         .collect()
+}
+
+/// The message about a condition that is no literal.
+const COMPOUND: &str = "the compound condition of";
+
+fn linear<'a>(
+    name: &'a Name,
+    terms: &'a [(Variable, f64)],
+    limits: Interval,
+    condition: Option<Literal>,
+) -> FileLine<'a> {
+    FileLine { name, terms: Cow::Borrowed(terms), products: Vec::new(), limits, condition }
+}
+
+/// The quadratic rows of a model without norms, in the order of creation.
+pub(crate) fn quadratic_lines<'a>(
+    model: &'a Model,
+    format: &'static str,
+) -> Result<Vec<FileLine<'a>>, Error> {
+    let mut lines = Vec::with_capacity(model.conic_constraint_count());
+    for row in model.conic_constraints() {
+        let name = row.name();
+        let StoredConic::Quadratic { expression } = row.conic() else { continue };
+        name.check()?;
+        let condition = row.condition().map(|condition| {
+            condition.as_literal().ok_or_else(|| {
+                let name = name.to_string();
+                Error::from(ErrorKind::NotInFile { format, what: COMPOUND, name })
+            })
+        });
+        let affine = expression.affine();
+        lines.push(FileLine {
+            name,
+            terms: Cow::Owned(affine.terms()),
+            products: expression.products(),
+            limits: Interval { lower: f64::NEG_INFINITY, upper: 0.0 - affine.offset() },
+            condition: condition.transpose()?,
+        });
+    }
+    Ok(lines)
 }
 
 /// The bounds of a variable as files hold them, and whether it is semi-continuous: then they are

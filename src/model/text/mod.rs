@@ -7,4 +7,5 @@ pub(crate) mod names;
 pub(crate) mod read;
 pub(crate) mod row_condition;
 pub(crate) mod sets;
+pub(crate) mod squares;
 pub(crate) mod token;

@@ -18,11 +18,13 @@
 //!   columns, dominated columns. Columns of cones are not moved, and cones do not stop others. What needs
 //!   multipliers is left out (see `dominated_columns`).
 //!
-//! Multipliers of programs with cones are not restored.
+//! `cones` makes the cones themselves shorter, and frees columns. At the end constant heads of cones become columns that binaries switch off, see
+//! [`tighten_switched_cones`]. Multipliers of programs with cones are not restored.
 
 mod binary_codes;
 mod blocks;
 mod coefficients;
+mod cones;
 mod dominated_columns;
 mod doubletons;
 mod fixed_columns;
@@ -44,6 +46,7 @@ pub(crate) use postsolve::Postsolve;
 pub use postsolve::Presolved;
 
 use crate::error::Error;
+use crate::presolve::tighten_switched_cones;
 use crate::program::Program;
 use crate::solver::StopToken;
 use work::{Infeasible, Work};
@@ -60,6 +63,8 @@ pub enum PresolveRule {
     RedundantRows,
     /// Rows that are multiples of another one are merged into it.
     ParallelRows,
+    /// Cones become shorter, bounds or rows.
+    Cones,
     /// Columns of which exactly one is 1, as the code of some binaries determines, become binaries.
     BinaryCodes,
     /// Equalities over two columns replace one of them.
@@ -84,11 +89,12 @@ pub enum PresolveRule {
 
 impl PresolveRule {
     /// All rules, in the order of their application.
-    pub const ALL: [PresolveRule; 14] = [
+    pub const ALL: [PresolveRule; 15] = [
         PresolveRule::FixedColumns,
         PresolveRule::SingletonRows,
         PresolveRule::RedundantRows,
         PresolveRule::ParallelRows,
+        PresolveRule::Cones,
         PresolveRule::BinaryCodes,
         PresolveRule::Doubletons,
         PresolveRule::Lineality,
@@ -103,11 +109,12 @@ impl PresolveRule {
 
     /// The rules that keep the meaning of every remaining column, and every assignment of the integral
     /// ones that has a point. They suit programs whose columns are referred to from outside.
-    pub const FAITHFUL: [PresolveRule; 8] = [
+    pub const FAITHFUL: [PresolveRule; 9] = [
         PresolveRule::FixedColumns,
         PresolveRule::SingletonRows,
         PresolveRule::RedundantRows,
         PresolveRule::ParallelRows,
+        PresolveRule::Cones,
         PresolveRule::Doubletons,
         PresolveRule::SlackColumns,
         PresolveRule::ImpliedFree,
@@ -120,6 +127,7 @@ impl PresolveRule {
             PresolveRule::SingletonRows => work.each_row(singleton_rows::apply),
             PresolveRule::RedundantRows => work.each_row(redundant_rows::apply),
             PresolveRule::ParallelRows => parallel_rows::apply(work),
+            PresolveRule::Cones => cones::apply(work),
             PresolveRule::BinaryCodes => {
                 work.each_row(|work, row| Ok(binary_codes::apply(work, row)))
             }
@@ -186,7 +194,15 @@ pub(crate) fn presolve_around(
     match reduce(&mut work, rules, token) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
         Ok(()) if token.is_over() => Ok(Presolve::Stopped),
-        Ok(()) => Ok(Presolve::Presolved(Box::new(work.finish()?))),
+        Ok(()) => {
+            let mut presolved = work.finish()?;
+            // Columns and rows that this adds are not of the original.
+            if !rules.is_empty() && !presolved.program.cones.is_empty() {
+                let tighter = tighten_switched_cones(&presolved.program, token);
+                presolved.program = tighter.unwrap_or(presolved.program);
+            }
+            Ok(Presolve::Presolved(Box::new(presolved)))
+        }
     }
 }
 

@@ -86,9 +86,11 @@ pub struct Postsolve {
     pub(super) columns: Vec<usize>,
     /// Original row of each presolved one.
     pub(super) rows: Vec<usize>,
-    /// Numbers of columns and rows of the original.
+    /// Numbers of columns and of rows, added ones included.
     pub(super) column_count: usize,
     pub(super) row_count: usize,
+    /// The number of the original's rows; the others were added.
+    pub(super) own_row_count: usize,
 }
 
 impl Postsolve {
@@ -138,6 +140,7 @@ impl Postsolve {
             undo.primal(&mut all.x);
             undo.dual(&mut all);
         }
+        all.y.truncate(self.own_row_count);
         all
     }
 }

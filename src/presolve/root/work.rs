@@ -71,6 +71,8 @@ pub(super) struct Work {
     /// The largest error of the objective's constant from rounding.
     rounding: f64,
     pub(super) undos: Vec<Box<dyn Undo>>,
+    /// The number of rows of the program; the others were added.
+    own_row_count: usize,
     step: Vec<Option<usize>>,
     sign: f64,
     token: StopToken,
@@ -149,6 +151,7 @@ impl Work {
             constant: program.constant,
             rounding: 0.0,
             undos: Vec::new(),
+            own_row_count: m,
             step: program.step.clone(),
             sign: program.sign,
             token: token.clone(),
@@ -246,6 +249,17 @@ impl Work {
         for (column, _) in std::mem::take(&mut self.rows[row]) {
             self.uses[column].retain(|&i| i != row);
         }
+    }
+
+    /// Adds a row with some entries (sorted by column, none of them 0).
+    pub(super) fn add_row(&mut self, entries: Sparse, lower: f64, upper: f64) {
+        let row = self.rows.len();
+        entries.iter().for_each(|&(column, _)| self.uses[column].push(row));
+        self.rows.push(entries);
+        self.row_lower.push(lower);
+        self.row_upper.push(upper);
+        self.row_alive.push(true);
+        self.row_noise.push(0.0);
     }
 
     /// Gives a row other entries (sorted by column, none of them 0). Returns the old ones.
@@ -479,6 +493,7 @@ impl Work {
             rows,
             column_count: self.uses.len(),
             row_count: self.rows.len(),
+            own_row_count: self.own_row_count,
         };
         Ok(Presolved { program, postsolve, rounding: self.rounding })
     }

@@ -141,6 +141,7 @@ impl Factors {
         Err(Deficit { slots: dependent, rows: self.rows[done..].to_vec() })
     }
 
+    pub(super) fn nucleus(&self) -> usize { self.rows.len() }
     /// The number of exchanges since the basis was factorised.
     pub(super) fn exchanges(&self) -> usize {
         self.exchanges.len()
@@ -162,13 +163,11 @@ impl Factors {
             let mut part: Vec<f64> = self.rows.iter().map(|&i| b[i]).collect();
             for r in 0..size {
                 let row = &self.dense[r * size..r * size + r];
-                let sum: f64 = row.iter().zip(&part).map(|(a, v)| a * v).sum();
-                part[r] -= sum;
+                part[r] -= dot(row, &part[..r]);
             }
             for r in (0..size).rev() {
                 let row = &self.dense[r * size..(r + 1) * size];
-                let sum: f64 = row[r + 1..].iter().zip(&part[r + 1..]).map(|(a, v)| a * v).sum();
-                part[r] = (part[r] - sum) / row[r];
+                part[r] = (part[r] - dot(&row[r + 1..], &part[r + 1..])) / row[r];
             }
             for (&slot, value) in self.slots.iter().zip(part) {
                 x[slot] = value;
@@ -235,4 +234,25 @@ impl Factors {
         let entries = entering.iter().copied().enumerate();
         self.entering.push(entries.filter(|e| e.1.abs() > 1e-14 || e.0 == slot));
     }
+}
+
+/// Length from which a product is summed in several parts, so that its terms need not wait for each other.
+const LONG: usize = 48;
+const LANES: usize = 8;
+
+/// The product of two vectors of one length.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() < LONG {
+        return a.iter().zip(b).map(|(a, b)| a * b).sum();
+    }
+    let mut sums = [0.0; LANES];
+    let (a_parts, b_parts) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest = a_parts.remainder().iter().zip(b_parts.remainder());
+    let rest: f64 = rest.map(|(a, b)| a * b).sum();
+    for (a, b) in a_parts.zip(b_parts) {
+        for k in 0..LANES {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }

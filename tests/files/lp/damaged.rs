@@ -6,7 +6,8 @@ use super::error;
 
 #[test]
 fn errors_name_line_and_column() {
-    let found = "products and squares can stand in the objective only, as `[ x ^2 + 2 x * y ] / 2`";
+    let found = "products and squares stand on the left in brackets, as `[ x ^2 + 2 x * y ]`, in the \
+                 objective with `/ 2` behind";
     let cases = [
         ("", "line 1, column 1: the file ends without `End`; it may have been cut off"),
         (
@@ -116,8 +117,28 @@ fn errors_in_rows() {
     assert_eq!(row("c: inf <= 3"), "line 3, column 4: infinity cannot be compared to a number");
     assert_eq!(row("c: 3 <="), "line 4, column 1: expected an expression, found `bin`");
     assert_eq!(
-        row("c: x + [ x^2 ] <= 3"),
-        "line 3, column 8: products and squares can stand in the objective only; rows must be linear"
+        row("c: x + [ x^2 ] = 3"),
+        "line 3, column 1: a row with products needs one limit, `<=` or `>=`; with two or as an equation \
+         it is not convex"
+    );
+    assert_eq!(
+        row("c: 1 <= [ x^2 ] <= 3"),
+        "line 3, column 1: a row with products needs one limit, `<=` or `>=`; with two or as an equation \
+         it is not convex"
+    );
+    assert_eq!(
+        row("c: y <= [ x^2 ]"),
+        "line 3, column 9: expected a number (bring variables to the left), found `[`; products and \
+         squares stand on the left in brackets, as `[ x ^2 + 2 x * y ]`, in the objective with `/ 2` behind"
+    );
+    assert_eq!(
+        row("c: 3 + [ x^2 ] <= 5"),
+        "line 3, column 4: a number beside variables is read differently by different solvers; move it to \
+         the other side"
+    );
+    assert_eq!(
+        row("c: [ 9e19 x^2 + 9e19 x^2 ] <= 2"),
+        "line 3, column 1: a coefficient of `c` is 180000000000000000000; give a finite number"
     );
     assert_eq!(
         row("c: 9e19 x + 9e19 x <= 2"),

@@ -18,7 +18,7 @@ fn errors_name_line_and_column() {
         (
             "COLS\nENDATA\n",
             "line 1, column 1: section `COLS` is not known; expected NAME, OBJSENSE, ROWS, \
-             COLUMNS, RHS, RANGES, BOUNDS, SOS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data \
+             COLUMNS, RHS, RANGES, BOUNDS, SOS, QUADOBJ, QMATRIX, QCMATRIX, INDICATORS or ENDATA (data \
              lines begin with a space)",
         ),
         (
@@ -33,9 +33,9 @@ fn errors_name_line_and_column() {
             "line 2, column 10: the direction of the objective is given twice",
         ),
         (
-            "qcmatrix r\n",
-            "line 1, column 1: section `qcmatrix` cannot be read: rows must be linear; only the \
-             objective can be quadratic",
+            "csection k 0 quad\n",
+            "line 1, column 1: section `csection` cannot be read: write the cone as a row with QCMATRIX, \
+             and its head with the lower bound 0",
         ),
         (
             "LAZYCONS\n",
@@ -159,10 +159,42 @@ fn errors_in_quadratic_sections() {
              is needed here",
         ),
         ("QMATRIX\n x x 1\n x x 1\n", "line 16, column 2: a second entry for `x` and `x`"),
+        ("QCMATRIX\n", "line 14, column 1: expected the name of a row behind QCMATRIX"),
         (
-            "QSECTION most\n x x 2\n",
-            "line 14, column 10: row `most` is quadratic; only the objective can be, rows must be \
-             linear",
+            "QCMATRIX most least\n",
+            "line 14, column 15: nothing can follow the section name `QCMATRIX` (data lines begin with a \
+             space)",
+        ),
+        ("QCMATRIX no\n", "line 14, column 10: row `no` was not declared in ROWS"),
+        (
+            "QCMATRIX cost\n x x 2\n",
+            "line 14, column 10: row `cost` is the objective; write its products as QMATRIX (with Q of \
+             `1/2 x'Qx`)",
+        ),
+        (
+            "QCMATRIX most\n x x 2\nQSECTION most\n y y 2\n",
+            "line 16, column 10: row `most` already has products, given from line 14 on; keep one section",
+        ),
+        ("QCMATRIX most\n x x 2\n x x 2\n", "line 16, column 2: a second entry for `x` and `x`"),
+        (
+            "QCMATRIX most\n x x 2\n x y 1\n y y 2\n",
+            "line 16, column 2: QCMATRIX is not symmetric: the entry for `y` and `x` differs or is missing",
+        ),
+        (
+            "QCMATRIX most\n x y 6e19\n y x 6e19\n",
+            "line 15, column 6: twice `6e19` counts as infinite (1e20 and beyond do); a finite number is \
+             needed here",
+        ),
+        ("QCMATRIX most\n x q 2\n", "line 15, column 4: column `q` is not in COLUMNS"),
+        (
+            "QCMATRIX same\n x x 2\n",
+            "line 14, column 10: row `same` has products, so it needs one limit (a row of kind L or G \
+             without a range); with two it is not convex",
+        ),
+        (
+            "RHS\n B most 4\nRANGES\n R most 3\nQCMATRIX most\n x x 2\n",
+            "line 18, column 10: row `most` has products, so it needs one limit (a row of kind L or G \
+             without a range); with two it is not convex",
         ),
         (
             "QMATRIX\n x x 2\n x y 1\n y y 2\n",

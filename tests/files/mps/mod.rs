@@ -2,6 +2,7 @@
 
 mod damaged;
 mod fixed;
+mod quadratic_rows;
 mod random;
 mod repeated;
 mod sections;

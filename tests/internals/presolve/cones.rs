@@ -13,47 +13,95 @@ use proptest::prelude::*;
 use super::logical_programs::{coded, conjunctions};
 use super::programs::program;
 use super::search_alone;
+use super::switched_cones::complete;
 use crate::common::case::Case;
 use crate::common::config;
 
 const REGRESSIONS: &str = "tests/regressions/cones.txt";
 
-/// Most columns of a cone.
+/// Most columns of a cone, and of one with parts.
 const LONGEST: usize = 3;
+const LONGEST_SPLIT: usize = 5;
+
+/// Most assignments that are tried.
+const MOST_ASSIGNMENTS: f64 = 400.0;
 
 /// What a point may miss a cone by, in the unit of its head.
 const TOLERANCE: f64 = 1e-6;
 
+/// What a cone is made of: its shape, or none for a norm that is split; columns; those that are 0.
+type Shape = (Option<ConeShape>, Vec<(prop::sample::Index, bool)>);
+
 /// What cones of a program are made of.
-fn shapes() -> impl Strategy<Value = Vec<(bool, Vec<prop::sample::Index>)>> {
-    let columns = prop::collection::vec(any::<prop::sample::Index>(), 2..=LONGEST);
-    prop::collection::vec((any::<bool>(), columns), 1..=2)
+fn shapes() -> impl Strategy<Value = Vec<Shape>> {
+    let columns = || (any::<prop::sample::Index>(), prop::bool::weighted(0.2));
+    let short = prop::collection::vec(columns(), 2..=LONGEST);
+    let long = prop::collection::vec(columns(), 4..=LONGEST_SPLIT);
+    let shape = prop_oneof![Just(ConeShape::Norm), Just(ConeShape::Rotated)];
+    let cone = prop_oneof![
+        3 => (shape.prop_map(Some), short),
+        1 => (Just(None), long),
+    ];
+    prop::collection::vec(cone, 1..=2)
 }
 
 /// The program of a case with cones over whole columns with bounds, and heads that are at least 0.
-fn with_cones(case: &Case, shapes: &[(bool, Vec<prop::sample::Index>)]) -> Option<Program> {
-    let mut program = Program::assemble(&case.build().0).unwrap();
-    let whole = |j: &usize| program.lower[*j].is_finite() && program.upper[*j].is_finite();
-    let open: Vec<usize> = program.integers.iter().copied().filter(whole).collect();
-    let mut cones = Vec::new();
-    for (rotated, picks) in shapes {
+fn with_cones(case: &Case, shapes: &[Shape]) -> Option<Program> {
+    let (mut model, variables) = (case.build().0, case.build().1);
+    let plain = Program::assemble(&model).unwrap();
+    let whole = |j: &usize| plain.lower[*j].is_finite() && plain.upper[*j].is_finite();
+    let open: Vec<usize> = plain.integers.iter().copied().filter(whole).collect();
+    let (mut cones, mut zeros) = (Vec::new(), Vec::new());
+    for (k, (shape, picks)) in shapes.iter().enumerate() {
         let mut columns: Vec<usize> = Vec::new();
-        for pick in picks {
+        for (pick, is_zero) in picks {
             let j = *open.get(pick.index(open.len().max(1)))?;
             if !columns.contains(&j) {
                 columns.push(j);
+                zeros.extend(
+                    (*is_zero && plain.lower[j] <= 0.0 && plain.upper[j] >= 0.0).then_some(j),
+                );
             }
         }
-        let shape = if *rotated { ConeShape::Rotated } else { ConeShape::Norm };
+        let Some(shape) = *shape else {
+            let tail = columns[1..].iter().map(|&j| variables[j]);
+            model.add(("split", k), norm(tail).le(variables[columns[0]])).unwrap();
+            continue;
+        };
         if columns.len() > shape.head() {
             cones.push(Cone { shape, columns, role: ConeRole::Single });
         }
     }
+    let mut program = Program::assemble(&model).unwrap();
     for cone in &cones {
         cone.head().iter().for_each(|&j| program.lower[j] = program.lower[j].max(0.0));
     }
-    program.cones = cones;
-    (!program.cones.is_empty()).then_some(program)
+    zeros.iter().for_each(|&j| (program.lower[j], program.upper[j]) = (0.0, 0.0));
+    program.cones.extend(cones);
+    let tried = tried(&program);
+    let assignments: f64 =
+        tried.iter().map(|&j| program.upper[j] - program.lower[j] + 1.0).product();
+    (!program.cones.is_empty() && assignments <= MOST_ASSIGNMENTS).then_some(program)
+}
+
+/// The columns of cones that are not whole: parts, and values that binaries switch off.
+fn helpers(program: &Program) -> Vec<bool> {
+    let mut open = vec![false; program.column_count()];
+    let columns = program.cones.iter().flat_map(|cone| &cone.columns);
+    columns.filter(|&&j| !program.integral[j]).for_each(|&j| open[j] = true);
+    open
+}
+
+/// The whole columns that decide about cones.
+fn tried(program: &Program) -> Vec<usize> {
+    let mut columns: Vec<usize> = program.cones.iter().flat_map(|c| c.columns.clone()).collect();
+    for j in columns.clone().into_iter().filter(|&j| !program.integral[j]) {
+        columns.extend(program.column(j).0.iter().flat_map(|&row| program.row(row).0));
+    }
+    columns.sort_unstable();
+    columns.dedup();
+    columns.retain(|&j| program.integral[j]);
+    columns
 }
 
 /// The best point of a program by trying all values of the columns of its cones; or whether the objective
@@ -67,9 +115,7 @@ enum Best {
 }
 
 fn best(program: &Program) -> Best {
-    let mut columns: Vec<usize> = program.cones.iter().flat_map(|c| c.columns.clone()).collect();
-    columns.sort_unstable();
-    columns.dedup();
+    let columns = tried(program);
     let mut rest = program.clone();
     rest.cones = Vec::new();
     let mut best = Best::None;
@@ -79,10 +125,19 @@ fn best(program: &Program) -> Best {
 
 fn try_all(program: &Program, rest: &mut Program, columns: &[usize], best: &mut Best) {
     let Some((&j, others)) = columns.split_first() else {
-        if program.cones.iter().any(|cone| cone.miss(&rest.lower) > TOLERANCE) {
+        let (mut rest, open) = (rest.clone(), helpers(program));
+        let mut x = rest.lower.clone();
+        complete(program, &mut x, &open);
+        if program.cones.iter().any(|cone| cone.miss(&x) > TOLERANCE) {
             return;
         }
-        let found = search_alone(rest, &|_: &[f64]| true);
+        for j in (0..x.len()).filter(|&j| open[j]) {
+            if x[j] > rest.upper[j] + TOLERANCE {
+                return;
+            }
+            (rest.lower[j], rest.upper[j]) = (x[j], x[j]);
+        }
+        let found = search_alone(&rest, &|_: &[f64]| true);
         match (found.termination, found.points.first()) {
             (Termination::Infeasible, _) => {}
             (Termination::Unbounded, _) => *best = Best::Unbounded,
@@ -125,7 +180,7 @@ fn compare(program: &Program, rules: &[PresolveRule]) -> Result<(), TestCaseErro
             prop_assert!((here - value).abs() <= tolerance, "{here} instead of {value}");
             let point = presolved.postsolve.point(&x);
             prop_assert!((program.objective(&point) - value).abs() <= tolerance);
-            for cone in &program.cones {
+            for cone in program.cones.iter().filter(|cone| cone.role != ConeRole::Part) {
                 prop_assert!(cone.miss(&point) <= TOLERANCE, "{:?} at {:?}", cone, point);
             }
             for row in 0..program.row_count() {
@@ -149,7 +204,7 @@ fn compare(program: &Program, rules: &[PresolveRule]) -> Result<(), TestCaseErro
 }
 
 proptest! {
-    #![proptest_config(config(300, REGRESSIONS))]
+    #![proptest_config(config(150, REGRESSIONS))]
 
     #[test]
     fn each_rule(case in program(false), shapes in shapes(), rule in 0..PresolveRule::ALL.len()) {

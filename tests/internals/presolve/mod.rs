@@ -10,6 +10,7 @@ mod lineality;
 mod logical_programs;
 mod programs;
 mod rules;
+mod switched_cones;
 
 use carom::internals::program::Program;
 use carom::internals::relaxation::LadderPool;

@@ -1,0 +1,168 @@
+//! Second-order cones become shorter, or bounds and rows.
+//!
+//! * Entries that are 0 leave the tail, and their parts with them.
+//! * A tail without open entries bounds the head, and a head without open columns bounds a tail with one
+//!   open entry. The bound says all that the cone does.
+//! * A norm of one entry is two rows.
+//! * A cone goes that bounds imply.
+//! * A long cone of which few entries are left needs no parts.
+//!
+//! The columns that leave a cone are like any others from there on.
+
+use super::postsolve::{Restored, Undo};
+use super::work::{Infeasible, Work};
+use crate::presolve::conic_tightening::{BoundedColumns, is_implied};
+use crate::presolve::parameters::CONTRADICTION;
+use crate::program::{Cone, ConeRole, ConeShape, LONGEST_TAIL, conic_columns};
+
+/// The rounding of a few operations (no unit).
+const FEW_ROUNDINGS: f64 = 16.0 * f64::EPSILON;
+
+/// Parts of a cone that is left without them.
+#[derive(Debug)]
+struct DroppedParts {
+    parts: Vec<Cone>,
+}
+
+pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+    if work.cones.is_empty() {
+        return Ok(0);
+    }
+    let cones = std::mem::take(&mut work.cones);
+    let mut changes = 0;
+    let mut kept = Vec::with_capacity(cones.len());
+    for group in cones.chunk_by(|_, next| next.role == ConeRole::Part) {
+        let entries = group.iter().map(|cone| cone.columns.len()).sum();
+        let is_given = group[0].columns.iter().any(|&j| work.given[j]);
+        match !is_given && !work.is_late(entries) {
+            true => changes += reduce(work, group, &mut kept)?,
+            false => kept.extend_from_slice(group),
+        }
+    }
+    work.cones = kept;
+    if changes > 0 {
+        work.conic = conic_columns(&work.cones, work.uses.len());
+    }
+    Ok(changes)
+}
+
+/// Reduces a cone with its parts. Returns the number of changes.
+fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize, Infeasible> {
+    let [cone, parts @ ..] = group else { return Ok(0) };
+    let is_constant = |work: &Work, j: usize| work.lower[j] == work.upper[j];
+    for &j in cone.head() {
+        // A column that leaves the cone keeps this in any case.
+        work.intersect(j, [0.0, f64::INFINITY], 0.0)?;
+    }
+    if cone.head().iter().any(|&j| work.upper[j] == 0.0) {
+        cone.tail().iter().try_for_each(|&j| work.intersect(j, [0.0, 0.0], 0.0))?;
+    }
+    let stays = |work: &Work, j: &usize| [work.lower[*j], work.upper[*j]] != [0.0, 0.0];
+    let tail: Vec<usize> = cone.tail().iter().copied().filter(|j| stays(work, j)).collect();
+    let open: Vec<usize> = tail.iter().copied().filter(|&j| !is_constant(work, j)).collect();
+    let open_heads = cone.head().iter().filter(|&&j| !is_constant(work, j)).count();
+    let mut short = cone.head().to_vec();
+    short.extend(&tail);
+    let short = Cone { columns: short, ..cone.clone() };
+    let is_bound = (open.is_empty() && open_heads <= 1) || (open.len() == 1 && open_heads == 0);
+    if tail.is_empty() || is_bound || holds_anyway(work, &short) {
+        if !tail.is_empty() && is_bound {
+            bound(work, &short, &open)?;
+        }
+        drop_parts(work, parts);
+        return Ok(1);
+    }
+    if let (ConeShape::Norm, &[head], &[entry]) = (cone.shape, cone.head(), &tail[..]) {
+        for sign in [1.0, -1.0] {
+            let mut terms = vec![(entry, sign), (head, -1.0)];
+            terms.sort_unstable_by_key(|term| term.0);
+            work.add_row(terms, f64::NEG_INFINITY, 0.0);
+        }
+        drop_parts(work, parts);
+        return Ok(1);
+    }
+    if tail.len() == cone.tail().len() {
+        kept.extend_from_slice(group);
+        return Ok(0);
+    }
+    if parts.is_empty() || tail.len() <= LONGEST_TAIL {
+        drop_parts(work, parts);
+        kept.push(Cone { role: ConeRole::Single, ..short });
+    } else {
+        let (left, gone): (Vec<&Cone>, Vec<&Cone>) =
+            parts.iter().partition(|part| part.tail().iter().any(|j| stays(work, j)));
+        kept.push(short);
+        kept.extend(left.into_iter().cloned());
+        drop_parts(work, &gone.into_iter().cloned().collect::<Vec<_>>());
+    }
+    Ok(1)
+}
+
+/// Whether bounds imply a cone.
+fn holds_anyway(work: &Work, cone: &Cone) -> bool {
+    let bounds: Vec<[f64; 2]> =
+        cone.columns.iter().map(|&j| [work.lower[j], work.upper[j]]).collect();
+    let integral: Vec<bool> = cone.columns.iter().map(|&j| work.integral[j]).collect();
+    let here = Cone { columns: (0..bounds.len()).collect(), ..cone.clone() };
+    is_implied(BoundedColumns { integral: &integral, bounds: &bounds }, &here)
+}
+
+/// Makes a cone a bound of its only open column, or checks it if there is none.
+fn bound(work: &mut Work, cone: &Cone, open: &[usize]) -> Result<(), Infeasible> {
+    let constant = |j: &&usize| work.lower[**j] == work.upper[**j];
+    let square = |j: &usize| work.lower[*j] * work.lower[*j];
+    let fixed: f64 = cone.tail().iter().filter(constant).map(square).sum();
+    let value = |j: usize| work.lower[j];
+    // The room of the tail, squared, where the head is known.
+    let room = match cone.head() {
+        &[first, second] => value(first) * value(second),
+        head => head.first().map_or(0.0, square),
+    };
+    let open_head = cone.head().iter().copied().find(|&j| work.lower[j] != work.upper[j]);
+    match (open_head, open) {
+        (Some(head), _) => {
+            let others = cone.head().iter().filter(|&&j| j != head).map(|&j| value(j));
+            let least = match (cone.shape, others.product::<f64>()) {
+                (ConeShape::Norm, _) => fixed.sqrt(),
+                // The tail is 0 but for rounding.
+                (ConeShape::Rotated, 0.0) => 0.0,
+                (ConeShape::Rotated, other) => fixed / other,
+            };
+            let noise = FEW_ROUNDINGS * least;
+            work.intersect(head, [least - noise, f64::INFINITY], noise)
+        }
+        (None, &[entry]) => {
+            let error = FEW_ROUNDINGS * (room + fixed);
+            let miss = fixed.sqrt() - room.sqrt();
+            if miss > CONTRADICTION * fixed.sqrt().max(1.0) {
+                return Err(Infeasible);
+            }
+            let most = (room - fixed + error).max(0.0).sqrt() * (1.0 + FEW_ROUNDINGS);
+            work.intersect(entry, [-most, most], FEW_ROUNDINGS * most)
+        }
+        (None, _) => {
+            let miss = fixed.sqrt() - room.sqrt();
+            let allowed = CONTRADICTION * fixed.sqrt().max(1.0);
+            if miss > allowed { Err(Infeasible) } else { Ok(()) }
+        }
+    }
+}
+
+/// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves would do.
+fn drop_parts(work: &mut Work, parts: &[Cone]) {
+    if parts.is_empty() {
+        return;
+    }
+    for part in parts {
+        work.upper[part.columns[0]] = 0.0;
+    }
+    work.push(DroppedParts { parts: parts.to_vec() });
+}
+
+impl Undo for DroppedParts {
+    fn primal(&self, x: &mut [f64]) {
+        self.parts.iter().for_each(|part| part.complete(x));
+    }
+
+    fn dual(&self, _all: &mut Restored) {}
+}
