@@ -192,10 +192,10 @@ impl GraphOfSets {
                 let all: Vec<&Affine> = entries.iter().collect();
                 self.check_variables(place, &affine_variables(&all))?;
                 for entry in &entries {
-                    check_number("a constant of the cost", &name, entry.offset())?;
                     for (_, a) in entry.terms() {
                         check_number("a coefficient of the cost", &name, a)?;
                     }
+                    check_number("a constant of the cost", &name, entry.offset())?;
                 }
             }
         }

@@ -6,9 +6,7 @@
 
 use super::handles::{ConvexCost, ConvexStatement};
 use crate::error::{Error, ErrorKind};
-use crate::model::{
-    Affine, Model, Name, Norm, Quadratic, Row, StandardCone, StoredConic, Variable, norm,
-};
+use crate::model::{Affine, Model, Name, Norm, Quadratic, Row, StoredConic, Variable, norm};
 
 /// The copies of the points that a place speaks of, times a flow.
 pub(super) struct Copies<'a> {
@@ -53,9 +51,9 @@ impl Copies<'_> {
                 Ok(())
             }
             ConvexStatement::Conic(row) => {
-                let StandardCone { head, tail } = frame.standard_cone(&row.conic, name)?;
-                let head: Vec<Affine> = head.iter().map(|e| self.times_flow(e)).collect();
-                let tail = tail.iter().map(|e| self.times_flow(e)).collect();
+                let cone = frame.standard_cone(&row.conic, name)?;
+                let head: Vec<Affine> = cone.head.iter().map(|e| self.times_flow(e)).collect();
+                let tail = cone.tail.iter().map(|e| self.times_flow(e)).collect();
                 match &head[..] {
                     [head] => add_norm(model, name, tail, head.clone()),
                     [first, second] => add_rotated(model, name, tail, first, second),
