@@ -78,8 +78,7 @@ impl ConePool {
 
     fn drop_idle(&mut self) {
         let held = self.cuts.len() - self.free.len();
-        let idle = crate::search::env("IDLE", MOST_IDLE as f64) as u32;
-        let most = if held > MOST_CUTS { idle / 4 } else { idle };
+        let idle = crate::search::env("IDLE", MOST_IDLE as f64) as u32; let most = if held > MOST_CUTS { idle / 4 } else { idle };
         for (name, slot) in self.cuts.iter_mut().enumerate() {
             if slot.as_ref().is_some_and(|(_, idle)| *idle > most) {
                 *slot = None;

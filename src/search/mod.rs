@@ -117,8 +117,7 @@ pub(crate) fn env(name: &str, or: f64) -> f64 {
     use std::sync::Mutex;
     static CACHE: Mutex<Option<HashMap<String, f64>>> = Mutex::new(None);
     let mut cache = CACHE.lock().unwrap();
-    *cache
-        .get_or_insert_default()
-        .entry(name.to_string())
-        .or_insert_with(|| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or))
+    *cache.get_or_insert_default().entry(name.to_string()).or_insert_with(|| {
+        std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or)
+    })
 }

@@ -107,11 +107,7 @@ fn relax_in_rounds(
     let mut warm = ctx.node.warm.clone();
     let mut verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
     let mut idle = 0;
-    let most = if purpose == Purpose::Trial {
-        0
-    } else {
-        crate::search::env("ROUNDS", MOST_CONE_ROUNDS as f64) as usize
-    };
+    let most = if purpose == Purpose::Trial { 0 } else { crate::search::env("ROUNDS", MOST_CONE_ROUNDS as f64) as usize };
     for _ in 0..most {
         let RelaxationVerdict::Relaxed { bound, x, warm: state, .. } = &verdict else { break };
         let (before, cutoff) = (*bound, ctx.tree.cutoff());
@@ -130,11 +126,7 @@ fn relax_in_rounds(
         ctx.ladder.reuse(std::mem::replace(&mut verdict, next));
         let RelaxationVerdict::Relaxed { bound, .. } = &verdict else { break };
         let room = if cutoff.is_finite() { cutoff - before } else { before.abs().max(1.0) };
-        idle = if bound - before > crate::search::env("LIFT", CONE_LIFT) * room {
-            0
-        } else {
-            idle + 1
-        };
+        idle = if bound - before > crate::search::env("LIFT", CONE_LIFT) * room { 0 } else { idle + 1 };
         if idle >= crate::search::env("IDLEROUNDS", MOST_IDLE_CONE_ROUNDS as f64) as usize {
             break;
         }

@@ -10,13 +10,10 @@
 //! The columns that leave a cone are like any others from there on.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work};
+use super::work::{Infeasible, Sparse, Work};
 use crate::presolve::conic_tightening::{BoundedColumns, is_implied};
-use crate::presolve::parameters::CONTRADICTION;
+use crate::presolve::parameters::{CONTRADICTION, FEW_ROUNDINGS};
 use crate::program::{Cone, ConeRole, ConeShape, LONGEST_TAIL, conic_columns};
-
-/// The rounding of a few operations (no unit).
-const FEW_ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 
 /// Parts of a cone that is left without them.
 #[derive(Debug)]
@@ -78,7 +75,7 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
         for sign in [1.0, -1.0] {
             let mut terms = vec![(entry, sign), (head, -1.0)];
             terms.sort_unstable_by_key(|term| term.0);
-            work.add_row(terms, f64::NEG_INFINITY, 0.0);
+            add_row(work, terms);
         }
         drop_parts(work, cone.columns[0], parts);
         return Ok(1);
@@ -148,6 +145,17 @@ fn bound(work: &mut Work, cone: &Cone, open: &[usize]) -> Result<(), Infeasible>
             if miss > allowed { Err(Infeasible) } else { Ok(()) }
         }
     }
+}
+
+/// Adds the row that some terms (sorted by column, none of them 0) are at most 0 together.
+fn add_row(work: &mut Work, terms: Sparse) {
+    let row = work.rows.len();
+    terms.iter().for_each(|&(column, _)| work.uses[column].push(row));
+    work.rows.push(terms);
+    work.row_lower.push(f64::NEG_INFINITY);
+    work.row_upper.push(0.0);
+    work.row_alive.push(true);
+    work.row_noise.push(0.0);
 }
 
 /// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves would do.
