@@ -15,6 +15,7 @@
 use std::collections::BTreeMap;
 
 use super::domain::Domain;
+use super::parameters::FEW_ROUNDINGS;
 use super::switched_cones::{Literal, fixed_literals, strongest, try_binaries};
 use crate::program::{Addition, Cone, ConeRole, ConeShape, Program};
 use crate::solver::StopToken;
@@ -29,9 +30,6 @@ const MOST_OF_IT: f64 = 0.999;
 /// little.
 const LOOSE: f64 = 1e-8;
 
-/// The rounding of a few operations (no unit).
-const FEW_ROUNDINGS: f64 = 8.0 * f64::EPSILON;
-
 /// Longest rows that define a column.
 const LONGEST_DEFINITION: usize = 50;
 
@@ -40,7 +38,7 @@ const MOST_FACTORS: usize = 4;
 
 /// A sum over columns, and a constant.
 #[derive(Debug, Clone, Default)]
-struct Expression {
+struct ColumnSum {
     terms: BTreeMap<usize, f64>,
     constant: f64,
 }
@@ -49,8 +47,8 @@ struct Expression {
 struct Defined {
     /// Its place among the cones.
     place: usize,
-    heads: Vec<Expression>,
-    tail: Vec<Expression>,
+    heads: Vec<ColumnSum>,
+    tail: Vec<ColumnSum>,
     /// The room of heads by literal: the head, the literal and the room.
     rooms: Vec<(usize, Literal, f64)>,
 }
@@ -129,8 +127,8 @@ fn define(program: &Program, place: usize) -> Option<Defined> {
 }
 
 /// A column in terms of those that its only row, an equality, defines it by, twice at most.
-fn expand(program: &Program, column: usize) -> Expression {
-    let mut expression = Expression::default();
+fn expand(program: &Program, column: usize) -> ColumnSum {
+    let mut expression = ColumnSum::default();
     let own = defining_row(program, column);
     let Some(first) = own else {
         expression.terms.insert(column, 1.0);
@@ -166,7 +164,7 @@ fn solved(program: &Program, row: usize, column: usize) -> (Vec<(usize, f64)>, f
     (others.map(|(j, a)| (j, -a / own)).collect(), program.row_lower[row] / own)
 }
 
-impl Expression {
+impl ColumnSum {
     /// Adds a term; a sum that is no more than the rounding of its parts is 0.
     fn add(&mut self, column: usize, a: f64, rounding: f64) {
         let term = self.terms.entry(column).or_default();
@@ -178,7 +176,7 @@ impl Expression {
     }
 
     /// This expression plus a multiple of another one.
-    fn plus(&self, factor: f64, other: &Expression) -> Expression {
+    fn plus(&self, factor: f64, other: &ColumnSum) -> ColumnSum {
         let mut sum = self.clone();
         sum.constant += factor * other.constant;
         other.terms.iter().for_each(|(&j, &a)| sum.add(j, factor * a, FEW_ROUNDINGS));
@@ -239,7 +237,7 @@ impl Defined {
 
     fn room_of_rotated(&self, domain: &Domain, head: usize) -> Option<f64> {
         let (own, other) = (&self.heads[head], &self.heads[1 - head]);
-        let is_off = |entry: &&Expression| {
+        let is_off = |entry: &&ColumnSum| {
             let [lower, upper] = entry.range(domain);
             lower >= -LOOSE && upper <= LOOSE
         };
@@ -253,13 +251,13 @@ impl Defined {
         let open = entry.terms.iter().filter(|(j, t)| **t != 0.0 && !domain.is_fixed(**j));
         let mut factors: Vec<f64> = Vec::new();
         for (j, t) in open {
-            let of = |expression: &Expression| expression.terms.get(j).map_or(0.0, |a| a.abs());
+            let of = |expression: &ColumnSum| expression.terms.get(j).map_or(0.0, |a| a.abs());
             factors.extend([of(own) / t.abs(), t.abs() / of(other)]);
         }
         factors.retain(|factor| factor.is_finite() && *factor > 0.0);
         factors.dedup();
         let rooms = factors.into_iter().take(MOST_FACTORS).filter_map(|factor| {
-            let least = |head: &Expression, factor: f64| {
+            let least = |head: &ColumnSum, factor: f64| {
                 let both = [factor, -factor].map(|k| head.plus(k, entry).range(domain)[0]);
                 both[0].min(both[1])
             };

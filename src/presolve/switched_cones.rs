@@ -20,7 +20,7 @@ use crate::program::{Addition, Cone, ConeRole, ConeShape, Program};
 use crate::solver::StopToken;
 
 /// The largest number of trials. A trial propagates the rows that it reaches.
-const MOST_TRIALS: usize = 4000;
+const MOST_BINARY_TRIALS: usize = 4000;
 
 /// Propagated bounds of a column that is off are this close to 0, and those of one that is not exceed the
 /// least reach (in the unit of the column): propagation loosens each bound a little.
@@ -105,7 +105,7 @@ pub(super) fn try_binaries(
     for j in binaries {
         for value in [0.0, 1.0] {
             trials += 1;
-            if trials > MOST_TRIALS || token.is_over() {
+            if trials > MOST_BINARY_TRIALS || token.is_over() {
                 return Some(());
             }
             let mark = domain.mark();
