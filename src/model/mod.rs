@@ -77,4 +77,4 @@ pub(crate) use operators::{products, scaling, sums};
 pub(crate) use row::comparisons;
 pub(crate) use stored::{StoredRow, StoredTerm};
 pub(crate) use subset::{AnyStatement, statements, subset};
-pub(crate) use text::squares::with_quadratic_rows;
+pub(crate) use text::quadratic_rows::with_quadratic_rows;

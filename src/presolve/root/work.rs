@@ -481,7 +481,7 @@ impl Work {
             integral,
             cones: self.cones.iter().map(|cone| cone.renumbered(|j| position[j])).collect(),
             conic: OnceLock::new(),
-            cuts_cones: false,
+            cone_cuts: None,
             step: columns.iter().map(|&j| self.step[j]).collect(),
             spread: open.map(|j| self.spread[j]).fold(1.0, f64::max),
             steepness: OnceLock::new(),
