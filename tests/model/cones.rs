@@ -6,7 +6,6 @@ use carom::model::Method;
 use carom::prelude::*;
 use carom::reformulate;
 use carom::solution::{Point, ViolationKind};
-use carom::solver::Prepared;
 
 /// The text of an error.
 fn text<T>(result: Result<T, Error>) -> String {
