@@ -217,6 +217,71 @@ proptest! {
     }
 }
 
+/// The largest value of an objective over rows and conic rows; `None` if nothing is feasible.
+fn best(term: Option<&(Vec<Form>, Vec<Shape>)>, weights: &Form) -> Option<f64> {
+    let (mut model, x, _) = space();
+    let (rows, shapes) = term?;
+    for (k, form) in rows.iter().enumerate() {
+        model.add(("row", k), affine(form, &x).le(1.0)).unwrap();
+    }
+    for (k, shape) in shapes.iter().enumerate() {
+        model.add(("c", k), row(shape, &x)).unwrap();
+    }
+    model.maximize(affine(weights, &x)).unwrap();
+    BranchAndBound::default().solve(&model).unwrap().objective()
+}
+
+proptest! {
+    #![proptest_config(config(40, REGRESSIONS))]
+
+    #[test]
+    fn the_best_term_is_the_optimum_by_each_method(case in case(), weights in form(-2)) {
+        let mut known = Vec::new();
+        let (mut model, x, z) = space();
+        let mut by_indicators = model.clone();
+        let terms = case.terms.iter().map(|(rows, shapes)| {
+            let rows: Vec<Row> = rows.iter().map(|form| affine(form, &x).le(1.0)).collect();
+            Term::from(rows).and(shapes.iter().map(|shape| row(shape, &x)).collect::<Vec<_>>())
+        });
+        let selectors = z[..case.terms.len()].iter().map(|z| z.on());
+        let either = Either::of(terms).selected_by(selectors);
+        if let Err(error) = model.add("either", either) {
+            prop_assert!(is_known(&error), "{}", error);
+            return Ok(());
+        }
+        model.maximize(affine(&weights, &x)).unwrap();
+        by_indicators.add("one", exactly(1, &z[..case.terms.len()])).unwrap();
+        for (k, (rows, shapes)) in case.terms.iter().enumerate() {
+            known.extend(best(Some(&(rows.clone(), shapes.clone())), &weights));
+            for (r, form) in rows.iter().enumerate() {
+                let row = affine(form, &x).le(1.0);
+                by_indicators.add((format!("row{k}"), r), z[k].on().implies(row)).unwrap();
+            }
+            for (r, shape) in shapes.iter().enumerate() {
+                let row = z[k].on().implies(row(shape, &x));
+                by_indicators.add((format!("c{k}"), r), row).unwrap();
+            }
+        }
+        by_indicators.maximize(affine(&weights, &x)).unwrap();
+        let expected = known.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut models = vec![by_indicators];
+        for method in Method::ALL {
+            model.set_reformulation(Reformulation::default().with_method(method));
+            models.push(model.clone());
+        }
+        for model in models {
+            let found = BranchAndBound::default().solve(&model).unwrap().objective();
+            match found {
+                None => prop_assert!(known.is_empty(), "{:?} {}", known, model),
+                Some(found) => {
+                    let close = (found - expected).abs() <= 1e-4 * expected.abs().max(1.0);
+                    prop_assert!(close, "{} {}\n{}", found, expected, model);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn the_m_of_a_norm_comes_from_the_bounds() {
     let mut model = Model::new("m");
