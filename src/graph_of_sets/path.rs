@@ -68,6 +68,9 @@ impl PathProgram {
         path: Option<&[usize]>,
         solver: &mut S,
     ) -> Result<ShortestPath, Error> {
+        if self.used.iter().all(Option::is_none) {
+            return Err(no_path(Termination::Infeasible));
+        }
         let mut start = path.map(|path| self.start(path));
         loop {
             let mut control = Control::default();
@@ -124,7 +127,8 @@ impl PathProgram {
         Ok((path, rest))
     }
 
-    fn read(&self, solution: &Solution, path: &[usize]) -> Result<ShortestPath, Error> {
+    /// The path of a solution, from its edges in their order.
+    pub(super) fn read(&self, solution: &Solution, path: &[usize]) -> Result<ShortestPath, Error> {
         let tag = self.graph.frame.tag();
         let mut stops = Vec::with_capacity(path.len() + 1);
         let mut stop = |edge: usize, end: usize| -> Result<(), Error> {

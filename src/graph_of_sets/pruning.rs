@@ -14,6 +14,13 @@ use crate::error::Error;
 use crate::model::{Affine, Model};
 use crate::solution::Solution;
 
+/// The most paths that are solved one by one, and the most edges looked at for them.
+const FEW: usize = 60;
+const LOOKS: usize = 20_000;
+
+/// The most edges of such a path.
+const LONGEST: usize = 200;
+
 /// Potentials of vertices, and charges for edges.
 pub(super) struct Potentials {
     ends: [usize; 2],
@@ -56,7 +63,8 @@ impl Potentials {
 }
 
 impl GraphOfSets {
-    /// Leaves out the edges that are on no path with a cost of at most `cost`.
+    /// Leaves out the edges that are on no path with a cost of at most `cost`. Returns the paths that may have
+    /// such a cost, each with its least possible one, the most promising ones first, if they are few.
     ///
     /// # Arguments
     ///
@@ -67,7 +75,7 @@ impl GraphOfSets {
         cost: f64,
         is_used: &mut [bool],
         mut minimum: impl FnMut(&Model) -> Result<f64, Error>,
-    ) -> Result<(), Error> {
+    ) -> Result<Option<Vec<PricedPath>>, Error> {
         let mut prices = vec![f64::INFINITY; self.edges.len()];
         for edge in (0..self.edges.len()).filter(|&edge| is_used[edge]) {
             let model = self.price_program(potentials, edge)?;
@@ -82,13 +90,31 @@ impl GraphOfSets {
             // Not a number where a price is not bounded, which excludes nothing.
             *is_used &= !(least > cost);
         }
-        Ok(())
+        let mut left = PathsLeft {
+            graph: self,
+            is_used,
+            prices: &prices,
+            after: &after,
+            allowed: cost - potentials.refund,
+            to,
+            found: Vec::new(),
+            looks: 0,
+        };
+        let mut is_visited = vec![false; self.vertices.len()];
+        if !left.extend(from, 0.0, &mut Vec::new(), &mut is_visited) {
+            return Ok(None);
+        }
+        left.found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        left.found.iter_mut().for_each(|(price, _)| *price += potentials.refund);
+        Ok(Some(left.found))
     }
 
     /// The program whose least objective is the price of an edge, without its charge.
     fn price_program(&self, potentials: &Potentials, edge: usize) -> Result<Model, Error> {
         let mut model = Model::new(self.edges[edge].name.to_string());
-        let flow = model.continuous("flow", 1.0, 1.0)?;
+        // A program with integers, if fixed ones, is solved without multipliers, which nobody asks for.
+        let flow = model.binary("flow")?;
+        model.fix(flow, 1.0)?;
         let ends = self.edges[edge].ends;
         let used = self.add_edge(&mut model, edge, flow, ends[0] == potentials.ends[0])?;
         let mut price: Affine = used.cost.clone();
@@ -122,5 +148,58 @@ impl GraphOfSets {
             }
         }
         least
+    }
+}
+
+/// The least cost that a path may have, and its edges.
+pub(super) type PricedPath = (f64, Vec<usize>);
+
+/// The paths whose prices do not exclude them.
+struct PathsLeft<'a> {
+    graph: &'a GraphOfSets,
+    is_used: &'a [bool],
+    prices: &'a [f64],
+    after: &'a [f64],
+    allowed: f64,
+    to: usize,
+    found: Vec<PricedPath>,
+    looks: usize,
+}
+
+impl PathsLeft<'_> {
+    /// Finds the paths that begin with one; `false` if there are many.
+    fn extend(
+        &mut self,
+        at: usize,
+        price: f64,
+        path: &mut Vec<usize>,
+        is_visited: &mut [bool],
+    ) -> bool {
+        if at == self.to {
+            self.found.push((price, path.clone()));
+            return self.found.len() <= FEW;
+        }
+        is_visited[at] = true;
+        for (edge, data) in self.graph.edges.iter().enumerate() {
+            let [from, next] = data.ends;
+            if from != at || !self.is_used[edge] || is_visited[next] {
+                continue;
+            }
+            self.looks += 1;
+            let price = price + self.prices[edge];
+            if price + self.after[next] > self.allowed {
+                continue;
+            }
+            path.push(edge);
+            let are_few = self.looks <= LOOKS
+                && path.len() <= LONGEST
+                && self.extend(next, price, path, is_visited);
+            path.pop();
+            if !are_few {
+                return false;
+            }
+        }
+        is_visited[at] = false;
+        true
     }
 }

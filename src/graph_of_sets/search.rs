@@ -9,7 +9,7 @@ use super::graph::GraphOfSets;
 use super::handles::GraphVertex;
 use super::path::{ShortestPath, no_path};
 use super::program::PathProgram;
-use super::pruning::Potentials;
+use super::pruning::{Potentials, PricedPath};
 use crate::error::Error;
 use crate::model::VariableKind;
 use crate::solution::{Solution, Termination};
@@ -21,8 +21,8 @@ const WALKS: u64 = 20;
 /// A flow below this is none (no unit).
 const SLIGHT_FLOW: f64 = 1e-6;
 
-/// A path that was found, its edges and its cost.
-type Known = (Vec<usize>, f64);
+/// A path that was found, its edges and its points.
+type Known = (Vec<usize>, ShortestPath);
 
 impl GraphOfSets {
     /// Finds a path of least cost from one vertex to another, which visits each vertex at most once and
@@ -64,22 +64,65 @@ impl GraphOfSets {
         }
         let known = self.along_flows(&relaxed, &solution, timed)?;
         let mut least = f64::INFINITY;
-        if let Some((path, cost)) = &known
+        if let Some((path, best)) = &known
             && let Some(potentials) = Potentials::of(&relaxed, &solution)
         {
-            least = *cost;
-            let pruned = self.prune(&potentials, *cost, &mut is_used, |model| {
+            least = best.cost;
+            let few = self.prune(&potentials, least, &mut is_used, |model| {
                 let solution = timed.solver().solve(model)?;
                 Ok(if solution.is_infeasible() { f64::INFINITY } else { solution.bound() })
-            });
-            pruned?;
+            })?;
             path.iter().for_each(|&edge| is_used[edge] = true);
+            if let Some(few) = few
+                && let Some(mut found) = self.best_of(ends, &few, (path, best), timed)?
+            {
+                found.edges_left = is_used.iter().filter(|is_used| **is_used).count();
+                return Ok(found);
+            }
         }
         let mut program = self.program_of(ends, &is_used, VariableKind::Binary)?;
         let path = known.as_ref().map(|(path, _)| &path[..]);
         let mut found = program.solve_from(path, timed.solver())?;
         found.bound = found.bound.min(least);
         Ok(found)
+    }
+
+    /// The best of few paths and a known one, each solved by itself; `None` if a limit stops that.
+    fn best_of<S: Solver + ?Sized>(
+        &self,
+        ends: [usize; 2],
+        few: &[PricedPath],
+        (known, best): (&[usize], &ShortestPath),
+        timed: &mut Timed<'_, S>,
+    ) -> Result<Option<ShortestPath>, Error> {
+        let mut best = best.clone();
+        for (price, path) in few.iter().filter(|(_, path)| path != known) {
+            if *price > best.cost {
+                break;
+            }
+            let along = self.program_along(ends, path)?;
+            let solution = timed.solver().solve(&along.model)?;
+            if solution.is_infeasible() {
+                continue;
+            }
+            if !solution.is_optimal() {
+                return Ok(None);
+            }
+            let mut found = along.read(&solution, path)?;
+            let bound = best.bound.min(found.bound);
+            if found.cost > best.cost {
+                found = best;
+            }
+            best = ShortestPath { bound, ..found };
+        }
+        Ok((best.termination == Termination::Optimal).then_some(best))
+    }
+
+    /// The program over the edges of a path.
+    fn program_along(&self, ends: [usize; 2], path: &[usize]) -> Result<PathProgram, Error> {
+        let mut is_used = vec![false; self.edges.len()];
+        path.iter().for_each(|&edge| is_used[edge] = true);
+        self.program_of(ends, &is_used, VariableKind::Binary)
     }
 
     /// The best path along the flows of a relaxation.
@@ -102,16 +145,15 @@ impl GraphOfSets {
             if seen.contains(&path) {
                 continue;
             }
-            let mut is_used = vec![false; self.edges.len()];
-            path.iter().for_each(|&edge| is_used[edge] = true);
-            let along = self.program_of(relaxed.ends, &is_used, VariableKind::Continuous)?;
-            seen.push(path.clone());
+            let along = self.program_along(relaxed.ends, &path)?;
             let solution = timed.solver().solve(&along.model)?;
-            if let Some(cost) = solution.objective()
-                && best.as_ref().is_none_or(|(_, least)| cost < *least)
-            {
-                best = Some((path, cost));
+            if solution.point().is_some() {
+                let found = along.read(&solution, &path)?;
+                if best.as_ref().is_none_or(|(_, least)| found.cost < least.cost) {
+                    best = Some((path.clone(), found));
+                }
             }
+            seen.push(path);
         }
         Ok(best)
     }

@@ -369,6 +369,7 @@ fn no_path_is_an_error_with_the_reason() {
     let expected = "the search ended without a plan (`infeasible`); no path of the graph satisfies its sets \
                     and edges; check them";
     assert_eq!(text(graph.shortest_path(v[0], v[1], &mut solver())), expected);
+    assert_eq!(text(graph.program(v[0], v[1]).unwrap().solve(&mut solver())), expected);
     let edge = graph.edge(v[0], v[1]).unwrap();
     let (p, q) = (graph.point(v[0]).unwrap(), graph.point(v[1]).unwrap());
     graph.add(edge, (q[0] - p[0]).ge(2.0)).unwrap();
