@@ -138,11 +138,6 @@ impl ConeCut {
         let (least, most) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
         self.terms.len() > 1 && most <= MAX_COEFFICIENT_RATIO * least
     }
-
-    /// The sum of its terms at a point of a program; above 0 if it is violated.
-    pub fn violation(&self, x: &[f64]) -> f64 {
-        self.terms.iter().map(|&(j, a)| a * x[j]).sum()
-    }
 }
 
 /// The length of a vector.
