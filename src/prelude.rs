@@ -12,8 +12,9 @@ pub use crate::hybrid::{
     Region, Restitution, Shortest, ShortestOptions, SimulationOptions, State, When,
 };
 pub use crate::model::{
-    Affine, Constraint, Either, Family, Implication, Indicator, Literal, Logic, LogicalConstraint,
-    Model, Name, Quadratic, Row, Sense, Variable, VariableKind, at_least, at_most, either, exactly,
+    Affine, ConicConstraint, ConicRow, Constraint, Either, Family, Implication, Indicator, Literal,
+    Logic, LogicalConstraint, Model, Name, Quadratic, Row, Sense, Variable, VariableKind, at_least,
+    at_most, either, exactly, norm,
 };
 pub use crate::solution::{PrimalStatus, Solution, Statistics, Termination, Verification};
 pub use crate::solver::{Control, Event, Incumbent, Interrupt, Log, Options, Progress, Solver};

@@ -258,6 +258,54 @@ fn the_file_is_a_minimisation_with_plain_names() {
     assert!(text.contains(";QCMATRIX q0; c0 c0 4; c1 c1 1;ENDATA"), "{text}");
 }
 
+/// A program that takes cones, and answers like CBC.
+#[derive(Debug)]
+struct Conic;
+
+impl Dialect for Conic {
+    fn program(&self) -> &str {
+        "conic"
+    }
+    fn takes_cones(&self) -> bool {
+        true
+    }
+    fn arguments(&self, files: &Files, options: &Options, time: Option<Duration>) -> Vec<String> {
+        Cbc.arguments(files, options, time)
+    }
+    fn read(&self, solution: Option<&str>, printed: &str) -> Result<ExternalAnswer, String> {
+        Cbc.read(solution, printed)
+    }
+}
+
+#[test]
+fn points_of_programs_with_cones_are_certified() {
+    let mut model = Model::new("disc");
+    let (x, y) =
+        (model.continuous("x", -9.0, 9.0).unwrap(), model.continuous("y", -9.0, 9.0).unwrap());
+    model.add("disc", norm([x + 1.0, 1.0 * y]).le(2.0)).unwrap();
+    model.maximize(x + y).unwrap();
+    // The third column is the square root of a square; the point is outside of the disc.
+    let answer = |objective: f64| {
+        format!(
+            "printf 'Optimal - objective value {objective}\\n0 c0 0.5 1\\n1 c1 1.5 1\\n2 c2 1.5 0\\n' > $out"
+        )
+    };
+    let best = 8.0_f64.sqrt() - 1.0;
+    let program = Pretended::new("disc", &answer(-best));
+    let mut solver = ExternalSolver::new(Conic).with_program(program.path.to_string_lossy());
+    let solution = solver.solve(&model).unwrap();
+    assert!(solution.is_optimal(), "{solution:?}");
+    assert_eq!(solution.point().unwrap().as_slice().len(), 2);
+    assert!((solution.objective().unwrap() - best).abs() < 1e-5);
+    assert!((solution.value(x).unwrap() - (2.0_f64.sqrt() - 1.0)).abs() < 1e-3);
+    // What is not there is not believed.
+    let program = Pretended::new("no_disc", &answer(-2.0));
+    let mut solver = ExternalSolver::new(Conic).with_program(program.path.to_string_lossy());
+    let solution = solver.solve(&model).unwrap();
+    assert_eq!(solution.termination(), Termination::Stalled);
+    assert!((solution.objective().unwrap() - best).abs() < 1e-5);
+}
+
 // -- folders and the operating system ------------------------------------------------------------
 
 /// Notes the folder that it is given, and panics where its answer is read.

@@ -1,7 +1,7 @@
 //! Norms, quadratic rows and rotated cones, with and without integers.
 
 use crate::error::Error;
-use crate::model::{Model, norm};
+use crate::model::{Model, either, norm};
 
 use super::answer::{Case, Cases, INF, minimizing};
 
@@ -9,6 +9,7 @@ pub(super) fn cases() -> Result<Vec<Case>, Error> {
     let mut cases = Cases::default();
     continuous(&mut cases)?;
     integer(&mut cases)?;
+    conditional(&mut cases)?;
     without_a_point(&mut cases)?;
     Ok(cases.0)
 }
@@ -83,6 +84,36 @@ fn integer(cases: &mut Cases) -> Result<(), Error> {
     m.maximize(z[0] + 2.0 * z[1] + z[2] + x)?;
     // The second and another one leave 0.5 for x; one alone or the other two leave 1.118.
     cases.optimal(&m, 3.5, &[(z[1], 1.0), (x, 0.5)]);
+    Ok(())
+}
+
+fn conditional(cases: &mut Cases) -> Result<(), Error> {
+    // A disc around one point or around another one, the farther one dearer.
+    for (cost, optimum, on) in [(1.0, 5.0, 1.0), (4.0, 3.0, 0.0)] {
+        let mut m = Model::new("one disc or another one");
+        let (x, y) = (m.continuous("x", -9.0, 9.0)?, m.continuous("y", -9.0, 9.0)?);
+        let z = m.binary("z")?;
+        m.add("far", z.on().implies(norm([x - 4.0, 1.0 * y]).le(2.0)))?;
+        m.add("near", z.off().implies(norm([x - 1.0, 1.0 * y]).le(2.0)))?;
+        m.maximize(x - cost * z)?;
+        cases.optimal(&m, optimum, &[(x, 3.0 + 3.0 * on), (z, on)]);
+    }
+
+    let mut m = Model::new("a rotated cone under a condition");
+    let (x, y) = (m.continuous("x", 0.0, 9.0)?, m.continuous("y", 0.0, 9.0)?);
+    let (t, z) = (m.continuous("t", 2.0, 3.0)?, m.binary("z")?);
+    m.add("cone", z.on().implies(t.square().le(x * y)))?;
+    m.add("dear", z.off().implies((x + y).ge(5.0)))?;
+    m.minimize(x + y)?;
+    cases.optimal(&m, 4.0, &[(x, 2.0), (y, 2.0), (t, 2.0), (z, 1.0)]);
+
+    let mut m = Model::new("a disc or a box");
+    let (x, y) = (m.continuous("x", -9.0, 9.0)?, m.continuous("y", -9.0, 9.0)?);
+    m.add("place", either(norm([x, y]).le(2.0)).or([x.within(2.0, 3.0), y.within(-1.0, 0.5)]))?;
+    m.maximize(x + y)?;
+    cases.optimal(&m, 3.5, &[(x, 3.0), (y, 0.5)]);
+    m.maximize(2.0 * y - 10.0 * x)?;
+    cases.optimal(&m, 416.0_f64.sqrt(), &[]);
     Ok(())
 }
 

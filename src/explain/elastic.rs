@@ -6,6 +6,7 @@ use crate::model::{
     Affine, AnyStatement, BigM, IndicatorRef, Literal, Logic, Model, Name, SpecialOrderedSetRef,
     StoredRow, StoredTerm, Variable, VariableKind, at_most, exactly, statements, subset,
 };
+use crate::reformulate::with_slack;
 
 /// A model whose statements may give, and the variables that say by how much.
 pub(super) struct ElasticModel<'a> {
@@ -71,10 +72,17 @@ impl<'a> ElasticModel<'a> {
                 Ok((below, above))
             }
             AnyStatement::Indicator(indicator) => self.add_indicator(indicator),
+            AnyStatement::Conic(conic) => {
+                let slack = self.slack(name, "_above", VariableKind::Continuous, f64::INFINITY)?;
+                let row = with_slack(conic.conic(), name, slack, &self.model)?;
+                let condition = conic.condition().cloned();
+                self.model.push_conic(name.clone(), condition, row, conic.big_m())?;
+                Ok((None, Some(slack)))
+            }
             AnyStatement::Disjunction(disjunction) => {
                 let fails = self.slack(name, "_fails", VariableKind::Binary, 1.0)?;
                 let mut terms = self.released(name, disjunction.stored_terms(), fails, None)?;
-                terms.push(StoredTerm { selector: fails.on(), rows: vec![], nested: vec![] });
+                terms.push(StoredTerm::always(fails.on()));
                 self.model.push_disjunction(name.clone(), disjunction.method(), terms)?;
                 Ok((None, Some(fails)))
             }
@@ -132,7 +140,8 @@ impl<'a> ElasticModel<'a> {
             let nested = term.nested.iter();
             let nested = nested.map(|inner| self.released(name, inner, fails, Some(term.selector)));
             let nested = nested.collect::<Result<_, _>>()?;
-            released.push(StoredTerm { selector: own, rows: term.rows.clone(), nested });
+            let (rows, conic) = (term.rows.clone(), term.conic.clone());
+            released.push(StoredTerm { selector: own, rows, conic, nested });
         }
         Ok(released)
     }

@@ -149,7 +149,8 @@ impl ElasticRelaxation {
 ///
 /// The cost is the sum of all amounts, each times the weight of its statement. Because the price is
 /// linear, a few statements tend to give much rather than many a little. Rows give on either side,
-/// and so does the implied row of an indicator. A logic statement, a disjunction or an ordered
+/// and so does the implied row of an indicator. Norms and convex quadratic rows give above their limit; other
+/// quadratic rows as the norms that they are, in the unit of the root. A logic statement, a disjunction or an ordered
 /// set is dropped as a whole, at the cost of its weight. Bounds and kinds of variables, functions and background never
 /// give, and the model's own objective plays no role.
 ///
@@ -215,7 +216,10 @@ pub fn elastic_relaxation(
         if !verification.violations().iter().any(|violation| violation.name == text) {
             continue;
         }
-        let is_row = slack.statement < model.constraint_count() + model.indicator_count();
+        // They come first.
+        let rows =
+            model.constraint_count() + model.indicator_count() + model.conic_constraint_count();
+        let is_row = slack.statement < rows;
         for (slack, side) in [(slack.below, Side::Lower), (slack.above, Side::Upper)] {
             let amount = slack.map_or(Ok(0.0), |slack| found.value(slack))?;
             if amount > solver.options().feasibility {

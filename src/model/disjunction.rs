@@ -5,6 +5,7 @@
 //! for one disjunction, decides how it becomes rows. Solutions are checked term by term, not
 //! through these rows.
 
+use super::conic::ConicRow;
 use super::ids::Disjunction;
 use super::literal::Literal;
 use super::name::Name;
@@ -20,23 +21,28 @@ use crate::error::{Error, ErrorKind};
 /// The largest depth of disjunctions inside terms.
 pub(super) const MAX_NESTING: u32 = 16;
 
-/// One alternative of an [`Either`]: rows and nested disjunctions that must hold together if it is
-/// selected.
+/// One alternative of an [`Either`]: rows, conic rows and nested disjunctions that must hold together if it
+/// is selected.
 ///
-/// Made from a [`Row`], an array or a vector of rows, or a nested [`Either`]; add more of both with
-/// [`and`](Term::and) and [`and_either`](Term::and_either). A term without rows is always true.
+/// Made from a [`Row`], a [`ConicRow`], an array or a vector of one of them, or a nested [`Either`]; add more
+/// of all with [`and`](Term::and) and [`and_either`](Term::and_either). A term without rows is always true.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[must_use = "a term does nothing until its disjunction is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Term {
     rows: Vec<Row>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    conic: Vec<ConicRow>,
     nested: Vec<Either>,
 }
 
 impl Term {
-    /// Adds a row.
-    pub fn and(mut self, row: Row) -> Self {
-        self.rows.push(row);
+    /// Adds a row, a conic row, several of them, or another term's.
+    pub fn and(mut self, rows: impl Into<Term>) -> Self {
+        let mut rows = rows.into();
+        self.rows.append(&mut rows.rows);
+        self.conic.append(&mut rows.conic);
+        self.nested.append(&mut rows.nested);
         self
     }
 
@@ -54,13 +60,31 @@ impl Term {
 
 impl From<Row> for Term {
     fn from(row: Row) -> Self {
-        Term { rows: vec![row], nested: Vec::new() }
+        Term { rows: vec![row], ..Term::default() }
     }
 }
 
 impl From<Vec<Row>> for Term {
     fn from(rows: Vec<Row>) -> Self {
-        Term { rows, nested: Vec::new() }
+        Term { rows, ..Term::default() }
+    }
+}
+
+impl From<ConicRow> for Term {
+    fn from(row: ConicRow) -> Self {
+        Term { conic: vec![row], ..Term::default() }
+    }
+}
+
+impl From<Vec<ConicRow>> for Term {
+    fn from(conic: Vec<ConicRow>) -> Self {
+        Term { conic, ..Term::default() }
+    }
+}
+
+impl<const N: usize> From<[ConicRow; N]> for Term {
+    fn from(rows: [ConicRow; N]) -> Self {
+        Term::from(Vec::from(rows))
     }
 }
 
@@ -72,7 +96,7 @@ impl<const N: usize> From<[Row; N]> for Term {
 
 impl From<Either> for Term {
     fn from(inner: Either) -> Self {
-        Term { rows: Vec::new(), nested: vec![inner] }
+        Term { nested: vec![inner], ..Term::default() }
     }
 }
 
@@ -234,9 +258,11 @@ fn store(
         check_selector(selector, model, &name)?;
         let rows = term.rows.into_iter().map(|row| stored(row, model, &name));
         let rows = rows.collect::<Result<_, _>>()?;
+        let conic = term.conic.into_iter().map(|row| row.checked(model, &name));
+        let conic = conic.collect::<Result<_, _>>()?;
         let nested = term.nested.into_iter().map(|inner| store(inner, model, &name, true));
         let nested = nested.collect::<Result<_, _>>()?;
-        terms.push(StoredTerm { selector, rows, nested });
+        terms.push(StoredTerm { selector, rows, conic, nested });
     }
     Ok(terms)
 }

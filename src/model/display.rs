@@ -157,8 +157,9 @@ impl Model {
             let rows = term.rows.iter();
             let rows =
                 rows.map(|row| self.row_text(&row.terms, Interval::new(row.lower, row.upper)));
+            let conic = term.conic.iter().map(|conic| self.conic_text(conic));
             let nested = term.nested.iter().map(|terms| self.terms_text(terms));
-            let parts = rows.chain(nested).collect::<Vec<_>>();
+            let parts = rows.chain(conic).chain(nested).collect::<Vec<_>>();
             let parts = if parts.is_empty() { "anything".to_owned() } else { parts.join(", ") };
             let Literal { variable, on } = term.selector;
             format!("({} = {}: {parts})", self.name_of(variable), u8::from(on))

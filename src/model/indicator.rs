@@ -5,6 +5,7 @@
 //! rows.
 
 use super::checks::limits;
+use super::conic::ConicRow;
 use super::ids::{Indicator, Variable};
 use super::literal::Literal;
 use super::logic::Logic;
@@ -17,7 +18,7 @@ use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
-/// The consequence of a condition: a [`Row`] or logic. Sealed.
+/// The consequence of a condition: a [`Row`], a [`ConicRow`] or logic. Sealed.
 pub trait Consequent: sealed::SealedConsequent {
     /// The type of the implication: [`Implication`] or [`Logic`].
     type Output;
@@ -27,10 +28,11 @@ pub trait Consequent: sealed::SealedConsequent {
 }
 
 mod sealed {
-    use super::{Literal, Logic, Row, Variable};
+    use super::{ConicRow, Literal, Logic, Row, Variable};
 
     pub trait SealedConsequent {}
     impl SealedConsequent for Row {}
+    impl SealedConsequent for ConicRow {}
     impl SealedConsequent for Logic {}
     impl SealedConsequent for Literal {}
     impl SealedConsequent for Variable {}
@@ -40,6 +42,14 @@ impl Consequent for Row {
     type Output = Implication;
 
     fn after(self, condition: Logic) -> Implication {
+        Implication { condition, row: self, big_m: BigM::Automatic }
+    }
+}
+
+impl Consequent for ConicRow {
+    type Output = Implication<ConicRow>;
+
+    fn after(self, condition: Logic) -> Implication<ConicRow> {
         Implication { condition, row: self, big_m: BigM::Automatic }
     }
 }
@@ -58,24 +68,25 @@ macro_rules! consequents {
 
 consequents!(Logic, Literal, Variable);
 
-/// An implication, not yet added to a model; made by [`Literal::implies`] and [`Logic::implies`].
+/// An implication of a [`Row`] or a [`ConicRow`], not yet added to a model; made by [`Literal::implies`] and
+/// [`Logic::implies`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "an implication does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Implication {
+pub struct Implication<R = Row> {
     pub(crate) condition: Logic,
-    pub(crate) row: Row,
+    pub(crate) row: R,
     pub(crate) big_m: BigM,
 }
 
-/// One condition and several rows, not yet added to a model; made by [`Literal::implies_all`] and
+/// One condition and several rows, or several conic rows, not yet added to a model; made by [`Literal::implies_all`] and
 /// [`Logic::implies_all`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "implications do nothing until they are given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Implications {
+pub struct Implications<R = Row> {
     pub(crate) condition: Logic,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<R>,
 }
 
 /// "This holds exactly when the row does", not yet added to a model; made by [`Literal::reify`] and
@@ -125,14 +136,18 @@ impl Statement for Implications {
         model.all_or_nothing(|model| {
             let rows = self.rows.into_iter().enumerate();
             rows.map(|(k, row)| {
-                let name =
-                    if k == 0 { name.clone() } else { name.suffixed(&format!("_{}", k + 1)) };
+                let name = one_of_several(&name, k);
                 let row = stored(row, model, &name)?;
                 model.push_indicator(name, self.condition.clone(), row, BigM::Automatic)
             })
             .collect()
         })
     }
+}
+
+/// `name`, `name_2`, `name_3`, ...
+pub(super) fn one_of_several(name: &Name, k: usize) -> Name {
+    if k == 0 { name.clone() } else { name.suffixed(&format!("_{}", k + 1)) }
 }
 
 impl SealedStatement for Reification {}
@@ -194,7 +209,7 @@ impl Statement for Reification {
     }
 }
 
-impl Implication {
+impl<R> Implication<R> {
     /// Uses this big-M (in the row's unit, for each side that needs one) instead of the automatic
     /// one. Lowering refuses it unless the bounds prove it.
     pub fn big_m(mut self, value: f64) -> Self {
@@ -226,18 +241,28 @@ impl Model {
     ) -> Result<Indicator, Error> {
         let condition = condition.into();
         condition.check(self, &name)?;
-        if let BigM::Given(value) | BigM::Assumed(value) = big_m
-            && !(0.0..tolerance::INFINITE).contains(&value)
-        {
-            return Err(Error::out_of_range(
-                format!("the big-M of `{name}`"),
-                value,
-                "finite and not negative",
-            ));
-        }
+        big_m.check(&name)?;
         let id = Indicator::new(self.stored.indicators.len(), self.stored.tag);
         self.claim_statement(&name, (StatementKind::Indicator, id.index))?;
         self.stored.indicators.push(IndicatorData { name, condition, row, big_m });
         Ok(id)
+    }
+}
+
+impl BigM {
+    /// Checks a value of the user's.
+    pub(super) fn check(self, name: &Name) -> Result<(), Error> {
+        match self {
+            BigM::Given(value) | BigM::Assumed(value)
+                if !(0.0..tolerance::INFINITE).contains(&value) =>
+            {
+                Err(Error::out_of_range(
+                    format!("the big-M of `{name}`"),
+                    value,
+                    "finite and not negative",
+                ))
+            }
+            _ => Ok(()),
+        }
     }
 }

@@ -69,7 +69,7 @@ pub use text::read::{Read, Warning};
 pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;
-pub(crate) use conic::StoredConic;
+pub(crate) use conic::{StandardCone, StoredConic};
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use name::is_name;
@@ -77,4 +77,4 @@ pub(crate) use operators::{products, scaling, sums};
 pub(crate) use row::comparisons;
 pub(crate) use stored::{StoredRow, StoredTerm};
 pub(crate) use subset::{AnyStatement, statements, subset};
-pub(crate) use text::squares::with_quadratic_rows;
+pub(crate) use text::quadratic_rows::with_quadratic_rows;

@@ -1,5 +1,6 @@
 //! Views of a model's variables and statements, for reading.
 
+use super::conic::StoredConic;
 use super::function::Function;
 use super::ids::{
     Constraint, Disjunction, Indicator, LogicalConstraint, SpecialOrderedSet, Variable,
@@ -162,6 +163,10 @@ impl<'a> TermRef<'a> {
         &self,
     ) -> impl ExactSizeIterator<Item = (&'a [(Variable, f64)], Interval)> + use<'a> {
         self.data.rows.iter().map(|row| (&row.terms[..], Interval::new(row.lower, row.upper)))
+    }
+
+    pub(crate) fn conic(&self) -> &'a [StoredConic] {
+        &self.data.conic
     }
 
     /// The terms of each disjunction inside this term.

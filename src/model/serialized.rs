@@ -33,10 +33,10 @@ impl TryFrom<StoredModel> for Model {
             let row = row.checked(&model, &name)?;
             model.push_indicator(name, condition, row, big_m)?;
         }
-        for ConicData { name, condition, conic } in stored.conic {
+        for ConicData { name, condition, conic, big_m } in stored.conic {
             name.check()?;
             let conic = model.checked_conic(conic, &name)?;
-            model.push_conic(name, condition, conic)?;
+            model.push_conic(name, condition, conic, big_m)?;
         }
         for LogicalData { name, logic } in stored.logic {
             model.add(name, logic)?;
@@ -101,12 +101,13 @@ fn checked(
     if level > MAX_NESTING {
         return wrong("levels", level, format!("at most {MAX_NESTING}"));
     }
-    let term = |StoredTerm { selector, rows, nested }| {
+    let term = |StoredTerm { selector, rows, conic, nested }| {
         check_selector(selector, model, name)?;
         let rows = rows.into_iter().map(|row: StoredRow| row.checked(model, name));
         let nested = nested.into_iter().map(|inner| checked(inner, model, name, level + 1));
         let (rows, nested) = (rows.collect::<Result<_, _>>()?, nested.collect::<Result<_, _>>()?);
-        Ok(StoredTerm { selector, rows, nested })
+        let conic = conic.into_iter().map(|conic| model.checked_conic(conic, name));
+        Ok(StoredTerm { selector, rows, conic: conic.collect::<Result<_, _>>()?, nested })
     };
     terms.into_iter().map(term).collect()
 }

@@ -105,6 +105,9 @@ pub(super) struct ConicData {
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) condition: Option<Logic>,
     pub(super) conic: StoredConic,
+    /// The M of the condition.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) big_m: BigM,
 }
 
 #[derive(Debug, Clone)]

@@ -1,5 +1,6 @@
 //! Rows and terms as a model stores them.
 
+use super::conic::StoredConic;
 use super::ids::Variable;
 use super::literal::Literal;
 
@@ -20,14 +21,27 @@ pub(crate) struct StoredRow {
 pub(crate) struct StoredTerm {
     pub(crate) selector: Literal,
     pub(crate) rows: Vec<StoredRow>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) conic: Vec<StoredConic>,
     /// The terms of each nested disjunction. One of them is selected if and only if this term is.
     pub(crate) nested: Vec<Vec<StoredTerm>>,
 }
 
 impl StoredTerm {
+    /// A term without rows.
+    pub(crate) fn always(selector: Literal) -> Self {
+        StoredTerm { selector, rows: Vec::new(), conic: Vec::new(), nested: Vec::new() }
+    }
+
     /// Calls `visit` with every row of the term and of the terms inside it.
     pub(crate) fn for_each_row(&self, visit: &mut dyn FnMut(&StoredRow)) {
         self.rows.iter().for_each(&mut *visit);
         self.nested.iter().flatten().for_each(|term| term.for_each_row(visit));
+    }
+
+    /// Calls `visit` with every conic row of the term and of the terms inside it.
+    pub(crate) fn for_each_conic(&self, visit: &mut dyn FnMut(&StoredConic)) {
+        self.conic.iter().for_each(&mut *visit);
+        self.nested.iter().flatten().for_each(|term| term.for_each_conic(visit));
     }
 }

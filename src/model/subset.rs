@@ -4,6 +4,7 @@
 //! they define variables.
 
 use super::Model;
+use super::conic::ConicRef;
 use super::name::Name;
 use super::name_table::NameTable;
 use super::refs::{
@@ -18,6 +19,8 @@ pub enum AnyStatement<'a> {
     Row(ConstraintRef<'a>),
     /// A row that holds under a condition.
     Indicator(IndicatorRef<'a>),
+    /// A norm or a quadratic row, with or without a condition.
+    Conic(ConicRef<'a>),
     /// Sets of rows, one of which holds.
     Disjunction(DisjunctionRef<'a>),
     /// A formula.
@@ -32,6 +35,7 @@ impl<'a> AnyStatement<'a> {
         match self {
             AnyStatement::Row(row) => row.name(),
             AnyStatement::Indicator(indicator) => indicator.name(),
+            AnyStatement::Conic(conic) => conic.name(),
             AnyStatement::Disjunction(disjunction) => disjunction.name(),
             AnyStatement::Logic(logical) => logical.name(),
             AnyStatement::Set(set) => set.name(),
@@ -42,6 +46,7 @@ impl<'a> AnyStatement<'a> {
         match self {
             AnyStatement::Row(row) => (StatementKind::Constraint, row.id().index),
             AnyStatement::Indicator(indicator) => (StatementKind::Indicator, indicator.id().index),
+            AnyStatement::Conic(conic) => (StatementKind::Conic, conic.id().index),
             AnyStatement::Disjunction(disjunction) => {
                 (StatementKind::Disjunction, disjunction.id().index)
             }
@@ -51,14 +56,15 @@ impl<'a> AnyStatement<'a> {
     }
 }
 
-/// The statements: rows, then indicators, disjunctions, logic and sets, each in the order of creation.
+/// The statements: rows, then indicators, conic rows, disjunctions, logic and sets, each in the order of creation.
 pub fn statements(model: &Model) -> impl Iterator<Item = AnyStatement<'_>> {
     let rows = model.constraints().map(AnyStatement::Row);
     let indicators = model.indicators().map(AnyStatement::Indicator);
+    let conic = model.conic_constraints().map(AnyStatement::Conic);
     let disjunctions = model.disjunctions().map(AnyStatement::Disjunction);
     let logic = model.logical_constraints().map(AnyStatement::Logic);
     let sets = model.special_ordered_sets().map(AnyStatement::Set);
-    rows.chain(indicators).chain(disjunctions).chain(logic).chain(sets)
+    rows.chain(indicators).chain(conic).chain(disjunctions).chain(logic).chain(sets)
 }
 
 /// The model without its objective and with only the statements that `keep` accepts, by position in
@@ -72,6 +78,7 @@ pub fn subset(model: &Model, keep: impl Fn(usize) -> bool) -> Model {
         variables: stored.variables.clone(),
         constraints: stored.constraints.iter().filter(|_| next()).cloned().collect(),
         indicators: stored.indicators.iter().filter(|_| next()).cloned().collect(),
+        conic: stored.conic.iter().filter(|_| next()).cloned().collect(),
         disjunctions: stored.disjunctions.iter().filter(|_| next()).cloned().collect(),
         logic: stored.logic.iter().filter(|_| next()).cloned().collect(),
         sets: stored.sets.iter().filter(|_| next()).cloned().collect(),

@@ -248,7 +248,7 @@ impl Reducer {
         let cones = program.cones.iter();
         let cones = cones.map(|cone| ReducedCone::new(cone, &self.position, &self.lower));
         fill(&mut reduced.cones, cones);
-        reduced.is_cut_off = program.cuts_cones;
+        reduced.is_cut_off = program.cone_cuts.is_some();
         reduced.spread = program.spread;
         reduced.find_steepness(program);
         Ok(())

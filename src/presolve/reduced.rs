@@ -35,7 +35,7 @@ pub struct Reduced {
     pub steepness: Vec<f64>,
     /// The cones with a free column, and those that fixed columns may miss.
     pub cones: Vec<ReducedCone>,
-    /// Whether cones are cut off (see [`Program::cuts_cones`](crate::program::Program)).
+    /// Whether cones are cut off (see [`Program::cone_cuts`](crate::program::Program)).
     pub is_cut_off: bool,
     /// As in the program; less than 1 counts as 1.
     pub spread: f64,
@@ -163,7 +163,7 @@ impl Reduced {
                 let cones = program.cones.iter();
                 cones.map(|cone| ReducedCone::new(cone, &place, &program.lower)).collect()
             },
-            is_cut_off: program.cuts_cones,
+            is_cut_off: program.cone_cuts.is_some(),
             spread: program.spread,
         }
     }

@@ -137,6 +137,30 @@ impl Reduced {
         }
     }
 
+    /// Drops the rows with certain names.
+    pub(crate) fn drop_rows(&mut self, names: &std::ops::Range<usize>) {
+        let (mut kept, mut end) = (0, 0);
+        for row in 0..self.rows.len() {
+            let entries = self.rows.start[row]..self.rows.start[row + 1];
+            if self.origin.get(row).is_some_and(|name| names.contains(name)) {
+                continue;
+            }
+            for entry in entries {
+                self.rows.index[end] = self.rows.index[entry];
+                self.rows.value[end] = self.rows.value[entry];
+                end += 1;
+            }
+            (self.row_lower[kept], self.row_upper[kept]) =
+                (self.row_lower[row], self.row_upper[row]);
+            if row < self.origin.len() {
+                self.origin[kept] = self.origin[row];
+            }
+            kept += 1;
+            self.rows.start[kept] = end;
+        }
+        self.truncate_rows(kept);
+    }
+
     /// By column of the program, its column here; `usize::MAX` for those that are not there.
     pub(crate) fn places(&self) -> Vec<usize> {
         let mut place = vec![FIXED; self.values.len()];

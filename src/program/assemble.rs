@@ -125,7 +125,7 @@ impl Program {
             integral,
             cones,
             conic: OnceLock::new(),
-            cuts_cones: false,
+            cone_cuts: None,
             step,
             spread: 1.0,
             steepness: OnceLock::new(),

@@ -16,6 +16,7 @@ pub(crate) use append::Addition;
 pub use cone::{Cone, ConeRole, ConeShape};
 pub(crate) use cone::{LONGEST_TAIL, conic_columns};
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use faer::sparse::{SparseColMat, SparseRowMat};
@@ -56,9 +57,9 @@ pub struct Program {
     pub cones: Vec<Cone>,
     /// Which columns are in cones; computed at the first request.
     pub(crate) conic: OnceLock<Vec<bool>>,
-    /// Whether relaxations cut off cones, by rows that are found on the way, and do not solve them as they
-    /// are.
-    pub cuts_cones: bool,
+    /// The rows that cut off cones, if relaxations cut them off, and do not solve them as they are. A search
+    /// finds further ones.
+    pub cone_cuts: Option<Range<usize>>,
     /// Where each column stands in time: the step of its name, for members of families.
     pub step: Vec<Option<usize>>,
     /// How far columns without bounds may be out at points within the radius of proofs, as a multiple of

@@ -52,17 +52,11 @@ pub(super) fn apply_unless(
     row: &Implied<'_>,
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
-    let (mut open, mut fails) = (Vec::new(), false);
+    let (open, fails) = open_guard(guard, lowering)?;
     // If the row contains its own condition, the condition's value is known.
     let mut terms = row.terms.to_vec();
     let mut limits = row.limits;
     for &literal in guard {
-        let bounds = lowering.model.variable_ref(literal.variable())?.bounds();
-        let never = if literal.is_on() { bounds.upper < 1.0 } else { bounds.lower > 0.0 };
-        fails |= if literal.is_on() { bounds.lower > 0.0 } else { bounds.upper < 1.0 };
-        if !never {
-            open.push(literal);
-        }
         if let Some(at) = terms.iter().position(|&(v, _)| v == literal.variable()) {
             let (_, coefficient) = terms.remove(at);
             if !literal.is_on() {
@@ -96,7 +90,7 @@ pub(super) fn apply_unless(
             // A row without variables keeps its guard, because a fixed binary costs nothing.
             let guard = if terms.is_empty() { guard } else { &open };
             need.tighten(&terms, limit, side, guard, lowering);
-            (entry.value, entry.source) = choose(row, lowering, side, &need)?;
+            (entry.value, entry.source) = choose((row.name, row.big_m), lowering, side, &need)?;
             let (row, limit) = switched(&terms, limit, entry.value, guard, side);
             push(lowering, side, row, limit)?;
             entry.row = lowering.newest_row();
@@ -106,18 +100,36 @@ pub(super) fn apply_unless(
     Ok(())
 }
 
+/// The literals of a guard that may be true, and whether one of them is.
+pub(super) fn open_guard(
+    guard: &[Literal],
+    lowering: &Lowering<'_>,
+) -> Result<(Vec<Literal>, bool), Error> {
+    let (mut open, mut fails) = (Vec::new(), false);
+    for &literal in guard {
+        let bounds = lowering.model.variable_ref(literal.variable())?.bounds();
+        let never = if literal.is_on() { bounds.upper < 1.0 } else { bounds.lower > 0.0 };
+        fails |= if literal.is_on() { bounds.lower > 0.0 } else { bounds.upper < 1.0 };
+        if !never {
+            open.push(literal);
+        }
+    }
+    Ok((open, fails))
+}
+
 /// The violation of a side that the bounds allow.
-struct Need {
+#[derive(Debug, Default)]
+pub(super) struct Need {
     /// The largest possible violation, rounded up; infinite if a bound is missing.
-    value: f64,
+    pub(super) value: f64,
     /// Whether a linear program proved a smaller value than the bounds.
-    by_program: bool,
+    pub(super) by_program: bool,
     /// Whether one of the bounds is implied by rows.
-    by_rows: bool,
+    pub(super) by_rows: bool,
     /// The variable that contributes most.
-    largest: Option<Variable>,
+    pub(super) largest: Option<Variable>,
     /// The variable whose bound is missing, and which bound.
-    unbounded: Option<(Variable, &'static str)>,
+    pub(super) unbounded: Option<(Variable, &'static str)>,
 }
 
 fn need(
@@ -192,19 +204,19 @@ impl Need {
 }
 
 /// The M of a side, or why there is none.
-fn choose(
-    row: &Implied<'_>,
+pub(super) fn choose(
+    (name, big_m): (&Name, BigM),
     lowering: &Lowering<'_>,
     side: Side,
     need: &Need,
 ) -> Result<(f64, BigMSource), Error> {
-    if let BigM::Assumed(value) = row.big_m {
+    if let BigM::Assumed(value) = big_m {
         return Ok((value, BigMSource::Assumed));
     }
     if let Some((variable, bound)) = need.unbounded {
         let (chain, remedy) = lowering.missing(variable, bound);
         return Err(ErrorKind::UnboundedIndicator {
-            indicator: row.name.to_string(),
+            indicator: name.to_string(),
             side: side.word(),
             variable: lowering.model.name_of(variable),
             bound,
@@ -213,12 +225,12 @@ fn choose(
         }
         .into());
     }
-    match row.big_m {
+    match big_m {
         BigM::Given(value) => {
             // The outward rounding of `need` must not refuse an M that is exactly right.
             if value < need.value * (1.0 - 1e-12) {
                 return Err(ErrorKind::UnsafeBigM {
-                    indicator: row.name.to_string(),
+                    indicator: name.to_string(),
                     side: side.word(),
                     given: value,
                     needed: need.value,

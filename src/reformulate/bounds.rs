@@ -4,7 +4,7 @@ use super::lowering::Lowering;
 use super::missing_bound::{BoundReason, reason};
 use crate::error::{Error, ErrorKind};
 use crate::interval::{Interval, add_down, add_up};
-use crate::model::{Affine, Variable};
+use crate::model::{Affine, Literal, Variable};
 use crate::tolerance;
 
 impl Lowering<'_> {
@@ -34,6 +34,28 @@ impl Lowering<'_> {
         match &mut self.implied {
             Some(implied) if terms.iter().all(|(v, _)| v.index() < original) => implied.most(terms),
             _ => f64::INFINITY,
+        }
+    }
+
+    /// The largest value of `sign * of`, by bounds and, where one is missing, by rows; rounded up.
+    pub(super) fn largest(&mut self, of: &Affine, sign: f64) -> Result<f64, Error> {
+        let most = (self.range(of)? * sign).upper;
+        if most < tolerance::INFINITE {
+            return Ok(most);
+        }
+        let terms: Vec<(Variable, f64)> =
+            of.terms().into_iter().map(|(v, a)| (v, sign * a)).collect();
+        Ok(add_up(self.most_by_rows(&terms), sign * of.offset()))
+    }
+
+    /// The largest value of `sign * of` that a linear program proves if all of `when` are true; infinite if
+    /// none is wanted.
+    pub(super) fn largest_by_program(&mut self, of: &Affine, sign: f64, when: &[Literal]) -> f64 {
+        let terms: Vec<(Variable, f64)> =
+            of.terms().into_iter().map(|(v, a)| (v, sign * a)).collect();
+        match &mut self.maximizer {
+            Some(maximizer) => add_up(maximizer.most(&terms, when), sign * of.offset()),
+            None => f64::INFINITY,
         }
     }
 
@@ -78,15 +100,8 @@ impl Lowering<'_> {
 
     /// The error that names the variable that makes `sign * of` unbounded above.
     pub(super) fn unbounded(&self, of: &Affine, sign: f64) -> Result<Error, Error> {
-        for (variable, coefficient) in of.terms() {
-            let bounds = self.bounds(variable)?;
-            let (end, bound) = match sign * coefficient > 0.0 {
-                true => (bounds.upper, "upper"),
-                false => (bounds.lower, "lower"),
-            };
-            if end.is_infinite() {
-                return Ok(self.unbounded_function(variable, bound));
-            }
+        if let Some((variable, bound)) = self.unbounded_variable(of, sign)? {
+            return Ok(self.unbounded_function(variable, bound));
         }
         let name = self.statement().to_string();
         Ok(Error::from(ErrorKind::NotFinite {
@@ -94,6 +109,25 @@ impl Lowering<'_> {
             what: "the range",
             value: sign * f64::INFINITY,
         }))
+    }
+
+    /// The first variable that makes `sign * of` unbounded above, and which of its bounds is missing.
+    pub(super) fn unbounded_variable(
+        &self,
+        of: &Affine,
+        sign: f64,
+    ) -> Result<Option<(Variable, &'static str)>, Error> {
+        for (variable, coefficient) in of.terms() {
+            let bounds = self.bounds(variable)?;
+            let (end, bound) = match sign * coefficient > 0.0 {
+                true => (bounds.upper, "upper"),
+                false => (bounds.lower, "lower"),
+            };
+            if end.is_infinite() {
+                return Ok(Some((variable, bound)));
+            }
+        }
+        Ok(None)
     }
 
     pub(super) fn unbounded_function(&self, variable: Variable, bound: &'static str) -> Error {

@@ -7,10 +7,12 @@
 use std::collections::BTreeMap;
 
 use super::clauses::{Clause, clauses};
+use super::conic_rows::implied_rows;
 use super::implied_bounds::loosened;
 use crate::interval::Interval;
 use crate::model::{
-    Affine, Formula, Function, FunctionRef, Literal, Model, StoredTerm, Variable, VariableKind,
+    Affine, Formula, Function, FunctionRef, Literal, Logic, Model, Name, StoredConic, StoredTerm,
+    Variable, VariableKind,
 };
 use crate::presolve::{CaseRow, Domain};
 use crate::program::Program;
@@ -161,21 +163,36 @@ fn equation(model: &Model, expression: Affine) -> CaseRow {
 fn conditional_rows(model: &Model) -> BTreeMap<Literal, Vec<CaseRow>> {
     let mut rows: BTreeMap<Literal, Vec<CaseRow>> = BTreeMap::new();
     for indicator in model.indicators() {
-        let conditions = match indicator.condition().as_literal() {
-            Some(literal) => vec![literal],
-            None => {
-                let fails = Formula::of(indicator.condition(), false);
-                let clauses = clauses(&fails, MAX_FAILING_CLAUSES).unwrap_or_default();
-                let single = |clause: &Clause| (clause.len() == 1).then(|| !clause[0]);
-                clauses.iter().filter_map(single).collect()
-            }
-        };
-        for literal in conditions {
+        for literal in single_conditions(indicator.condition()) {
             let row = row(model, indicator.terms(), indicator.limits());
             rows.entry(literal).or_default().push(row);
         }
     }
+    for conic in model.conic_constraints() {
+        let Some(condition) = conic.condition() else { continue };
+        for literal in single_conditions(condition) {
+            let of_conic = conic_rows(model, conic.conic(), conic.name());
+            rows.entry(literal).or_default().extend(of_conic);
+        }
+    }
     rows
+}
+
+/// Literals each of which implies a condition.
+fn single_conditions(condition: &Logic) -> Vec<Literal> {
+    if let Some(literal) = condition.as_literal() {
+        return vec![literal];
+    }
+    let fails = Formula::of(condition, false);
+    let clauses = clauses(&fails, MAX_FAILING_CLAUSES).unwrap_or_default();
+    let single = |clause: &Clause| (clause.len() == 1).then(|| !clause[0]);
+    clauses.iter().filter_map(single).collect()
+}
+
+/// The rows that a conic row implies; none if the bounds do not make it a cone, which is an error elsewhere.
+fn conic_rows(model: &Model, conic: &StoredConic, name: &Name) -> Vec<CaseRow> {
+    let rows = implied_rows(conic, name, model).unwrap_or_default();
+    rows.iter().map(|of| row(model, &of.terms, Interval::new(of.lower, of.upper))).collect()
 }
 
 /// Clauses that must hold, of literals that all imply rows.
@@ -211,12 +228,14 @@ fn required(formula: &Formula, found: &mut Vec<Clause>) {
 }
 
 fn of_terms(model: &Model, terms: &[StoredTerm]) -> Alternatives {
+    let name = Name::from("term");
     let case = |term: &StoredTerm| Alternative {
         when: Some(term.selector),
         rows: term
             .rows
             .iter()
             .map(|stored| row(model, &stored.terms, Interval::new(stored.lower, stored.upper)))
+            .chain(term.conic.iter().flat_map(|conic| conic_rows(model, conic, &name)))
             .collect(),
         nested: term.nested.iter().map(|inner| of_terms(model, inner)).collect(),
     };

@@ -9,7 +9,7 @@
 
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::model::{Affine, Function, FunctionRef, Model, Variable};
+use crate::model::{Affine, Function, FunctionRef, Model, StoredConic, Variable};
 
 /// The relation between a function and its variable in the lowered model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,8 +42,10 @@ impl Harm {
             harm.any(second);
         }
         model.indicators().for_each(|row| harm.row(row.terms(), row.limits()));
+        model.conic_constraints().for_each(|conic| harm.conic(conic.conic()));
         for term in model.disjunctions().flat_map(|disjunction| disjunction.stored_terms()) {
             term.for_each_row(&mut |row| harm.row(&row.terms, Interval::new(row.lower, row.upper)));
+            term.for_each_conic(&mut |conic| harm.conic(conic));
         }
         let sets = model.special_ordered_sets();
         sets.flat_map(|set| set.members()).for_each(|&(member, _)| harm.any(member));
@@ -59,6 +61,20 @@ impl Harm {
     fn rise(&mut self, variable: Variable, coefficient: f64) {
         let harm = if coefficient > 0.0 { &mut self.raising } else { &mut self.lowering };
         harm[variable.index()] = true;
+    }
+
+    fn conic(&mut self, conic: &StoredConic) {
+        match conic {
+            StoredConic::Norm { entries, bound } => {
+                entries.iter().flat_map(Affine::terms).for_each(|(v, _)| self.any(v));
+                bound.terms().into_iter().for_each(|(v, a)| self.rise(v, -a));
+            }
+            StoredConic::Quadratic { expression } => {
+                let products = expression.products().into_iter();
+                products.flat_map(|(a, b, _)| [a, b]).for_each(|v| self.any(v));
+                expression.affine().terms().into_iter().for_each(|(v, a)| self.rise(v, a));
+            }
+        }
     }
 
     fn row(&mut self, terms: &[(Variable, f64)], limits: Interval) {

@@ -6,6 +6,7 @@
 //! `reformulate/multi_m.rs` and `reformulate/hull.rs`.
 
 use super::big_m::{Implied, apply_unless};
+use super::conic::{self, ImpliedConic};
 use super::lowering::Lowering;
 use super::{hull, multi_m};
 use crate::error::Error;
@@ -68,6 +69,12 @@ fn big_m(name: &Name, terms: &[StoredTerm], lowering: &mut Lowering<'_>) -> Resu
             let limits = Interval::new(row.lower, row.upper);
             let row = Implied { name: &name, terms: &row.terms, limits, big_m: BigM::Automatic };
             apply_unless(&[!term.selector], &row, lowering)?;
+        }
+        for (r, conic) in term.conic.iter().enumerate() {
+            let name = row_name(&name, term.rows.len() + r);
+            lowering.begin(&name);
+            let row = ImpliedConic { name: &name, conic, big_m: BigM::Automatic };
+            conic::apply_unless(&[!term.selector], &row, lowering)?;
         }
         for (r, inner) in term.nested.iter().enumerate() {
             big_m(&nested_name(&name, r), inner, lowering)?;

@@ -3,18 +3,23 @@
 //! Every variable `x` of a disjunction gets a copy `x_i` for each term `i` with selector `s_i`:
 //! `x = x_1 + ... + x_n`, `l s_i <= x_i <= u s_i` with the bounds that the term implies, and a row
 //! `a'x <= b` of term `i` becomes `a'x_i <= b s_i` (Balas 1979; Grossmann and Lee 2003 for the use
-//! in modelling). The relaxation is the convex hull of the disjunction alone over the bounds. A
+//! in modelling), and a norm `|A x + c| <= b` becomes `|A x_i + c s_i| <= b s_i`. The relaxation is the convex hull of the disjunction alone over the bounds. A
 //! disjunction inside a term is the hull of the term's copies, with the rows of the terms around
 //! it. The hull has no big-M, but still needs bounds.
 
 use std::collections::BTreeMap;
 
+use super::conic::as_norm;
+use super::conic_rows::implied_rows;
 use super::disjunction::{nested_name, row_name, value};
 use super::linear_program::Maximizer;
 use super::lowering::Lowering;
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::model::{Affine, Literal, Name, StoredRow, StoredTerm, Variable, VariableKind};
+use crate::model::{
+    Affine, Literal, Model, Name, StandardCone, StoredConic, StoredRow, StoredTerm, Variable,
+    VariableKind,
+};
 
 /// The column of each variable of the model at the current level.
 type Copies = BTreeMap<Variable, Variable>;
@@ -30,8 +35,20 @@ pub(super) fn apply(
         term.for_each_row(&mut |row| {
             columns.extend(row.terms.iter().map(|&(variable, _)| (variable, variable)));
         });
+        term.for_each_conic(&mut |conic| {
+            conic.for_each_variable(&mut |variable| {
+                columns.insert(variable, variable);
+            });
+        });
     }
-    split(name, terms, &columns, &[], lowering)
+    split(name, terms, &columns, &Inside::default(), lowering)
+}
+
+/// What holds in a term: its rows and conic rows, and those of the terms around it.
+#[derive(Default)]
+struct Inside<'a> {
+    rows: Vec<&'a StoredRow>,
+    conic: Vec<&'a StoredConic>,
 }
 
 /// Splits the columns of one level among the terms of a disjunction; `above` are the rows of the
@@ -40,7 +57,7 @@ fn split(
     name: &Name,
     terms: &[StoredTerm],
     columns: &Copies,
-    above: &[&StoredRow],
+    above: &Inside<'_>,
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     lowering.begin(name);
@@ -50,15 +67,30 @@ fn split(
     let mut take = |row: &StoredRow| {
         own.extend(row.terms.iter().filter_map(|&(v, _)| Some((v, *columns.get(&v)?))));
     };
-    above.iter().for_each(|row| take(row));
+    above.rows.iter().for_each(|row| take(row));
     terms.iter().for_each(|term| term.for_each_row(&mut take));
-    let inside: Vec<Vec<&StoredRow>> =
-        terms.iter().map(|term| above.iter().copied().chain(&term.rows).collect()).collect();
+    let mut take = |conic: &StoredConic| {
+        conic.for_each_variable(&mut |v| own.extend(columns.get(&v).map(|column| (v, *column))));
+    };
+    above.conic.iter().for_each(|conic| take(conic));
+    terms.iter().for_each(|term| term.for_each_conic(&mut take));
+    let inside: Vec<Inside<'_>> = terms
+        .iter()
+        .map(|term| Inside {
+            rows: above.rows.iter().copied().chain(&term.rows).collect(),
+            conic: above.conic.iter().copied().chain(&term.conic).collect(),
+        })
+        .collect();
     let mut ranges = Vec::with_capacity(terms.len());
-    for (term, rows) in terms.iter().zip(&inside) {
+    for (term, inside) in terms.iter().zip(&inside) {
+        let mut implied = Vec::new();
+        for conic in &inside.conic {
+            implied.extend(implied_rows(conic, name, &lowering.model)?);
+        }
+        let rows: Vec<&StoredRow> = inside.rows.iter().copied().chain(&implied).collect();
         let all: Vec<(Variable, f64)> = own.keys().map(|&variable| (variable, 0.0)).collect();
         let bounds = |variable| lowering.bounds(variable);
-        let range = Maximizer::of_rows(&lowering.model, rows, &all, &bounds, lowering.token)?;
+        let range = Maximizer::of_rows(&lowering.model, &rows, &all, &bounds, lowering.token)?;
         if range.0.is_empty() {
             lowering.affine_row(value(term.selector), 0.0, 0.0)?;
         }
@@ -85,21 +117,47 @@ fn split(
         }
         lowering.affine_row(rest, 0.0, 0.0)?;
     }
-    for (k, ((term, copies), rows)) in terms.iter().zip(&copies).zip(&inside).enumerate() {
+    for (k, ((term, copies), inside)) in terms.iter().zip(&copies).zip(&inside).enumerate() {
         let name = name.suffixed(&format!("_{}", k + 1));
         // Copies of inner disjunctions carry the rows of all terms around them, which is tighter
         // than rows on the sums of the copies.
-        for (r, row) in rows.iter().enumerate().filter(|_| term.nested.is_empty()) {
+        for (r, row) in inside.rows.iter().enumerate().filter(|_| term.nested.is_empty()) {
             lowering.begin(&row_name(&name, r));
             let mut of = Affine::zero();
             row.terms.iter().for_each(|&(v, a)| of.add_term(a, copies[&v]));
             scaled(of, row.lower, row.upper, term.selector, lowering)?;
         }
+        for (r, conic) in inside.conic.iter().enumerate().filter(|_| term.nested.is_empty()) {
+            let name = row_name(&name, inside.rows.len() + r);
+            lowering.begin(&name);
+            let perspective = perspective(conic, &name, copies, term.selector, &lowering.model)?;
+            lowering.conic(perspective)?;
+        }
         for (r, inner) in term.nested.iter().enumerate() {
-            split(&nested_name(&name, r), inner, copies, rows, lowering)?;
+            split(&nested_name(&name, r), inner, copies, inside, lowering)?;
         }
     }
     Ok(())
+}
+
+/// A conic row over the copies of its variables, its constants times the selector: a norm that is at most
+/// its bound also where the selector is between 0 and 1.
+fn perspective(
+    conic: &StoredConic,
+    name: &Name,
+    copies: &Copies,
+    selector: Literal,
+    model: &Model,
+) -> Result<StoredConic, Error> {
+    let StandardCone { head, tail } = model.standard_cone(conic, name)?;
+    let scaled = |e: &Affine| {
+        let mut scaled = e.offset() * value(selector);
+        e.terms().iter().for_each(|(v, a)| scaled.add_term(*a, copies[v]));
+        scaled
+    };
+    let head: Vec<Affine> = head.iter().map(scaled).collect();
+    let (entries, bound) = as_norm(&head, tail.iter().map(scaled).collect());
+    Ok(StoredConic::Norm { entries, bound })
 }
 
 /// Adds `lower s <= of <= upper s` for the sides that are finite.

@@ -12,6 +12,7 @@
 
 use super::cases::{Alternatives, BoundsByColumn};
 use super::circulations::flows;
+use super::conic_rows::implied_rows;
 use super::linear_program::Maximizer;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -65,6 +66,14 @@ impl<'a> ImpliedBounds<'a> {
         }
         for function in model.functions() {
             add_rows(&mut rows, &function)?;
+        }
+        for conic in model.conic_constraints().filter(|conic| conic.condition().is_none()) {
+            let implied = implied_rows(conic.conic(), conic.name(), model)?;
+            for (k, row) in implied.into_iter().enumerate() {
+                let name = conic.name().suffixed(&format!("_{}", k + 1));
+                let name = name.free(|name| rows.has_statement(name));
+                rows.push_constraint(name, row)?;
+            }
         }
         let mut program = Program::assemble(&rows)?;
         program.make_feasibility_problem();

@@ -7,7 +7,9 @@ use super::linear_program::Maximizer;
 use super::logic::AuxiliaryBinary;
 use super::report::BigMReport;
 use crate::error::{Error, ErrorKind};
-use crate::model::{Formula, Literal, Model, Name, StoredRow, Variable, VariableKind};
+use crate::model::{
+    BigM, Formula, Literal, Model, Name, StoredConic, StoredRow, Variable, VariableKind,
+};
 use crate::solver::StopToken;
 use crate::tolerance;
 
@@ -91,6 +93,25 @@ impl<'a> Lowering<'a> {
                 Err(other) => return Err(other),
             }
         }
+    }
+
+    /// Adds a conic row under the statement's name, `name`, `name_2`, ...
+    pub(super) fn conic(&mut self, conic: StoredConic) -> Result<(), Error> {
+        loop {
+            self.named += 1;
+            let name = match self.named {
+                1 => self.statement.clone(),
+                k => self.statement.suffixed(&format!("_{k}")),
+            };
+            if !self.model.has_statement(&name) {
+                return self.model.push_conic(name, None, conic, BigM::Automatic).map(|_| ());
+            }
+        }
+    }
+
+    /// The name of the conic row added last.
+    pub(super) fn newest_conic(&self) -> Option<String> {
+        self.model.conic_constraints().next_back().map(|row| row.name().to_string())
     }
 
     /// Adds a row under the statement's name with a suffix, and underscores if that is taken.

@@ -1,5 +1,5 @@
 //! Lowering: turns a model with indicators, disjunctions, logic, functions, ordered sets and
-//! semi-continuous variables into one with only rows.
+//! semi-continuous variables into one with only rows, and norms and quadratic rows without a condition.
 //!
 //! The lowered model is equivalent. It has the same variables, followed by auxiliary ones, so
 //! handles carry over. You can compare the text forms of both models, and write the lowered one as
@@ -25,6 +25,8 @@ mod cases;
 mod circulations;
 mod clauses;
 mod compare;
+mod conic;
+mod conic_rows;
 mod direction;
 mod disjunction;
 mod extremum;
@@ -44,6 +46,7 @@ mod semicontinuous;
 mod sos;
 
 pub use compare::{MethodComparison, MethodSize, compare_methods};
+pub(crate) use conic::with_slack;
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
 use crate::error::{Error, ErrorKind};
@@ -271,7 +274,10 @@ fn lower_with<'a>(
         }
     }
     for conic in model.conic_constraints() {
-        lowering.model.push_conic(conic.name().clone(), None, conic.conic().clone())?;
+        if token.spend(STATEMENT_WORK) {
+            return Ok(None);
+        }
+        conic::apply(&conic, &mut lowering)?;
     }
     for indicator in model.indicators() {
         if token.spend(STATEMENT_WORK) {

@@ -7,20 +7,37 @@
 //! `k` implies more than the row. Inside a term of an outer disjunction, the siblings of that term
 //! are other terms as well, because exactly one of all of them is selected.
 
+use std::borrow::Cow;
+
+use super::conic::Raised;
+use super::conic_rows::implied_rows;
 use super::disjunction::{nested_name, row_name, value};
 use super::linear_program::{Maximizer, tidy};
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::add_up;
-use crate::model::{Affine, Literal, Name, StoredRow, StoredTerm, Variable};
+use crate::model::{Affine, Literal, Model, Name, StoredConic, StoredRow, StoredTerm, Variable};
 use crate::tolerance;
 
 /// A term that may be selected instead: its selector and all rows that then hold.
 #[derive(Clone)]
 struct Other<'a> {
     selector: Literal,
-    rows: Vec<&'a StoredRow>,
+    rows: Vec<Cow<'a, StoredRow>>,
+}
+
+/// The rows of a term, and those that its conic rows imply.
+pub(super) fn rows_of<'a>(
+    term: &'a StoredTerm,
+    name: &Name,
+    model: &Model,
+) -> Result<Vec<Cow<'a, StoredRow>>, Error> {
+    let mut rows: Vec<Cow<'a, StoredRow>> = term.rows.iter().map(Cow::Borrowed).collect();
+    for conic in &term.conic {
+        rows.extend(implied_rows(conic, name, model)?.into_iter().map(Cow::Owned));
+    }
+    Ok(rows)
 }
 
 /// Adds the rows of a disjunction whose selectors already have rows.
@@ -36,17 +53,19 @@ pub(super) fn apply(
 fn level(
     name: &Name,
     terms: &[StoredTerm],
-    above: &[&StoredRow],
+    above: &[Cow<'_, StoredRow>],
     beside: &[Other<'_>],
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
+    let of_terms = terms.iter().map(|term| rows_of(term, name, &lowering.model));
+    let of_terms = of_terms.collect::<Result<Vec<_>, Error>>()?;
     for (k, term) in terms.iter().enumerate() {
         let name = name.suffixed(&format!("_{}", k + 1));
-        let siblings = terms.iter().enumerate().filter(|&(other, _)| other != k);
+        let siblings = terms.iter().zip(&of_terms).enumerate().filter(|&(other, _)| other != k);
         let mut others: Vec<Other<'_>> = beside.to_vec();
-        others.extend(siblings.map(|(_, other)| Other {
+        others.extend(siblings.map(|(_, (other, rows))| Other {
             selector: other.selector,
-            rows: above.iter().copied().chain(&other.rows).collect(),
+            rows: above.iter().chain(rows).cloned().collect(),
         }));
         for (r, row) in term.rows.iter().enumerate() {
             let name = row_name(&name, r);
@@ -57,7 +76,12 @@ fn level(
                 }
             }
         }
-        let inside: Vec<&StoredRow> = above.iter().copied().chain(&term.rows).collect();
+        for (r, conic) in term.conic.iter().enumerate() {
+            let name = row_name(&name, term.rows.len() + r);
+            lowering.begin(&name);
+            add_conic(&name, conic, &others, lowering)?;
+        }
+        let inside: Vec<_> = above.iter().chain(&of_terms[k]).cloned().collect();
         for (r, inner) in term.nested.iter().enumerate() {
             level(&nested_name(&name, r), inner, &inside, &others, lowering)?;
         }
@@ -104,6 +128,42 @@ fn add_side(
     Ok(())
 }
 
+/// Adds a conic row, with an M for each of the others.
+fn add_conic(
+    name: &Name,
+    conic: &StoredConic,
+    others: &[Other<'_>],
+    lowering: &mut Lowering<'_>,
+) -> Result<(), Error> {
+    let raised = Raised::of(conic, name, false, &lowering.model)?;
+    let from_bounds = raised.need(lowering, &mut |e, sign, lowering| lowering.largest(e, sign))?;
+    let mut entry = BigMEntry::new(name, Side::Upper, BigMSource::LinearProgram);
+    entry.needed = from_bounds.value.max(0.0);
+    entry.note_shares(lowering, &raised.terms(lowering)?, Side::Upper)?;
+    let mut raise = Affine::zero();
+    for other in others {
+        let need = raised.need(lowering, &mut |e, sign, lowering| {
+            let up: Vec<(Variable, f64)> =
+                e.terms().into_iter().map(|(v, a)| (v, sign * a)).collect();
+            Ok(add_up(most(&up, other, lowering)?, sign * e.offset()))
+        })?;
+        if need.value == f64::NEG_INFINITY {
+            // That term can never be selected, so any M is valid.
+            continue;
+        }
+        if let Some((variable, bound)) = need.unbounded {
+            return Err(lowering.unbounded_function(variable, bound));
+        }
+        let m = tidy(need.value.min(from_bounds.value));
+        entry.value = entry.value.max(m);
+        raise += m * value(other.selector);
+    }
+    lowering.conic(raised.by(raise))?;
+    entry.row = lowering.newest_conic();
+    lowering.report.entries.push(entry);
+    Ok(())
+}
+
 /// The largest value of an expression if another term is selected; infinite if neither the bounds
 /// nor that term's rows limit it.
 fn most(
@@ -112,8 +172,9 @@ fn most(
     lowering: &mut Lowering<'_>,
 ) -> Result<f64, Error> {
     let bounds = |variable| lowering.bounds(variable);
+    let rows: Vec<&StoredRow> = other.rows.iter().map(AsRef::as_ref).collect();
     let (mut small, renamed) =
-        Maximizer::of_rows(&lowering.model, &other.rows, up, &bounds, lowering.token)?;
+        Maximizer::of_rows(&lowering.model, &rows, up, &bounds, lowering.token)?;
     let terms: Vec<(Variable, f64)> = up.iter().map(|&(v, a)| (renamed[&v], a)).collect();
     let mut most = small.most(&terms, &[]);
     if most >= tolerance::INFINITE {

@@ -33,7 +33,7 @@ pub use active_set::ActiveSet;
 pub(crate) use attempts::Purpose;
 pub use bound::Prover;
 pub use clarabel::ClarabelRelaxation;
-pub use cone_cut::ConeCut;
+pub(crate) use cone_cut::ConeCut;
 pub use extended::Extended;
 pub use interior::InteriorPoint;
 pub use ladder::Ladder;

@@ -11,7 +11,7 @@ const LEAST_MISS: f64 = 1e-7;
 
 /// Most cuts of a pool, and most relaxations in a row in which one of them may be slack.
 const MOST_CUTS: usize = 4000;
-const MOST_IDLE: u32 = 60;
+const MOST_IDLE: u32 = 6;
 
 /// The cuts of a worker.
 #[derive(Debug, Default)]

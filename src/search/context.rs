@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::clock::{Activity, ActivityClock};
+use super::cone_method::ConeRecord;
 use super::cone_pool::ConePool;
 use super::focus_node::FocusNode;
 use super::root::Root;
@@ -24,6 +25,7 @@ pub(super) struct Context<'a> {
     pub(super) propagator: Propagator,
     pub(super) ladder: Ladder,
     pub(super) cone_pool: ConePool,
+    pub(super) cone_record: ConeRecord,
     pub(super) clock: ActivityClock,
     /// This worker's own clone, which counts its work.
     pub(super) token: StopToken,
@@ -41,6 +43,7 @@ impl<'a> Context<'a> {
             propagator: root.propagator.clone(),
             ladder: task.ladders.take(),
             cone_pool: ConePool::default(),
+            cone_record: ConeRecord::default(),
             clock: ActivityClock::new(),
             token: task.token.clone(),
             iterations: 0,

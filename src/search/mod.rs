@@ -23,6 +23,7 @@
 //! * `root` - propagation and probing before the first split
 //! * `perspective` - tighter costs of columns that binaries switch off
 //! * `outer_approximation`, `cone_pool` - cuts of cones, at the root and at nodes
+//! * `cone_method` - cuts or conic programs at nodes
 //! * `cuts` - rows that cut off the relaxed point of the root
 //!
 //! The focus node:
@@ -56,6 +57,7 @@ mod children;
 mod clock;
 mod close_node;
 mod comparison;
+mod cone_method;
 mod cone_pool;
 mod context;
 pub(crate) mod cuts;

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use super::clock::Activity;
+use super::cone_method::ConeMethod;
 use super::cone_pool::separate_cones;
 use super::context::Context;
 use super::proofs::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
+use web_time::Instant;
 
 /// Most rounds of cuts of cones at a node; most of them in a row that may be idle, and the least lift of the
 /// bound by one that is not, as a share of the gap to the cutoff.
@@ -57,25 +59,60 @@ pub(super) fn relax(
     purpose: Purpose,
 ) -> RelaxationVerdict {
     let activity = ctx.clock.switch(Activity::Proof);
-    let cuts_cones = reduced.is_cut_off && !reduced.cones.is_empty();
-    let verdict = match cuts_cones {
-        true => relax_in_rounds(ctx, reduced, purpose),
-        false => {
-            let warm = ctx.node.warm.take();
-            let verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
-            ctx.node.warm = warm;
-            for cut in ctx.ladder.take_cone_cuts() {
-                ctx.cone_pool.keep(cut);
-            }
-            verdict
-        }
+    let verdict = match reduced.is_cut_off && !reduced.cones.is_empty() {
+        true => relax_cut_off(ctx, reduced, purpose),
+        false => relax_as_is(ctx, reduced, purpose),
     };
     ctx.book_relaxations();
     ctx.clock.switch(activity);
     verdict
 }
 
-/// Solves a reduced program as it is.
+/// Solves a reduced program whose cones may be cut off, in the quicker way.
+fn relax_cut_off(
+    ctx: &mut Context<'_>,
+    reduced: &mut Reduced,
+    purpose: Purpose,
+) -> RelaxationVerdict {
+    // Threads of a deterministic search must not differ in what they have seen.
+    let method = match (ctx.options().deterministic, purpose) {
+        (true, _) => ConeMethod::Cuts,
+        (false, Purpose::Trial) => ctx.cone_record.quicker(),
+        (false, _) => ctx.cone_record.next(),
+    };
+    let began = Instant::now();
+    let verdict = match method {
+        ConeMethod::Cuts => relax_in_rounds(ctx, reduced, purpose),
+        ConeMethod::Conic => {
+            if let Some(cuts) = &ctx.program().cone_cuts {
+                reduced.drop_rows(cuts);
+            }
+            reduced.is_cut_off = false;
+            relax_as_is(ctx, reduced, purpose)
+        }
+    };
+    if purpose != Purpose::Trial {
+        ctx.cone_record.note(method, began.elapsed());
+    }
+    verdict
+}
+
+/// Solves a reduced program as it is, and keeps the cuts that the multipliers of its cones are.
+fn relax_as_is(
+    ctx: &mut Context<'_>,
+    reduced: &mut Reduced,
+    purpose: Purpose,
+) -> RelaxationVerdict {
+    let warm = ctx.node.warm.take();
+    let verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
+    ctx.node.warm = warm;
+    for cut in ctx.ladder.take_cone_cuts() {
+        ctx.cone_pool.keep(cut);
+    }
+    verdict
+}
+
+/// Solves a reduced program once.
 fn relax_once(
     ctx: &mut Context<'_>,
     reduced: &mut Reduced,

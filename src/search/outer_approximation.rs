@@ -47,10 +47,39 @@ pub(crate) fn approximate_cones(
         warm: None,
     };
     let rows = reduced.rows.len();
+    if std::env::var_os("CONES").is_some() {
+        for k in 0..reduced.columns.len() {
+            if reduced.lower[k].is_infinite() || reduced.upper[k].is_infinite() {
+                eprintln!(
+                    "open column {} [{}, {}] cost {}",
+                    reduced.columns[k], reduced.lower[k], reduced.upper[k], reduced.linear[k]
+                );
+            }
+        }
+        eprintln!("{} columns {} rows {} cones", reduced.columns.len(), rows, reduced.cones.len());
+        for c in reduced.cones.iter().take(3) {
+            eprintln!(
+                "{:?} {:?} {:?}",
+                c.shape,
+                c.role,
+                c.entries.iter().map(|e| e.column).collect::<Vec<_>>()
+            );
+        }
+    }
     let began = Instant::now();
-    let RelaxationVerdict::Relaxed { bound: conic, converged: true, .. } =
-        ladder.solve(&mut reduced, &question)
-    else {
+    let v = ladder.solve(&mut reduced, &question);
+    if std::env::var_os("CONES").is_some() {
+        if let RelaxationVerdict::Relaxed { bound, converged, x, .. } = &v {
+            eprintln!(
+                "root conic {bound} {converged} objective {} {:?}",
+                reduced.objective(x),
+                began.elapsed()
+            );
+        } else {
+            eprintln!("root no verdict");
+        }
+    }
+    let RelaxationVerdict::Relaxed { bound: conic, converged: true, .. } = v else {
         return None;
     };
     let time = began.elapsed().as_secs_f64();
@@ -121,8 +150,9 @@ impl Rounds {
         let row = |cut: &ConeCut| (cut.terms.clone(), [f64::NEG_INFINITY, 0.0]);
         let rows: Vec<_> = cuts.map(row).collect();
         let mut approximated = program.clone();
+        let cuts = program.row_count()..program.row_count() + rows.len();
         approximated.append(&[], &rows)?;
-        approximated.cuts_cones = true;
+        approximated.cone_cuts = Some(cuts);
         Some(approximated)
     }
 }

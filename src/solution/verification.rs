@@ -164,9 +164,13 @@ impl Verification {
         }
         let on = |variable: Variable| at.is_on(variable);
         for conic in model.conic_constraints() {
+            let name = || conic.name().to_string();
+            if let BigM::Assumed(_) = conic.big_m() {
+                check.assumed.push(name());
+            }
             if conic.condition().is_none_or(|condition| condition.is_true(on)) {
                 let miss = at.conic(conic.conic());
-                check.note(ViolationKind::Cone, miss, || conic.name().to_string());
+                check.note(ViolationKind::Cone, miss, name);
             }
         }
         for logical in model.logical_constraints() {
@@ -222,6 +226,10 @@ impl Verification {
             selected += usize::from(on);
             for (terms, limits) in term.rows().filter(|_| on) {
                 let miss = at.row(terms, limits);
+                self.note(ViolationKind::Disjunction, miss, || name.to_string());
+            }
+            for conic in term.conic().iter().filter(|_| on) {
+                let miss = at.conic(conic);
                 self.note(ViolationKind::Disjunction, miss, || name.to_string());
             }
             for inner in term.nested() {

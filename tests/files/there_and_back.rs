@@ -24,14 +24,14 @@ pub(crate) fn through_files(model: &Model) {
     if let Ok(text) = lp::write(model) {
         let again = lp::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).model;
         assert_eq!(lp::write(&again).unwrap(), text);
-        if model.conic_constraint_count() == 0 {
+        if !model.to_string().contains("|(") {
             assert_same(model, &again);
         }
     }
     if let Ok(text) = mps::write(model) {
         let again = mps::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).model;
         assert_eq!(mps::write(&again).unwrap(), text);
-        if model.conic_constraint_count() == 0 {
+        if !model.to_string().contains("|(") {
             assert_same(model, &again);
         }
     }

@@ -6,6 +6,8 @@ mod common;
 
 mod bad_input;
 mod big_m;
+mod cones;
+mod conic_conditions;
 mod disjunctions;
 mod functions;
 mod implied_bounds;

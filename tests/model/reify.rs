@@ -189,7 +189,7 @@ fn what_is_refused() {
         ErrorKind::EmptyRow { .. }
     ));
     assert!(matches!(
-        model.add("near", z.on().implies_all([])).unwrap_err().kind(),
+        model.add("near", z.on().implies_all::<Row>([])).unwrap_err().kind(),
         ErrorKind::EmptyRow { .. }
     ));
     assert_eq!(model.to_string(), before);

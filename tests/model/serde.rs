@@ -369,3 +369,37 @@ fn disjunctions_and_parameters_survive() {
         assert!(found.contains(expected), "{place}: {found}");
     }
 }
+
+#[test]
+fn conic_rows_come_back_and_are_checked() {
+    let mut model = Model::new("cones");
+    let x = model.continuous("x", 0.0, 5.0).unwrap();
+    let y = model.continuous("y", 0.0, 5.0).unwrap();
+    let z = model.binary("z").unwrap();
+    model.add("disc", (x.square() + y.square()).le(9.0)).unwrap();
+    model.add("near", z.on().implies(norm([x, y]).le(2.0)).big_m(9.0)).unwrap();
+    model.add("below", z.off().implies(x.square().le(x * y))).unwrap();
+    model.add("or", either(norm([x]).le(1.0)).or(norm([y]).le(1.0))).unwrap();
+    model.norm("length", [x, y]).unwrap();
+    let text = serde_json::to_string(&model).unwrap();
+    let back: Model = serde_json::from_str(&text).unwrap();
+    assert_eq!(back.to_string(), model.to_string());
+    let big_m = back.conic_constraints().nth(1).unwrap().big_m();
+    assert_eq!(big_m, model.conic_constraints().nth(1).unwrap().big_m());
+    // The bounds that make the product a cone.
+    let damaged = text.replacen("\"lower\":0.0", "\"lower\":-5.0", 2);
+    assert_ne!(damaged, text);
+    let error = serde_json::from_str::<Model>(&damaged).unwrap_err().to_string();
+    assert!(error.contains("the quadratic row `below` is a cone only where"), "{error}");
+    let damaged =
+        text.replacen("\"entries\":[", "\"entries\":[{\"terms\":[],\"constant\":null},", 1);
+    assert_ne!(damaged, text);
+    assert!(serde_json::from_str::<Model>(&damaged).is_err());
+    // Rows that are not yet added.
+    let row = norm([x, y]).le(2.0);
+    let again: ConicRow = serde_json::from_str(&serde_json::to_string(&row).unwrap()).unwrap();
+    assert_eq!(again, row);
+    let condition = z.on().implies(row);
+    let json = serde_json::to_string(&condition).unwrap();
+    assert_eq!(serde_json::from_str::<Implication<ConicRow>>(&json).unwrap(), condition);
+}

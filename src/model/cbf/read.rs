@@ -114,38 +114,13 @@ impl<'a> CbfFile<'a> {
         name: Token<'a>,
         lines: &mut Lines<'a>,
     ) -> Result<Option<Section<'a>>, Error> {
-        let warnings = &mut self.warnings;
-        match name.text {
-            "VER" => {
-                let [number] = lines.header(&name, "the number of the version", warnings)?;
-                match whole(&number)? {
-                    1..=3 => {}
-                    0 => return Err(number.error("expected a version from 1 to 3, found 0")),
-                    later => warnings.push(number.warning(format!(
-                        "version {later} is read as far as it is that of version 3"
-                    ))),
-                }
-                return Ok(None);
-            }
-            "OBJSENSE" => {
-                let [word] = lines.header(&name, "MIN or MAX", warnings)?;
-                self.sense = Some(match word.text {
-                    "MIN" => Sense::Minimize,
-                    "MAX" => Sense::Maximize,
-                    other => {
-                        return Err(word.error(format!("expected MIN or MAX, found `{other}`")));
-                    }
-                });
-                return Ok(None);
-            }
-            "OBJBCOORD" => {
-                let [value] = lines.header(&name, "the constant of the objective", warnings)?;
-                self.constant = value.finite()?;
-                return Ok(None);
-            }
-            "VAR" | "CON" => return self.blocks(name, lines).map(Some),
-            _ => {}
+        if self.value(name, lines)? {
+            return Ok(None);
         }
+        if matches!(name.text, "VAR" | "CON") {
+            return self.blocks(name, lines).map(Some);
+        }
+        let warnings = &mut self.warnings;
         let entries = match name.text {
             "INT" | "OBJACOORD" | "ACOORD" | "BCOORD" => 1,
             other => match refused(other) {
@@ -202,6 +177,39 @@ impl<'a> CbfFile<'a> {
             }
         }
         Ok(Some(section))
+    }
+
+    /// Reads a section with a single value, if it is one.
+    fn value(&mut self, name: Token<'a>, lines: &mut Lines<'a>) -> Result<bool, Error> {
+        let warnings = &mut self.warnings;
+        match name.text {
+            "VER" => {
+                let [number] = lines.header(&name, "the number of the version", warnings)?;
+                match whole(&number)? {
+                    1..=3 => {}
+                    0 => return Err(number.error("expected a version from 1 to 3, found 0")),
+                    later => warnings.push(number.warning(format!(
+                        "version {later} is read as far as it is that of version 3"
+                    ))),
+                }
+            }
+            "OBJSENSE" => {
+                let [word] = lines.header(&name, "MIN or MAX", warnings)?;
+                self.sense = Some(match word.text {
+                    "MIN" => Sense::Minimize,
+                    "MAX" => Sense::Maximize,
+                    other => {
+                        return Err(word.error(format!("expected MIN or MAX, found `{other}`")));
+                    }
+                });
+            }
+            "OBJBCOORD" => {
+                let [value] = lines.header(&name, "the constant of the objective", warnings)?;
+                self.constant = value.finite()?;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
     }
 
     fn blocks(&mut self, name: Token<'a>, lines: &mut Lines<'a>) -> Result<Section<'a>, Error> {

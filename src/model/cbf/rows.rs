@@ -52,7 +52,7 @@ pub(super) fn rows(file: &CbfFile<'_>) -> Result<Vec<CbfRow>, Error> {
     }
     let key = |at: usize| (file.matrix[at].0.index, file.matrix[at].1.index);
     order.sort_by_key(|&at| key(at));
-    for pair in order.windows(2).filter(|pair| key(pair[0]) == key(pair[1])) {
+    if let Some(pair) = order.windows(2).find(|pair| key(pair[0]) == key(pair[1])) {
         let ((row, variable), first) = (key(pair[1]), file.matrix[pair[0]].0.place);
         return Err(file.matrix[pair[1]].0.place.error(format!(
             "a second entry for row {row} and variable {variable}; the first one is in line {}, keep \

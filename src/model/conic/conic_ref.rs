@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::model::ids::ConicConstraint;
 use crate::model::logic::Logic;
 use crate::model::name::Name;
+use crate::model::reformulation::BigM;
 use crate::model::store::{ConicData, Model, StatementKind};
 
 /// A conic row of a model, for reading.
@@ -30,6 +31,11 @@ impl<'a> ConicRef<'a> {
         self.data.condition.as_ref()
     }
 
+    /// Where the big-M of its condition comes from.
+    pub fn big_m(&self) -> BigM {
+        self.data.big_m
+    }
+
     pub(crate) fn conic(&self) -> &'a StoredConic {
         &self.data.conic
     }
@@ -42,7 +48,9 @@ impl Model {
     }
 
     /// The conic rows in the order of creation.
-    pub fn conic_constraints(&self) -> impl ExactSizeIterator<Item = ConicRef<'_>> {
+    pub fn conic_constraints(
+        &self,
+    ) -> impl ExactSizeIterator<Item = ConicRef<'_>> + DoubleEndedIterator {
         let data = self.stored.conic.iter().enumerate();
         data.map(|(i, data)| ConicRef { id: ConicConstraint::new(i, self.stored.tag), data })
     }

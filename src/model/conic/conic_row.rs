@@ -7,6 +7,7 @@ use crate::model::checks::finite;
 use crate::model::ids::ConicConstraint;
 use crate::model::logic::Logic;
 use crate::model::name::Name;
+use crate::model::reformulation::BigM;
 use crate::model::statement::{SealedStatement, Statement};
 use crate::model::store::{ConicData, Model, StatementKind};
 
@@ -77,7 +78,7 @@ impl Statement for ConicRow {
 
     fn add_to(self, model: &mut Model, name: Name) -> Result<ConicConstraint, Error> {
         let conic = self.checked(model, &name)?;
-        model.push_conic(name, None, conic)
+        model.push_conic(name, None, conic, BigM::Automatic)
     }
 }
 
@@ -138,13 +139,15 @@ impl Model {
         name: Name,
         condition: Option<Logic>,
         conic: StoredConic,
+        big_m: BigM,
     ) -> Result<ConicConstraint, Error> {
         if let Some(condition) = &condition {
             condition.check(self, &name)?;
         }
+        big_m.check(&name)?;
         let id = ConicConstraint::new(self.stored.conic.len(), self.stored.tag);
         self.claim_statement(&name, (StatementKind::Conic, id.index))?;
-        self.stored.conic.push(ConicData { name, condition, conic });
+        self.stored.conic.push(ConicData { name, condition, conic, big_m });
         Ok(id)
     }
 }

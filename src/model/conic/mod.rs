@@ -3,11 +3,13 @@
 //! * `norm` - the length of a vector, and its comparison
 //! * `stored_conic`, `conic_ref` - what a model stores, and how it is read
 //! * `conic_row` - comparisons as statements of a model
+//! * `conditional` - the same under a condition
 //! * `quadratic_row` - comparisons of quadratic expressions
 //! * `standard_cone` - a statement as one second-order cone over affine expressions
 //! * `squares` - completion of squares
 //! * `sheet` - the sign of the head of a cone
 
+mod conditional;
 mod conic_ref;
 mod conic_row;
 mod norm;
@@ -21,4 +23,5 @@ pub use conic_ref::ConicRef;
 pub use conic_row::ConicRow;
 pub use norm::{Norm, norm};
 
+pub(crate) use standard_cone::StandardCone;
 pub(crate) use stored_conic::StoredConic;

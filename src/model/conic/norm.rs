@@ -2,7 +2,12 @@
 
 use super::conic_row::{ConicRow, Refused};
 use super::stored_conic::StoredConic;
+use crate::error::Error;
 use crate::model::affine::Affine;
+use crate::model::ids::Variable;
+use crate::model::name::Name;
+use crate::model::store::Model;
+use crate::model::variable::VariableKind;
 
 /// The Euclidean norm of a vector of affine expressions, in their unit; made by [`norm`].
 #[derive(Debug, Clone, PartialEq)]
@@ -44,5 +49,47 @@ impl Norm {
     /// says what to write instead.
     pub fn equals(&self, value: impl Into<Affine>) -> ConicRow {
         self.le(value).refused(Refused::NormEquals)
+    }
+}
+
+impl Model {
+    /// Adds a variable that is at least the Euclidean norm of some expressions, in their unit, and the norm
+    /// as a row of the same name: for costs such as fuel, and their sums.
+    ///
+    /// The variable equals the norm where the objective or other rows push it down, as in
+    /// `model.minimize(...)` of a sum of such variables; nothing else keeps it from being larger.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("ferry");
+    /// let dock = model.continuous("dock", 0.0, 6.0)?;
+    /// let islands = [(0.0, 3.0), (6.0, 1.0)];
+    /// let mut way = Affine::zero();
+    /// for (k, (x, y)) in islands.into_iter().enumerate() {
+    ///     way += model.norm(("way", k), [dock - x, Affine::constant(y)])?;
+    /// }
+    /// model.minimize(way)?;
+    /// let solution = BranchAndBound::default().solve(&model)?;
+    /// assert!((solution.value(dock)? - 4.5).abs() < 1e-3);
+    /// assert!((solution.objective().unwrap() - 52.0_f64.sqrt()).abs() < 1e-5);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::add`]; [`ErrorKind::EmptyRow`](crate::ErrorKind::EmptyRow) without expressions.
+    pub fn norm<T: Into<Affine>>(
+        &mut self,
+        name: impl Into<Name>,
+        entries: impl IntoIterator<Item = T>,
+    ) -> Result<Variable, Error> {
+        let (name, entries) = (name.into(), norm(entries));
+        self.all_or_nothing(|model| {
+            let length =
+                model.variable(name.clone(), VariableKind::Continuous, 0.0, f64::INFINITY)?;
+            model.add(name, entries.le(length))?;
+            Ok(length)
+        })
     }
 }

@@ -4,7 +4,7 @@ use std::ops::{BitAnd, BitOr, Not};
 
 use super::{FormulaNode, Logic};
 use crate::model::ids::Variable;
-use crate::model::indicator::{Consequent, Implications, Reification};
+use crate::model::indicator::{Consequent, Implication, Implications, Reification};
 use crate::model::literal::Literal;
 use crate::model::row::Row;
 
@@ -170,8 +170,8 @@ macro_rules! methods {
                 parity(false, $self.into(), other.into())
             }
 
-            /// "If this holds, then that does": with a [`Row`] an
-            /// [`Implication`](crate::model::Implication), with logic a [`Logic`].
+            /// "If this holds, then that does": with a [`Row`] or a
+            /// [`ConicRow`](crate::model::ConicRow) an [`Implication`], with logic a [`Logic`].
             ///
             /// ```
             /// use carom::prelude::*;
@@ -190,8 +190,8 @@ macro_rules! methods {
                 consequent.after($self.into())
             }
 
-            /// "If this holds, then all these rows do". Each row becomes a separate indicator:
-            /// `name`, `name_2`, `name_3`, ...
+            /// "If this holds, then all these rows do", or all these norms and quadratic rows. Each row
+            /// becomes a separate indicator: `name`, `name_2`, `name_3`, ...
             ///
             /// ```
             /// use carom::prelude::*;
@@ -206,10 +206,13 @@ macro_rules! methods {
             /// assert_eq!(model.indicator_by_name("dock_2")?, added[1]);
             /// # Ok::<(), carom::Error>(())
             /// ```
-            pub fn implies_all(
+            pub fn implies_all<R>(
                 $self: $receiver,
-                rows: impl IntoIterator<Item = Row>,
-            ) -> Implications {
+                rows: impl IntoIterator<Item = R>,
+            ) -> Implications<R>
+            where
+                R: Consequent<Output = Implication<R>>,
+            {
                 Implications { condition: $self.into(), rows: rows.into_iter().collect() }
             }
 

@@ -11,7 +11,7 @@ use crate::model::sense::Sense;
 use crate::model::text::lines::{
     FileLine, file_bounds, lines, number, objective_name, quadratic_lines,
 };
-use crate::model::text::squares::with_quadratic_rows;
+use crate::model::text::quadratic_rows::with_quadratic_rows;
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 

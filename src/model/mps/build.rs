@@ -12,8 +12,8 @@ use crate::model::sense::Sense;
 use crate::model::store::Model;
 use crate::model::stored::StoredRow;
 use crate::model::text::ends;
+use crate::model::text::quadratic_rows::add_quadratic_row;
 use crate::model::text::read::{Read, Warning};
-use crate::model::text::squares::add_quadratic_row;
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
 

@@ -24,6 +24,15 @@ pub(super) fn without_blanks(text: &str) -> Option<String> {
                 data = !["NAME", "OBJSENSE", "OBJNAME"]
                     .iter()
                     .any(|name| word.eq_ignore_ascii_case(name));
+                // The name of a row follows.
+                if ["QCMATRIX", "QSECTION"].iter().any(|name| word.eq_ignore_ascii_case(name)) {
+                    let (head, rest) = line.split_at(word.len());
+                    let name = rest.trim_start();
+                    let (gap, plain) = (&rest[..rest.len() - name.len()], name.replace(' ', "_"));
+                    changed |= plain != name;
+                    result.extend([head, gap, plain.as_str(), &whole[line.len()..]]);
+                    continue;
+                }
             }
             result.push_str(whole);
             continue;

@@ -4,8 +4,8 @@
 pub(crate) mod ends;
 pub(crate) mod lines;
 pub(crate) mod names;
+pub(crate) mod quadratic_rows;
 pub(crate) mod read;
 pub(crate) mod row_condition;
 pub(crate) mod sets;
-pub(crate) mod squares;
 pub(crate) mod token;

@@ -130,7 +130,7 @@ fn extract(
         integral,
         cones,
         conic: OnceLock::new(),
-        cuts_cones: program.cuts_cones,
+        cone_cuts: program.cone_cuts.clone(),
         step: columns.iter().map(|&j| program.step[j]).collect(),
         spread: program.spread,
         steepness: OnceLock::new(),

@@ -37,7 +37,7 @@ fn linear() -> impl Strategy<Value = Model> {
 
 fn add_variables(model: &mut Model, plan: &[VariablePlan]) -> Vec<Variable> {
     let added = plan.iter().enumerate().map(|(k, &((lower, upper), integer))| {
-        match integer && (lower > 0.0 || lower < 0.0 || upper > 1.0) {
+        match integer && (lower != 0.0 || upper > 1.0) {
             true => model.integer(("x", k), lower, upper).unwrap(),
             false => model.continuous(("x", k), lower, upper).unwrap(),
         }

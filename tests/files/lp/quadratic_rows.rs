@@ -49,6 +49,24 @@ fn forms_of_rows() {
 }
 
 #[test]
+fn conditions() {
+    // A disc of radius 2 sqrt(2) where z is 1, which is worth 2; without it x + y <= 5.
+    let text = |disc: &str, sum: &str| {
+        format!(
+            "max x + y + 2 z\nst\n c: {disc} [ x ^2 + y ^2 ] <= 8\n d: {sum} x + y <= 5\nbounds\n -9 <= x <= 9\n \
+             -9 <= y <= 9\nbin z\nend"
+        )
+    };
+    check(&text("z = 1 ->", ""), 6.0);
+    check(&text("z = 0 ->", ""), 7.0);
+    check(&text("z = 0 ->", "z = 1 ->"), 7.0);
+    let written = lp::write(&read(&text("z = 1 ->", ""))).unwrap();
+    assert!(written.contains("\n c: z = 1 -> [ x ^2 + y ^2 ] <= 8\n"), "{written}");
+    let refused = error(&text("x = 1 ->", "").replace("bin z", "gen x\nbin z"));
+    assert!(refused.starts_with("line 3, column 2: `x` is not binary"), "{refused}");
+}
+
+#[test]
 fn a_half_behind_brackets_of_rows() {
     let (warnings, _) = warned(&with("c: [ 2 x ^2 + 2 y ^2 ] / 2 <= 8"));
     assert_eq!(

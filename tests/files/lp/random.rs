@@ -17,9 +17,10 @@ fn whole_files() -> Vec<String> {
     let z = model.binary("z").unwrap();
     model.add("sum", (x[0] + x[1] + 0.5 * x[2]).within(-1.2, 1.1)).unwrap();
     model.add("hit", z.on().implies(x[1].le(0.0))).unwrap();
+    model.add("disc", (x[0].square() + (x[1] - x[2]).square()).le(0.5 * x[2] + 9.5)).unwrap();
     model.minimize((x[0] - x[1]).square() + 3.0 * x[2] + 1.0).unwrap();
     let by_hand = "\\ Problem name: by hand\nMinimize\n obj: 3 x + y - 2 + [ x^2 + 2 x * y + y^2 ] / 2\n\
-                   Subject To\n r: 1 <= x + y <= 4\n s: z = 1 -> x = 2\n x - k >= -1e2\nBounds\n \
+                   Subject To\n r: 1 <= x + y <= 4\n q: 2 x - [ x ^2 + x * y + y^2 ] >= -9.5\n s: z = 1 -> x = 2\n x - k >= -1e2\nBounds\n \
                    -inf <= x <= 5\n y free\n k <= 7\nGenerals\n k\nBinaries\n z\nSemis\n k\nSOS\n p: S2:: x:1 y:-2 z:1.5\n \
                    S1:: x:1\nEnd\n";
     vec![by_hand.to_owned(), lp::write(&model).unwrap()]
@@ -95,7 +96,7 @@ proptest! {
     fn any_text_is_an_answer(text in any::<String>(), pieces in prop::collection::vec(
         prop::sample::select(vec![
             "min", "max", "st", "bounds", "gen", "bin", "end", "x", "y", ":", "+", "-", "<=", ">=", "=",
-            "->", "[", "]", "/", "2", "*", "^", "1.5", "inf", "free", "\n", "semi", "sos",
+            "->", "[", "]", "/", "2", "*", "^", "1.5", "+ [ x ^2 + y ^2 ]", "inf", "free", "\n", "semi", "sos",
         ]),
         0..40,
     )) {

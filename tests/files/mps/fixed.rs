@@ -41,6 +41,21 @@ fn blanks_in_names_become_underscores() {
 }
 
 #[test]
+fn names_of_quadratic_rows_have_blanks() {
+    let products = "QCMATRIX   ROW 1\n    COL 1     COL 1               1.\nQSECTION  TOTAL CO\n    COL 1     \
+                    COL 1               4.\nINDICATORS";
+    let text = BLANKS
+        .replace("INDICATORS", products)
+        .replace("RANGES\n    MY RANGE  ROW 1               3.\n", "");
+    let model = read(&text);
+    assert_eq!(model.objective().products().len(), 1);
+    assert_eq!(
+        mps::write(&model).unwrap().split_once("QCMATRIX").unwrap().1.lines().next(),
+        Some("   ROW_1")
+    );
+}
+
+#[test]
 fn errors_keep_their_place() {
     let clash = BLANKS.replace(" G  ROW 2", " G  ROW_1");
     assert_eq!(error(&clash), "line 5, column 5: row `ROW_1` was already declared in line 4");

@@ -79,6 +79,25 @@ fn cones() {
 }
 
 #[test]
+fn conditions() {
+    let text = |value: u8| {
+        with("L", "7", &format!("QCMATRIX r\n x x 1\n y y 1\nINDICATORS\n IF r z {value}\n"))
+    };
+    check(&text(1), 18.0);
+    let only = |value: u8| {
+        text(value)
+            .replace(" M 'MARKER' 'INTEND'", " z cost 15\n M 'MARKER' 'INTEND'")
+            .replace(" z s 1\n z cost", " z s 1 cost")
+    };
+    // 18 without z, 4 + 15 with it.
+    check(&only(1), 19.0);
+    check(&only(0), 33.0);
+    let written = mps::write(&read(&text(1))).unwrap();
+    assert!(written.contains("QCMATRIX   r\n"), "{written}");
+    assert!(written.contains("INDICATORS\n IF r         z                    1\n"), "{written}");
+}
+
+#[test]
 fn several_sections() {
     let text = with(
         "L",

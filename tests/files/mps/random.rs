@@ -17,10 +17,12 @@ fn whole_files() -> Vec<String> {
     let z = model.binary("z").unwrap();
     model.add("sum", (x[0] + x[1] + 0.5 * x[2]).within(-1.2, 1.1)).unwrap();
     model.add("hit", z.on().implies(x[1].le(0.0))).unwrap();
+    model.add("disc", (x[0].square() + (x[1] - x[2]).square()).le(0.5 * x[2] + 9.5)).unwrap();
     model.minimize((x[0] - x[1]).square() + 3.0 * x[2] + 1.0).unwrap();
     let by_hand = with(
         "RHS\n B most 4 least -1e2\n B cost 2\nRANGES\n R most 3 least Infinity\nBOUNDS\n \
-         UP B x 4\n MI B y\n BV B k\n SC B w 4\n LO B w 1\nSOS\n S1 p\n x 1\n w 2.5\nQMATRIX\n x x 2\n x y 1D0\n y x 1\n y y 2\nINDICATORS\n \
+         UP B x 4\n MI B y\n BV B k\n SC B w 4\n LO B w 1\nSOS\n S1 p\n x 1\n w 2.5\nQMATRIX\n x x 2\n x y 1D0\n y x 1\n y y 2\nQCMATRIX least\n x x -1\n x y -.25\n \
+         y x -.25\n y y -1\nINDICATORS\n \
          IF most k 1\n",
     );
     let by_hand = by_hand.replace(" M1 'MARKER'", " w least 1\n M1 'MARKER'");

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+use crate::interval::Interval;
 use crate::model::affine::Affine;
 use crate::model::checks::finite;
 use crate::model::conic::StoredConic;
@@ -13,6 +14,7 @@ use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
 use crate::model::store::{ConicData, Model};
 use crate::model::stored::StoredRow;
+use crate::model::text::token::or_infinite;
 
 /// The model with a quadratic row for every norm: the sum of the squares of its entries is at most the
 /// square of its bound.
@@ -28,7 +30,7 @@ pub(crate) fn with_quadratic_rows(model: &Model) -> Result<Cow<'_, Model>, Error
     for at in 0..rewritten.stored.conic.len() {
         let ConicData { name, condition, conic, .. } = rewritten.stored.conic[at].clone();
         if let StoredConic::Norm { entries, bound } = conic {
-            let mut squares = Squares { model: &mut rewritten, name, condition };
+            let mut squares = NormSquares { model: &mut rewritten, name, condition };
             let expression = squares.row(&entries, &bound)?;
             rewritten.stored.conic[at].conic = StoredConic::Quadratic { expression };
         }
@@ -37,13 +39,13 @@ pub(crate) fn with_quadratic_rows(model: &Model) -> Result<Cow<'_, Model>, Error
 }
 
 /// One norm, and the model that gets what it needs.
-struct Squares<'m> {
+struct NormSquares<'m> {
     model: &'m mut Model,
     name: Name,
     condition: Option<Logic>,
 }
 
-impl Squares<'_> {
+impl NormSquares<'_> {
     /// The sum of the squares of the entries minus that of the bound.
     fn row(&mut self, entries: &[Affine], bound: &Affine) -> Result<Quadratic, Error> {
         let mut sum = Quadratic::zero();
@@ -51,7 +53,7 @@ impl Squares<'_> {
             match square(entry) {
                 Some(square) => sum += square,
                 None => {
-                    let x = self.variable(&format!("_entry{position}"), f64::NEG_INFINITY)?;
+                    let x = self.variable(&format!("_entry{position}"), entry, false)?;
                     self.row_of(x, entry, false)?;
                     sum.add_product(1.0, x, x);
                 }
@@ -65,7 +67,7 @@ impl Squares<'_> {
         match square(bound).filter(|_| is_positive) {
             Some(square) => sum += square * -1.0,
             None => {
-                let x = self.variable("_bound", 0.0)?;
+                let x = self.variable("_bound", bound, true)?;
                 self.row_of(x, bound, true)?;
                 sum.add_product(-1.0, x, x);
             }
@@ -73,12 +75,27 @@ impl Squares<'_> {
         Ok(sum.compacted())
     }
 
-    fn variable(&mut self, suffix: &str, lower: f64) -> Result<Variable, Error> {
+    /// A variable for an entry or for the bound. Under a condition it gets the bounds of what it stands for,
+    /// because a row that may be switched off needs them.
+    fn variable(
+        &mut self,
+        suffix: &str,
+        expression: &Affine,
+        is_bound: bool,
+    ) -> Result<Variable, Error> {
         let wanted = self.name.suffixed(suffix);
         let model = &self.model;
         let name = wanted
             .free(|name| model.variable_by_name(name.clone()).is_ok() || model.has_statement(name));
-        self.model.continuous(name, lower, f64::INFINITY)
+        let range = match self.condition {
+            Some(_) => model.range(expression)?,
+            None => Interval::new(f64::NEG_INFINITY, f64::INFINITY),
+        };
+        let (lower, upper) = (or_infinite(range.lower), or_infinite(range.upper));
+        match is_bound {
+            true => self.model.continuous(name, 0.0, upper.max(0.0)),
+            false => self.model.continuous(name, lower, upper),
+        }
     }
 
     /// The row that a variable is an expression. Under a condition, the bound of a norm may be negative
@@ -138,12 +155,6 @@ pub(crate) fn add_quadratic_row(
     let row = expression.le(0.0);
     match condition {
         None => model.add(name, row).map(|_| ()),
-        Some(_) => Err(ErrorKind::Unsupported {
-            solver: "the reader".into(),
-            what: format!("the condition of the row `{name}` with products"),
-            help: "write it for a further variable that a row bounds, and the condition for a linear row of it"
-                .into(),
-        }
-        .into()),
+        Some(condition) => model.add(name, condition.implies(row)).map(|_| ()),
     }
 }
