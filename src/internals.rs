@@ -48,7 +48,7 @@ pub mod presolve {
     pub use crate::presolve::{
         Compressed, Domain, ImplicationGraph, Propagator, Reduced, Worklist, probe,
         probe_implications, project, reduce, tighten_big_ms, tighten_by_disjunctions,
-        tighten_coefficients, tighten_switched_cones,
+        tighten_coefficients, tighten_conditional_cones, tighten_switched_cones,
     };
 
     pub mod root {
@@ -85,7 +85,9 @@ pub mod search {
     }
 
     pub mod cuts {
-        pub use crate::search::cuts::{Cut, MOST_ROWS, cut_set_cuts, mixed_integer_rounding_cuts};
+        pub use crate::search::cuts::{
+            Cut, MOST_ROWS, cut_set_cuts, mixed_integer_rounding_cuts, polymatroid_cuts,
+        };
     }
 
     pub mod heuristics {

@@ -7,6 +7,7 @@ pub mod error;
 pub mod explain;
 #[cfg(not(target_family = "wasm"))]
 pub mod external;
+pub mod graph_of_sets;
 pub mod guide;
 #[cfg(all(feature = "highs", not(target_family = "wasm")))]
 pub mod highs;

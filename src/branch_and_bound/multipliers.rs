@@ -1,10 +1,10 @@
 //! Multipliers of a continuous program: from a relaxation of the presolved program, back through
 //! presolve, and checked against the original one.
 
-use crate::presolve::Reduced;
 use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve};
+use crate::presolve::{Domain, FIXED, Reduced};
 use crate::program::Program;
-use crate::relaxation::{Ladder, Purpose, RelaxationClaim};
+use crate::relaxation::{ConeCut, Ladder, Purpose, RelaxationClaim};
 use crate::solver::StopToken;
 use crate::sum::Sum;
 use crate::tolerance;
@@ -32,6 +32,9 @@ pub(super) fn derivatives(
     if program.is_feasibility_problem() {
         let (rows, columns) = (vec![0.0; program.row_count()], vec![0.0; program.column_count()]);
         return Some(Derivatives { rows, columns });
+    }
+    if !program.cones.is_empty() {
+        return conic_derivatives(program, point, ladder, token);
     }
     // An interior-point method wants an interior.
     let small = &presolved.program;
@@ -64,7 +67,56 @@ fn checked(
     y: &[f64],
 ) -> Option<Derivatives> {
     let restored = presolved.restore(x, y).ok()?;
-    let (x, mut y) = (restored.x, restored.y);
+    judged(program, point, restored.x, restored.y, &[])
+}
+
+/// As [`derivatives`], of a program with cones.
+fn conic_derivatives(
+    program: &Program,
+    point: &[f64],
+    ladder: &mut Ladder,
+    token: &StopToken,
+) -> Option<Derivatives> {
+    let reduced = ladder.reducer().reduce(program, &Domain::new(program))?;
+    ladder.conic_multipliers(&reduced, token, |(x, y, cuts)| {
+        let x = reduced.lift(&x);
+        let mut all = vec![0.0; program.row_count()];
+        for (&row, y) in reduced.origin.iter().zip(y).filter(|(row, _)| **row != FIXED) {
+            all[row] = y;
+        }
+        let pressure = pressures(&cuts, x.len());
+        // Rows over one column have become bounds, whose reduced costs are theirs.
+        for row in 0..program.row_count() {
+            let (&[j], &[a]) = program.row(row) else { continue };
+            let d = reduced_cost(program, j, &x, &all).0 + pressure[j];
+            let own = if d > 0.0 { program.lower[j] } else { program.upper[j] };
+            let is_upper = (d < 0.0) == (a > 0.0);
+            let limit = [program.row_lower[row], program.row_upper[row]][usize::from(is_upper)];
+            if all[row] == 0.0 && (a * x[j] - limit).abs() < (a * (x[j] - own)).abs() {
+                all[row] = -d / a;
+            }
+        }
+        judged(program, point, x, all, &cuts)
+    })
+}
+
+/// What the rows that hold in the cones add to the reduced cost of each column.
+fn pressures(cuts: &[(ConeCut, f64)], columns: usize) -> Vec<f64> {
+    let mut pressure = vec![0.0; columns];
+    for (cut, multiplier) in cuts {
+        cut.terms.iter().for_each(|&(j, a)| pressure[j] += multiplier * a);
+    }
+    pressure
+}
+
+/// Checks multipliers at a point, with rows `terms <= 0` that hold in the cones.
+fn judged(
+    program: &Program,
+    point: &[f64],
+    x: Vec<f64>,
+    mut y: Vec<f64>,
+    cuts: &[(ConeCut, f64)],
+) -> Option<Derivatives> {
     let activities: Vec<f64> = (0..y.len()).map(|row| activity(program, row, &x)).collect();
     let costs = program.linear.iter().chain(program.quadratic.val());
     let scale = costs.fold(0.0_f64, |m, c| m.max(c.abs()));
@@ -77,10 +129,22 @@ fn checked(
             [activities[row] - program.row_lower[row], program.row_upper[row] - activities[row]];
         excess.add_product(y.abs(), room[usize::from(y > 0.0)].abs());
     }
+    let pressure = pressures(cuts, x.len());
+    for (cut, multiplier) in cuts {
+        excess.add_product(*multiplier, cut.violation(&x).abs());
+    }
     let mut columns = Vec::with_capacity(x.len());
     for (j, &value) in x.iter().enumerate() {
         let (d, size) = reduced_cost(program, j, &x, &y);
+        let (d, size) = (d + pressure[j], size.max(pressure[j].abs()));
         let d = if d.abs() <= RELATIVE_ROUNDING * size.max(scale) { 0.0 } else { d };
+        let limits = [program.lower[j], program.upper[j]];
+        if !program.cones.is_empty() && limits[usize::from(d < 0.0)].is_infinite() {
+            // What an interior-point method leaves: no limit is there to press on.
+            excess.add_product(d.abs(), value.abs().max(1.0));
+            columns.push(0.0);
+            continue;
+        }
         let limit = if d > 0.0 { program.lower[j] } else { program.upper[j] };
         if d != 0.0 {
             excess.add_product(d.abs(), (value - limit).abs());

@@ -50,7 +50,7 @@ impl Case {
         let whole = kind(VariableKind::Integer) || kind(VariableKind::Binary);
         let integral = whole || model.function_count() > 0 || sets || semicontinuous;
         need(quadratic && integral, Capability::MixedIntegerQuadratic);
-        need(model.conic_constraint_count() > 0, Capability::Cones);
+        need(has_cones(&model), Capability::Cones);
         need(model.indicator_count() > 0, Capability::Indicators);
         need(model.logical_constraint_count() > 0, Capability::Logic);
         need(model.disjunction_count() > 0, Capability::Disjunctions);
@@ -60,6 +60,16 @@ impl Case {
         need(answer == Truth::Unbounded, Capability::Unbounded);
         Case { name: model.name().to_owned(), model, answer, needs }
     }
+}
+
+/// Whether there are norms or quadratic rows, also inside disjunctions.
+pub(super) fn has_cones(model: &Model) -> bool {
+    let mut found = model.conic_constraint_count() > 0;
+    for disjunction in model.disjunctions() {
+        let terms = disjunction.stored_terms().iter();
+        terms.for_each(|term| term.for_each_conic(&mut |_| found = true));
+    }
+    found
 }
 
 /// Collects cases of one file.

@@ -4,7 +4,7 @@ use crate::model::{Affine, Model};
 use crate::solution::{PrimalStatus, Solution, Termination, Verification};
 use crate::solver::{Options, Solver};
 
-use super::answer::{Case, Truth};
+use super::answer::{Case, Truth, has_cones};
 use super::report::CaseOutcome;
 
 /// Slack of a bound, relative and absolute: "never beyond the optimum" up to rounding.
@@ -117,7 +117,7 @@ pub(super) fn judge(
     });
     // With curvature c, a gap g leaves a distance of sqrt(g / c) to the optimal point.
     let quadratic = !case.model.objective().products().is_empty();
-    let curved = quadratic || case.model.conic_constraint_count() > 0;
+    let curved = quadratic || has_cones(&case.model);
     let near = if curved { 1e-3 } else { 1e-5 };
     for &(variable, wanted) in values {
         let named = case.model.variable_ref(variable).map(|v| v.name().to_string());

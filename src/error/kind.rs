@@ -150,6 +150,19 @@ pub enum ErrorKind {
         /// The variables whose bounds would help, in words.
         remedy: String,
     },
+    /// A vertex of a [`GraphOfSets`](crate::graph_of_sets::GraphOfSets) whose set may be unbounded.
+    #[error(
+        "coordinate {coordinate} of the vertex `{vertex}` has no {bound} bound; give it a finite \
+         one, since only bounded sets can be switched off by perspectives"
+    )]
+    UnboundedSet {
+        /// The vertex.
+        vertex: String,
+        /// The coordinate, from 0.
+        coordinate: usize,
+        /// `lower` or `upper`: the missing bound.
+        bound: &'static str,
+    },
     /// A logic formula that contains no variable.
     #[error(
         "the logic of `{name}` contains no binary variable; drop the statement, or check the \

@@ -8,7 +8,7 @@ use super::store::Model;
 use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind};
 
-/// Something [`Model::add`] accepts: a [`Row`], an [`Implication`](super::Implication) or several, a
+/// Something [`Model::add`] accepts: a [`Row`], a [`ConicRow`](super::ConicRow), an [`Implication`](super::Implication) or several, a
 /// [`Reification`](super::Reification), a disjunction ([`Either`](super::Either)), a
 /// [`Logic`](super::Logic) formula, a [`Literal`](super::Literal) or a special ordered set
 /// ([`Sos`](super::Sos)). Sealed.

@@ -13,8 +13,9 @@ impl Model {
     /// Adds a statement and returns its handle:
     ///
     /// * a [`Row`](super::Row): a [`Constraint`];
-    /// * an [`Implication`](super::Implication): an [`Indicator`];
-    /// * [`Implications`](super::Implications): an [`Indicator`] a row;
+    /// * a [`ConicRow`](super::ConicRow): a [`ConicConstraint`](super::ConicConstraint);
+    /// * an [`Implication`](super::Implication): an [`Indicator`], of a conic row a `ConicConstraint`;
+    /// * [`Implications`](super::Implications): the same for each row;
     /// * a [`Reification`](super::Reification): its [`Reified`](super::Reified) parts;
     /// * an [`Either`](super::Either): its [`Selected`](super::Selected) selectors;
     /// * a [`Logic`](super::Logic) formula or a [`Literal`](super::Literal): a
@@ -30,7 +31,9 @@ impl Model {
     /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`], [`ErrorKind::EmptyRow`],
     /// [`ErrorKind::UnlimitedRow`], [`ErrorKind::NotBinary`]; [`ErrorKind::EmptyLogic`] for a
     /// formula without variables, [`ErrorKind::NeverTrue`] for one that its own shape makes false,
-    /// such as `at_least(3, [a, b])`, [`ErrorKind::TooDeep`]; [`ErrorKind::OutOfRange`] for the
+    /// such as `at_least(3, [a, b])`, [`ErrorKind::TooDeep`]; [`ErrorKind::NotCone`],
+    /// [`ErrorKind::UnknownSign`] and [`ErrorKind::NotConicRow`] for norms and quadratic rows that are no
+    /// second-order cone; [`ErrorKind::OutOfRange`] for the
     /// margin of a reification, and for a set without members.
     pub fn add<S: Statement>(
         &mut self,

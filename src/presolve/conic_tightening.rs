@@ -5,13 +5,10 @@
 //! the head is taken larger by what a conflict must exceed: a bound of the tail cuts off no point that
 //! misses the cone by less.
 
-use super::parameters::CONTRADICTION;
+use super::parameters::{CONTRADICTION, FEW_ROUNDINGS};
 use super::tightening::{RowState, Tightening, whole, worthwhile};
 use crate::program::{Cone, ConeShape};
 use crate::tolerance;
-
-/// The rounding of a few operations (no unit).
-const FEW_ROUNDINGS: f64 = 8.0 * f64::EPSILON;
 
 /// The columns of a program, and their bounds.
 #[derive(Clone, Copy)]

@@ -9,3 +9,6 @@ pub(super) const IMPLIED: f64 = 1e-9;
 
 /// The largest number up to which all whole numbers are floats.
 pub(super) const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// The rounding of a few operations (no unit).
+pub(super) const FEW_ROUNDINGS: f64 = 8.0 * f64::EPSILON;

@@ -20,7 +20,7 @@ use crate::program::{Addition, Cone, ConeRole, ConeShape, Program};
 use crate::solver::StopToken;
 
 /// The largest number of trials. A trial propagates the rows that it reaches.
-const MOST_TRIALS: usize = 4000;
+const MOST_BINARY_TRIALS: usize = 4000;
 
 /// Propagated bounds of a column that is off are this close to 0, and those of one that is not exceed the
 /// least reach (in the unit of the column): propagation loosens each bound a little.
@@ -31,7 +31,7 @@ const LEAST_REACH: f64 = 1e-4;
 const MOST_SWITCHES: usize = 3;
 
 /// A binary at a value: twice the column, plus the value.
-type Literal = usize;
+pub(super) type Literal = usize;
 
 /// What the trials have found.
 #[derive(Debug, Default)]
@@ -78,32 +78,45 @@ fn constant_head(program: &Program, group: &[Cone]) -> Option<(usize, f64)> {
     (is_constant && agrees).then_some((last, value))
 }
 
-/// Tries both values of the binaries.
+/// What both values of the binaries switch off; `None` if there is a contradiction.
 fn find_switches(program: &Program, wanted: &[bool], token: &StopToken) -> Option<Switches> {
+    let mut switches = Switches::default();
+    try_binaries(program, token, |domain, mark, literal| {
+        switches.note(program, domain, mark, wanted, literal);
+    })?;
+    Some(switches)
+}
+
+/// Propagates both values of the binaries on trial, and shows those that do not contradict: the domain,
+/// the mark before the trial, and the literal. `None` if there is a contradiction without them.
+pub(super) fn try_binaries(
+    program: &Program,
+    token: &StopToken,
+    mut visit: impl FnMut(&Domain, usize, Literal),
+) -> Option<()> {
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
     propagator.set_stop_token(token);
     // If there is a contradiction, the search reports it.
     propagator.propagate_all(program, &mut domain).ok()?;
-    let mut switches = Switches::default();
     let mut trials = 0;
     let is_binary = |&j: &usize| domain.bounds(j) == [0.0, 1.0];
     let binaries: Vec<usize> = program.integers.iter().copied().filter(is_binary).collect();
     for j in binaries {
         for value in [0.0, 1.0] {
             trials += 1;
-            if trials > MOST_TRIALS || token.is_over() {
-                return Some(switches);
+            if trials > MOST_BINARY_TRIALS || token.is_over() {
+                return Some(());
             }
             let mark = domain.mark();
             domain.apply(j, value == 0.0, value);
             if propagator.propagate_since(program, &mut domain, mark).is_ok() {
-                switches.note(program, &domain, mark, wanted, 2 * j + usize::from(value == 1.0));
+                visit(&domain, mark, 2 * j + usize::from(value == 1.0));
             }
             domain.undo_to(mark);
         }
     }
-    Some(switches)
+    Some(())
 }
 
 impl Switches {
@@ -129,10 +142,7 @@ impl Switches {
             switches = true;
         }
         if switches {
-            let fixed = |j: &usize| program.integral[*j] && domain.is_fixed(*j);
-            let fixed = changed.iter().copied().filter(fixed);
-            let literals = fixed.map(|j| 2 * j + usize::from(domain.lower(j) == 1.0)).collect();
-            self.fixes.insert(literal, literals);
+            self.fixes.insert(literal, fixed_literals(program, domain, &changed));
         }
     }
 
@@ -143,20 +153,33 @@ impl Switches {
         let everywhere = |literal: &Literal| others.iter().all(|j| of(j).contains(literal));
         of(first).iter().copied().filter(everywhere).collect()
     }
+}
 
-    /// Those of some literals that no other one of them implies to be of no use: if `a` fixes `b`, the
-    /// relaxation of `b` says all that the one of `a` does.
-    fn strongest(&self, literals: &[Literal]) -> Vec<Literal> {
-        let fixes = |a: usize, b: usize| {
-            let (a, b) = (literals[a], literals[b]);
-            self.fixes.get(&a).is_some_and(|fixed| fixed.binary_search(&b).is_ok())
-        };
-        let is_idle = |&a: &usize| {
-            (0..literals.len()).any(|b| b != a && fixes(a, b) && (b < a || !fixes(b, a)))
-        };
-        let kept = (0..literals.len()).filter(|a| !is_idle(a));
-        kept.map(|a| literals[a]).take(MOST_SWITCHES).collect()
-    }
+/// The literals that changed columns are fixed at, sorted.
+pub(super) fn fixed_literals(
+    program: &Program,
+    domain: &Domain,
+    changed: &[usize],
+) -> Vec<Literal> {
+    let fixed = |j: &usize| program.integral[*j] && domain.is_fixed(*j);
+    let fixed = changed.iter().copied().filter(fixed);
+    fixed.map(|j| 2 * j + usize::from(domain.lower(j) == 1.0)).collect()
+}
+
+/// Those of some literals that are not of no use beside another one: if `a` fixes `b`, what is relaxed by
+/// `b` says all that it says relaxed by `a`.
+pub(super) fn strongest(
+    fixes: &BTreeMap<Literal, Vec<Literal>>,
+    literals: &[Literal],
+) -> Vec<Literal> {
+    let fixes = |a: usize, b: usize| {
+        let (a, b) = (literals[a], literals[b]);
+        fixes.get(&a).is_some_and(|fixed| fixed.binary_search(&b).is_ok())
+    };
+    let is_idle =
+        |&a: &usize| (0..literals.len()).any(|b| b != a && fixes(a, b) && (b < a || !fixes(b, a)));
+    let kept = (0..literals.len()).filter(|a| !is_idle(a));
+    kept.map(|a| literals[a]).take(MOST_SWITCHES).collect()
 }
 
 /// The program that is being made.
@@ -251,7 +274,7 @@ impl<'a> Tighter<'a> {
 
     /// The column of a value that is 0 where one of some literals holds; none of `taken` itself.
     fn weight(&mut self, value: f64, literals: &[Literal], taken: &[usize]) -> usize {
-        let literals = self.switches.strongest(literals);
+        let literals = strongest(&self.switches.fixes, literals);
         if let [literal] = literals[..]
             && (value, literal % 2) == (1.0, 0)
             && !taken.contains(&(literal / 2))

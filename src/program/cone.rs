@@ -64,11 +64,13 @@ impl Cone {
         Cone { shape: self.shape, columns, role: self.role }
     }
 
-    /// Sets the first column of a part to the least value that the point allows.
-    pub(crate) fn complete(&self, x: &mut [f64]) {
+    /// Sets the first column of a part to the least value that the point allows, but for rounding: a head
+    /// that is nearly 0 must not make it larger than the sum of all parts, `most`.
+    pub(crate) fn complete(&self, x: &mut [f64], most: f64) {
         let [part, times, entry] = self.columns[..] else { return };
         let square = x[entry] * x[entry];
-        x[part] = if square == 0.0 { 0.0 } else { square / x[times].max(f64::MIN_POSITIVE) };
+        let least = if square == 0.0 { 0.0 } else { square / x[times].max(f64::MIN_POSITIVE) };
+        x[part] = least.min(most.max(0.0));
     }
 
     /// By how much a point misses the cone, in the unit of the head: the distance of the head from the
@@ -100,8 +102,13 @@ pub(crate) fn conic_columns(cones: &[Cone], columns: usize) -> Vec<bool> {
 impl Program {
     /// Sets the columns of parts of cones to the least values that the point allows.
     pub(crate) fn complete_parts(&self, x: &mut [f64]) {
-        for cone in self.cones.iter().filter(|cone| cone.role == ConeRole::Part) {
-            cone.complete(x);
+        let mut sum = None;
+        for cone in &self.cones {
+            match cone.role {
+                ConeRole::Single => {}
+                ConeRole::Whole => sum = cone.columns.first(),
+                ConeRole::Part => cone.complete(x, sum.map_or(f64::INFINITY, |&j| x[j])),
+            }
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Lowering: turns a model with indicators, disjunctions, logic, functions, ordered sets and
-//! semi-continuous variables into one with only rows.
+//! semi-continuous variables into one with only rows, and norms and quadratic rows without a condition.
 //!
 //! The lowered model is equivalent. It has the same variables, followed by auxiliary ones, so
 //! handles carry over. You can compare the text forms of both models, and write the lowered one as

@@ -16,14 +16,19 @@ const SLIGHT_WEIGHT: f64 = 1e-9;
 
 /// A row `terms <= 0` over columns of a program that holds in a cone.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ConeCut {
+pub(crate) struct ConeCut {
     /// Columns and coefficients.
     pub terms: Vec<(usize, f64)>,
 }
 
 impl ConeCut {
+    /// The sum of its terms at a point of a program; above 0 if it is violated.
+    pub(crate) fn violation(&self, x: &[f64]) -> f64 {
+        self.terms.iter().map(|&(j, a)| a * x[j]).sum()
+    }
+
     /// The cut that a point outside a cone violates; `None` if there is none with usable coefficients.
-    pub fn at(cone: &ReducedCone, x: &[f64]) -> Option<ConeCut> {
+    pub(crate) fn at(cone: &ReducedCone, x: &[f64]) -> Option<ConeCut> {
         let tail: Vec<f64> = cone.tail().iter().map(|entry| entry.at(x)).collect();
         match cone.shape {
             ConeShape::Norm => {
@@ -65,7 +70,7 @@ impl ConeCut {
     ///
     /// * `z`: one multiplier for each entry of `|tail| <= head`, or of
     ///   `|(first - second, 2 tail)| <= first + second` for a rotated cone, within the same cone.
-    pub fn of_multipliers(cone: &ReducedCone, z: &[f64]) -> Option<(ConeCut, f64)> {
+    pub(crate) fn of_multipliers(cone: &ReducedCone, z: &[f64]) -> Option<(ConeCut, f64)> {
         let size = z.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         if !(size > 0.0 && size.is_finite()) {
             return None;

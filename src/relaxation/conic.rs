@@ -10,6 +10,7 @@ use super::ladder::Ladder;
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
 use super::{Effort, Purpose, RelaxationClaim};
 use crate::presolve::{FIXED, Reduced};
+use crate::solver::StopToken;
 use crate::tolerance;
 use web_time::Instant;
 
@@ -24,6 +25,9 @@ const fn conic_attempts(purpose: Purpose) -> &'static [ConicAttempt] {
         _ => &[(100, 1e-8, 2), (300, 1e-9, 10)],
     }
 }
+
+/// The attempts at multipliers for the user.
+const MULTIPLIER_ATTEMPTS: [ConicAttempt; 2] = [(100, 1e-8, 2), (300, 1e-6, 10)];
 
 /// The best result so far.
 struct Best {
@@ -105,6 +109,32 @@ impl Ladder {
         cuts.iter().for_each(|(cut, _)| program.append_row(&cut.terms, &place, FIXED));
         self.cone_cuts = cuts;
         RelaxationVerdict::Relaxed { bound, x, y, converged, warm: None }
+    }
+}
+
+/// A point of a program with cones, the multipliers of its rows, and the rows that the multipliers of its
+/// cones are, with their own.
+pub(crate) type ConicMultipliers = (Vec<f64>, Vec<f64>, Vec<(ConeCut, f64)>);
+
+impl Ladder {
+    /// The multipliers of a program with cones, for the user; `None` if none are accepted.
+    pub(crate) fn conic_multipliers<T>(
+        &mut self,
+        program: &Reduced,
+        token: &StopToken,
+        mut accept: impl FnMut(ConicMultipliers) -> Option<T>,
+    ) -> Option<T> {
+        MULTIPLIER_ATTEMPTS.iter().find_map(|&(iterations, tolerance, refinements)| {
+            let cutoff = f64::INFINITY;
+            let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm: None };
+            let began = Instant::now();
+            let (result, multipliers) = self.conic.solve_cones(program, &effort);
+            self.note_conic(result.iterations, began.elapsed());
+            let pairs = program.cones.iter().zip(&multipliers);
+            let cuts = pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
+            // What an attempt claims does not matter, since the multipliers are checked.
+            accept((result.x, result.y, cuts))
+        })
     }
 }
 

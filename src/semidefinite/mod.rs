@@ -54,19 +54,23 @@ pub(crate) type BlockProducts = (Vec<usize>, Vec<Product>);
 /// Variables that products link, directly or not, are in one block. The products of a block are in places
 /// among its variables.
 pub(crate) fn blocks(products: &[Product]) -> Vec<BlockProducts> {
-    let used = || products.iter().filter(|(.., q)| *q != 0.0);
-    let size = used().map(|&(_, b, _)| b + 1).max().unwrap_or(0);
+    // Only the variables that occur: a small expression may be one of many in a large model.
+    let nonzero = || products.iter().filter(|(.., q)| *q != 0.0);
+    let mut variables: Vec<usize> = nonzero().flat_map(|&(a, b, _)| [a, b]).collect();
+    variables.sort_unstable();
+    variables.dedup();
+    let rank = |v: usize| variables.binary_search(&v).unwrap_or_default();
+    let used: Vec<Product> = nonzero().map(|&(a, b, q)| (rank(a), rank(b), q)).collect();
+    let size = variables.len();
     let mut parent: Vec<usize> = (0..size).collect();
-    for &(a, b, _) in used() {
+    for &(a, b, _) in &used {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b)] = a.min(b);
     }
-    let mut is_used = vec![false; size];
-    used().for_each(|&(a, b, _)| (is_used[a], is_used[b]) = (true, true));
     // By variable: its block and its place in it. The first one of a block is its root.
     let (mut block, mut place) = (vec![0; size], vec![0; size]);
     let mut parts: Vec<BlockProducts> = Vec::new();
-    for j in (0..size).filter(|&j| is_used[j]) {
+    for j in 0..size {
         let root = root(&mut parent, j);
         if root == j {
             block[j] = parts.len();
@@ -75,9 +79,9 @@ pub(crate) fn blocks(products: &[Product]) -> Vec<BlockProducts> {
         block[j] = block[root];
         let (names, _) = &mut parts[block[j]];
         place[j] = names.len();
-        names.push(j);
+        names.push(variables[j]);
     }
-    for &(a, b, q) in used() {
+    for &(a, b, q) in &used {
         parts[block[a]].1.push((place[a], place[b], q));
     }
     parts

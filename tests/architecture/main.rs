@@ -29,7 +29,7 @@ const GROUND: [&str; 12] = [
 ];
 
 /// The modelling tower on the ground, from the bottom up.
-const MODELLING: [&str; 2] = ["hybrid", "collision_tolerant"];
+const MODELLING: [&str; 3] = ["graph_of_sets", "hybrid", "collision_tolerant"];
 
 /// The solving tower on the ground, from the bottom up.
 const SOLVING: [&str; 9] = [

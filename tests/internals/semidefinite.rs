@@ -271,3 +271,22 @@ fn dense_blocks() {
         assert!(negative_direction(&form(&matrix), &|_| 0.0).is_none(), "{n}");
     }
 }
+
+/// A form takes time and memory for its own variables, not for those before them.
+#[test]
+fn few_variables_of_many() {
+    let far = usize::MAX - 4;
+    assert!(
+        negative_direction(
+            &[(far, far, 1.0), (far, far + 2, 1.0), (far + 2, far + 2, 1.0)],
+            &|_| 0.0
+        )
+        .is_none()
+    );
+    let Some(direction) = negative_direction(&[(3, far, 1.0), (far, far, 2.0)], &|_| 0.0) else {
+        panic!("it is convex")
+    };
+    let mut names: Vec<usize> = direction.steps.iter().map(|step| step.0).collect();
+    names.sort_unstable();
+    assert_eq!(names, [3, far]);
+}

@@ -55,7 +55,7 @@ fn affine(form: &Form, x: &[Variable], scale: f64) -> Affine {
 fn row(case: &Case, x: &[Variable]) -> (ConicRow, Quadratic) {
     let mut left = Quadratic::zero();
     for square in &case.squares {
-        left = left + affine(square, x, case.scale).square();
+        left += affine(square, x, case.scale).square();
     }
     let right = match &case.right {
         Right::Affine(form) => Quadratic::from(affine(form, x, case.scale * case.scale)),
@@ -137,7 +137,7 @@ fn rounded_products_are_no_curvature() {
     let (head, tail) = standard_cone(&model, e.square().le(2.0)).unwrap();
     assert_eq!((head.len(), tail.len()), (1, 1));
     let e = 0.1 * x[0] - 0.7 * x[1] + 0.3 * x[2] - 0.9;
-    let (head, tail) = standard_cone(&model, (&e).square().le(2.0)).unwrap();
+    let (head, tail) = standard_cone(&model, e.square().le(2.0)).unwrap();
     assert_eq!((head.len(), tail.len()), (1, 1), "{tail:?}");
     // A plane pair that touches: no room but for the plane.
     let (head, tail) = standard_cone(&model, e.square().le(0.0)).unwrap();
@@ -149,13 +149,13 @@ fn many_squares_take_linear_time() {
     let mut model = Model::new("m");
     let x = model.continuous_family("x", 50_000, -1.0, 1.0).unwrap();
     let mut sum = Quadratic::zero();
-    x.iter().for_each(|v| sum = std::mem::take(&mut sum) + v.square());
+    x.iter().for_each(|v| sum += v.square());
     let (head, tail) = standard_cone(&model, sum.le(4.0)).unwrap();
     assert_eq!((head[0].offset(), tail.len()), (2.0, 50_000));
     // A chain of differences.
     let mut sum = Quadratic::zero();
     for k in 1..2000 {
-        sum = sum + (x[k] - x[k - 1]).square();
+        sum += (x[k] - x[k - 1]).square();
     }
     let (head, tail) = standard_cone(&model, sum.le(x[0])).unwrap();
     assert_eq!((head.len(), tail.len()), (2, 1999));

@@ -231,3 +231,53 @@ fn a_norm_gives_in_its_unit() {
     let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
     assert_eq!(relaxed.to_string(), "raise `disc` by 5");
 }
+
+/// A model with parameters in every affine part: as variables of a model, or by their values.
+fn with_parameters(values: Option<[f64; 3]>) -> (Model, Vec<Variable>) {
+    let (mut model, x, y) = plane();
+    let z = model.binary("z").unwrap();
+    let mut parameters = Vec::new();
+    let [center, radius, slope] = match values {
+        Some(values) => values.map(Affine::constant),
+        None => ["center", "radius", "slope"].map(|name| {
+            let parameter = model.parameter(name, 1.0, 0.5, 3.0).unwrap();
+            parameters.push(parameter);
+            parameter.into()
+        }),
+    };
+    let h = model.continuous("h", 0.0, 9.0).unwrap();
+    model.add("disc", norm([x - &center, y + &center]).le(&radius)).unwrap();
+    model.add("ball", (x.square() + (y - &slope).square()).le(16.0 + 3.0 * &radius)).unwrap();
+    model.add("below", (y + &slope).square().le(&slope * h)).unwrap();
+    model.add("calm", z.off().implies(norm([x, y]).le(&center + 0.1))).unwrap();
+    let left = norm([x + &radius, 1.0 * y]).le(1.0 + &slope);
+    model.add("or", either(left).or((x - &slope).square().le(&center - y))).unwrap();
+    model.maximize(x - 0.5 * y - z - 0.1 * h).unwrap();
+    (model, parameters)
+}
+
+#[test]
+fn prepared_solves_are_solves_from_nothing() {
+    for method in Method::ALL {
+        let (mut model, parameters) = with_parameters(None);
+        let reformulation = carom::model::Reformulation::default().with_method(method);
+        model.set_reformulation(reformulation);
+        let mut solver = BranchAndBound::default();
+        let mut prepared = solver.prepare(&model).unwrap();
+        for k in 0..12 {
+            let value = |s: usize| 0.5 + 2.5 * ((k * s % 7) as f64) / 6.0;
+            let values = [value(1), value(3), value(5)];
+            let given: Vec<_> = parameters.iter().copied().zip(values).collect();
+            let found = prepared.solve(&given, &mut Control::default()).unwrap();
+            let (mut fixed, _) = with_parameters(Some(values));
+            fixed.set_reformulation(reformulation);
+            let expected = BranchAndBound::default().solve(&fixed).unwrap();
+            assert_eq!(found.termination(), expected.termination(), "{values:?}");
+            let (found, expected) = (found.objective(), expected.objective());
+            assert_eq!(found.is_some(), expected.is_some(), "{values:?}");
+            if let (Some(found), Some(expected)) = (found, expected) {
+                assert!((found - expected).abs() < 1e-4, "{values:?} {found} {expected}");
+            }
+        }
+    }
+}

@@ -7,6 +7,7 @@ mod anytime;
 mod collision_tolerant;
 mod costs;
 mod goals;
+mod graph_of_sets;
 mod hybrid;
 mod loops;
 mod physics;

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use carom::ErrorKind;
+use carom::model::norm;
 use carom::prelude::*;
 use carom::solver::MipStart;
 use proptest::prelude::*;
@@ -366,5 +367,39 @@ fn a_solve_that_was_stopped_does_not_spoil_the_next() {
         let warm = prepared.solve(&at, &mut Control::default()).unwrap();
         agree(&cold.solve(&model).unwrap(), &warm);
         prepared.shift();
+    }
+}
+
+/// Columns of cones have no names, and are there for all values of the parameters.
+#[test]
+fn norms_have_parameters() {
+    let mut model = Model::new("reach");
+    let on = model.binary_family("on", 3).unwrap();
+    let x = model.continuous_family("x", 3, -4.0, 4.0).unwrap();
+    let far = model.continuous("far", 0.0, 20.0).unwrap();
+    let target = model.parameter("target", 1.0, -5.0, 5.0).unwrap();
+    for k in 0..3 {
+        model.add(("most", k), x[k].le(4.0 * on[k])).unwrap();
+        model.add(("least", k), x[k].ge(-4.0 * on[k])).unwrap();
+    }
+    let miss = norm((0..3).map(|k| x[k] - (k as f64 - 1.0) * target));
+    model.add("miss", miss.le(far)).unwrap();
+    model.add("length", norm(x.iter()).le(3.0)).unwrap();
+    model.minimize(far + 0.5 * on.iter().sum::<Affine>()).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut prepared = solver.prepare(&model).unwrap();
+    let mut cold = BranchAndBound::default();
+    for value in [1.0, -2.0, 0.0, 4.5, 4.6] {
+        model.set_parameter(target, value).unwrap();
+        let warm = prepared.solve(&[(target, value)], &mut Control::default()).unwrap();
+        agree(&cold.solve(&model).unwrap(), &warm);
+        // The nearest point with none, one or both of the outer entries.
+        let size = f64::abs(value);
+        let diagonal = std::f64::consts::SQRT_2 * size;
+        let one = size.hypot(f64::max(size - 3.0, 0.0)) + 0.5;
+        let both = f64::max(diagonal - 3.0, 0.0) + 1.0;
+        let best = diagonal.min(one).min(both);
+        let found = warm.objective().unwrap();
+        assert!((found - best).abs() < 1e-5, "{found} instead of {best} for {value}");
     }
 }

@@ -64,7 +64,7 @@ impl SumOfSquares {
         let mut sum = SumOfSquares::default();
         let mut constant = Remainder::new(expression.affine().offset());
         for (names, products) in blocks(&products) {
-            let mut block = Squares::new(&names, &products, &linear, constant, is_convex);
+            let mut block = SquareElimination::new(&names, &products, &linear, constant, is_convex);
             let mut completed = Vec::new();
             while let Some(next) = block.next(&names, &variables) {
                 completed.push(next);
@@ -132,7 +132,7 @@ impl Remainder {
 }
 
 /// The symmetric matrix of a block, with half of the linear part as a further column.
-struct Squares {
+struct SquareElimination {
     diagonal: Vec<Remainder>,
     /// By row, the other entries, sorted by column.
     rows: Vec<Vec<(usize, Remainder)>>,
@@ -141,7 +141,7 @@ struct Squares {
     is_convex: bool,
 }
 
-impl Squares {
+impl SquareElimination {
     fn new(
         names: &[usize],
         products: &[(usize, usize, f64)],
@@ -176,7 +176,7 @@ impl Squares {
                 !entry.is_rounding(squares)
             });
         }
-        Squares { diagonal, rows, constant, is_done: vec![false; n], is_convex }
+        SquareElimination { diagonal, rows, constant, is_done: vec![false; n], is_convex }
     }
 
     /// Completes the next square or product; `None` if there is none.

@@ -10,18 +10,17 @@
 //! The columns that leave a cone are like any others from there on.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work};
+use super::work::{Infeasible, Sparse, Work};
 use crate::presolve::conic_tightening::{BoundedColumns, is_implied};
-use crate::presolve::parameters::CONTRADICTION;
+use crate::presolve::parameters::{CONTRADICTION, FEW_ROUNDINGS};
 use crate::program::{Cone, ConeRole, ConeShape, LONGEST_TAIL, conic_columns};
-
-/// The rounding of a few operations (no unit).
-const FEW_ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 
 /// Parts of a cone that is left without them.
 #[derive(Debug)]
 struct DroppedParts {
     parts: Vec<Cone>,
+    /// The column that their sum is at most.
+    sum: usize,
 }
 
 pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
@@ -69,16 +68,16 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
         if !tail.is_empty() && is_bound {
             bound(work, &short, &open)?;
         }
-        drop_parts(work, parts);
+        drop_parts(work, cone.columns[0], parts);
         return Ok(1);
     }
     if let (ConeShape::Norm, &[head], &[entry]) = (cone.shape, cone.head(), &tail[..]) {
         for sign in [1.0, -1.0] {
             let mut terms = vec![(entry, sign), (head, -1.0)];
             terms.sort_unstable_by_key(|term| term.0);
-            work.add_row(terms, f64::NEG_INFINITY, 0.0);
+            add_row(work, terms);
         }
-        drop_parts(work, parts);
+        drop_parts(work, cone.columns[0], parts);
         return Ok(1);
     }
     if tail.len() == cone.tail().len() {
@@ -86,14 +85,14 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
         return Ok(0);
     }
     if parts.is_empty() || tail.len() <= LONGEST_TAIL {
-        drop_parts(work, parts);
+        drop_parts(work, cone.columns[0], parts);
         kept.push(Cone { role: ConeRole::Single, ..short });
     } else {
         let (left, gone): (Vec<&Cone>, Vec<&Cone>) =
             parts.iter().partition(|part| part.tail().iter().any(|j| stays(work, j)));
         kept.push(short);
         kept.extend(left.into_iter().cloned());
-        drop_parts(work, &gone.into_iter().cloned().collect::<Vec<_>>());
+        drop_parts(work, cone.columns[0], &gone.into_iter().cloned().collect::<Vec<_>>());
     }
     Ok(1)
 }
@@ -148,20 +147,32 @@ fn bound(work: &mut Work, cone: &Cone, open: &[usize]) -> Result<(), Infeasible>
     }
 }
 
+/// Adds the row that some terms (sorted by column, none of them 0) are at most 0 together.
+fn add_row(work: &mut Work, terms: Sparse) {
+    let row = work.rows.len();
+    terms.iter().for_each(|&(column, _)| work.uses[column].push(row));
+    work.rows.push(terms);
+    work.row_lower.push(f64::NEG_INFINITY);
+    work.row_upper.push(0.0);
+    work.row_alive.push(true);
+    work.row_noise.push(0.0);
+}
+
 /// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves would do.
-fn drop_parts(work: &mut Work, parts: &[Cone]) {
+fn drop_parts(work: &mut Work, sum: usize, parts: &[Cone]) {
     if parts.is_empty() {
         return;
     }
     for part in parts {
         work.upper[part.columns[0]] = 0.0;
     }
-    work.push(DroppedParts { parts: parts.to_vec() });
+    work.push(DroppedParts { parts: parts.to_vec(), sum });
 }
 
 impl Undo for DroppedParts {
     fn primal(&self, x: &mut [f64]) {
-        self.parts.iter().for_each(|part| part.complete(x));
+        let most = x[self.sum];
+        self.parts.iter().for_each(|part| part.complete(x, most));
     }
 
     fn dual(&self, _all: &mut Restored) {}

@@ -19,7 +19,8 @@
 //!   multipliers is left out (see `dominated_columns`).
 //!
 //! `cones` makes the cones themselves shorter, and frees columns. At the end constant heads of cones become columns that binaries switch off, see
-//! [`tighten_switched_cones`]. Multipliers of programs with cones are not restored.
+//! [`tighten_switched_cones`], and heads lose what they have too much while a binary is off, see
+//! [`tighten_conditional_cones`]. Multipliers of programs with cones are not restored.
 
 mod binary_codes;
 mod blocks;
@@ -46,7 +47,7 @@ pub(crate) use postsolve::Postsolve;
 pub use postsolve::Presolved;
 
 use crate::error::Error;
-use crate::presolve::tighten_switched_cones;
+use crate::presolve::{tighten_conditional_cones, tighten_switched_cones};
 use crate::program::Program;
 use crate::solver::StopToken;
 use work::{Infeasible, Work};
@@ -198,8 +199,10 @@ pub(crate) fn presolve_around(
             let mut presolved = work.finish()?;
             // Columns and rows that this adds are not of the original.
             if !rules.is_empty() && !presolved.program.cones.is_empty() {
-                let tighter = tighten_switched_cones(&presolved.program, token);
-                presolved.program = tighter.unwrap_or(presolved.program);
+                for tighten in [tighten_switched_cones, tighten_conditional_cones] {
+                    let tighter = tighten(&presolved.program, token);
+                    presolved.program = tighter.unwrap_or(presolved.program);
+                }
             }
             Ok(Presolve::Presolved(Box::new(presolved)))
         }

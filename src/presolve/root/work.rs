@@ -251,17 +251,6 @@ impl Work {
         }
     }
 
-    /// Adds a row with some entries (sorted by column, none of them 0).
-    pub(super) fn add_row(&mut self, entries: Sparse, lower: f64, upper: f64) {
-        let row = self.rows.len();
-        entries.iter().for_each(|&(column, _)| self.uses[column].push(row));
-        self.rows.push(entries);
-        self.row_lower.push(lower);
-        self.row_upper.push(upper);
-        self.row_alive.push(true);
-        self.row_noise.push(0.0);
-    }
-
     /// Gives a row other entries (sorted by column, none of them 0). Returns the old ones.
     pub(super) fn set_row(&mut self, row: usize, entries: Sparse) -> Sparse {
         for &(column, _) in &self.rows[row] {

@@ -8,12 +8,14 @@ mod cut;
 mod cut_sets;
 mod mixed_integer_rounding;
 mod parameters;
+mod polymatroid;
 mod rounding;
 mod separated_point;
 
 pub use cut::Cut;
 pub use cut_sets::cut_set_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
+pub use polymatroid::polymatroid_cuts;
 
 use parameters::CUTS;
 
@@ -208,7 +210,8 @@ impl CutRounds<'_> {
         // Most programs with a curved objective gain nothing; a first round over single rows shows
         // it.
         let rows = if self.looks_at_single_rows(round) { 1 } else { MOST_ROWS };
-        let cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
+        let mut cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
+        cuts.extend(polymatroid_cuts(program, self.domain, x, token));
         select(cuts, &[], x)
     }
 

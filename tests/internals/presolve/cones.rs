@@ -47,7 +47,7 @@ fn shapes() -> impl Strategy<Value = Vec<Shape>> {
 
 /// The program of a case with cones over whole columns with bounds, and heads that are at least 0.
 fn with_cones(case: &Case, shapes: &[Shape]) -> Option<Program> {
-    let (mut model, variables) = (case.build().0, case.build().1);
+    let (mut model, variables) = case.build();
     let plain = Program::assemble(&model).unwrap();
     let whole = |j: &usize| plain.lower[*j].is_finite() && plain.upper[*j].is_finite();
     let open: Vec<usize> = plain.integers.iter().copied().filter(whole).collect();
@@ -64,6 +64,9 @@ fn with_cones(case: &Case, shapes: &[Shape]) -> Option<Program> {
             }
         }
         let Some(shape) = *shape else {
+            if columns.len() < 2 {
+                continue;
+            }
             let tail = columns[1..].iter().map(|&j| variables[j]);
             model.add(("split", k), norm(tail).le(variables[columns[0]])).unwrap();
             continue;

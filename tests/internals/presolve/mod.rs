@@ -1,6 +1,7 @@
 //! Presolve before the search: the same optimum, points that are restored, multipliers that are.
 
 mod blocks;
+mod conditional_cones;
 mod cones;
 mod cut_sets;
 mod cuts;
@@ -8,6 +9,7 @@ mod grid;
 mod kkt;
 mod lineality;
 mod logical_programs;
+mod polymatroid;
 mod programs;
 mod rules;
 mod switched_cones;

@@ -132,12 +132,12 @@ pub(super) fn complete(program: &Program, x: &mut [f64], open: &[bool]) {
         if program.cones.iter().any(|cone| is_part(&cone)) {
             continue;
         }
-        // What the rows with binaries leave.
+        // What the rows with whole columns leave.
         let (rows, factors) = program.column(j);
         x[j] = program.upper[j];
         for (&row, &a) in rows.iter().zip(factors).filter(|(_, a)| **a > 0.0) {
             let (columns, values) = program.row(row);
-            if columns.iter().all(|&i| i == j || program.integral[i] && program.upper[i] == 1.0) {
+            if columns.iter().all(|&i| i == j || program.integral[i]) {
                 let others = columns.iter().zip(values).filter(|(i, _)| **i != j);
                 let others: f64 = others.map(|(&i, a)| a * x[i]).sum();
                 x[j] = x[j].min((program.row_upper[row] - others) / a);
