@@ -93,8 +93,8 @@ impl<'a> Beginnings<'a> {
         // Below all paths that are not on the heap.
         let mut bound = best.bound;
         let mut nodes = 0;
-        let mut heap =
-            BinaryHeap::from([Beginning { bound: f64::NEG_INFINITY, edges: Vec::new() }]);
+        let first = Beginning { bound: relaxed, edges: Vec::new() };
+        let mut heap = BinaryHeap::from([first]);
         while let Some(beginning) = heap.pop() {
             let gap = timed.solver().options().allowed_gap(best.cost, 0.0);
             if beginning.bound >= best.cost - gap {
