@@ -20,7 +20,7 @@ use crate::solution::{Solution, Termination};
 use crate::solver::Solver;
 
 /// The most beginnings that are solved before the search is left to the solver.
-const MOST: u64 = 20_000;
+const MOST_BEGINNINGS: u64 = 20_000;
 
 /// A beginning of a path, and a bound on the cost of all paths that begin so.
 struct Beginning {
@@ -128,7 +128,7 @@ impl<'a> Beginnings<'a> {
                     (best.nodes, best.edges_left) = (nodes, self.edges_left);
                     return Ok(Some(best));
                 }
-                if !solution.is_optimal() || nodes > MOST {
+                if !solution.is_optimal() || nodes > MOST_BEGINNINGS {
                     return Ok(None);
                 }
                 if next == to {
