@@ -13,9 +13,9 @@ const POSTS: [[f64; 4]; 3] = [[1.0, 1.5, 0.0, 1.2], [1.8, 2.4, 0.9, 2.0], [2.6, 
 fn plan(steps: usize, octagon: bool) -> Result<(f64, usize), Error> {
     let mut drone = HybridSystem::new(0.25);
     let (x, y) = (drone.state("x", -1.0, 4.0)?, drone.state("y", 0.0, 2.0)?);
-    let (v, w) = (drone.state("v", -2.0, 2.0)?, drone.state("w", -2.0, 2.0)?);
+    let (v, w) = (drone.state("v", -1.8, 1.8)?, drone.state("w", -1.8, 1.8)?);
     let (a, b) = (drone.input("a", -4.0, 4.0)?, drone.input("b", -4.0, 4.0)?);
-    drone.rates([x.is(v), y.is(w), v.is(a), w.is(b)])?; // at most 2 m/s and 4 m/s²
+    drone.rates([x.is(v), y.is(w), v.is(a), w.is(b)])?; // at most 1.8 m/s and 4 m/s²
     // The wall is at 3.4 m and gives back 0.8 of the speed.
     drone.mode("fly")?.guard(x.predicted().le(3.4))?;
     let back = [x.is(3.4 - 0.8 * (x.predicted() - 3.4)), v.is(-0.8 * v.predicted())];
@@ -29,7 +29,7 @@ fn plan(steps: usize, octagon: bool) -> Result<(f64, usize), Error> {
         let (x, y) = (program.at(x, k)?, program.at(y, k)?);
         let speed = [program.at(v, k)?, program.at(w, k)?];
         let thrust = [program.at(a, k)?, program.at(b, k)?];
-        for (name, vector, most) in [("v", &speed, 2.0), ("u", &thrust, 4.0)] {
+        for (name, vector, most) in [("v", &speed, 1.8), ("u", &thrust, 4.0)] {
             program.add((format!("|{name}|"), k), norm(vector).le(most))?;
             for side in (0..8).filter(|_| octagon) {
                 let (sin, cos) = (f64::from(side) * FRAC_PI_4).sin_cos();
