@@ -130,7 +130,7 @@ impl Fixed<'_> {
     fn limits(&self, conic: &mut Conic, entry: Entry, [lower, upper]: [f64; 2]) {
         let scale = entry.0.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         if scale == 0.0 {
-            let slight = 1e-13 * (entry.1.abs() + 1e-30);
+            let slight = 1e-13 * (entry.1.abs() + 1e-30) - self.slack.min(0.0);
             conic.impossible |= entry.1 < lower - slight || entry.1 > upper + slight;
             return;
         }
@@ -189,7 +189,7 @@ impl Fixed<'_> {
         if scale == 0.0 {
             scale = cone.iter().map(|entry| entry.1.abs()).fold(1e-300, f64::max);
             let length = cone[1..].iter().fold(0.0, |length, entry| f64::hypot(length, entry.1));
-            conic.impossible |= length - cone[0].1 > 1e-13 * scale;
+            conic.impossible |= length - cone[0].1 > 1e-13 * scale - self.slack.min(0.0);
             return;
         }
         cone.iter_mut().for_each(|entry| *entry = scaled(entry, 1.0 / scale));

@@ -307,9 +307,13 @@ fn shape(r: &mut Random, space: &Space, at: &[f64], is_bounded: bool) -> Option<
 fn large_m(shape: &Shape, space: &Space) -> Option<f64> {
     let Shape::Norm { tail, head, is_squared: false } = shape else { return None };
     let reach = |form: &Form| {
-        let terms = form.coefficients.iter().zip(&space.columns).filter(|(a, _)| **a != 0.0);
-        terms.map(|(a, c)| (a * c.lower).abs().max((a * c.upper).abs())).sum::<f64>()
-            + form.constant.abs()
+        let terms = form.coefficients.iter().zip(&space.columns).enumerate();
+        let terms = terms.filter(|(_, (a, _))| **a != 0.0).map(|(j, (a, c))| {
+            let most = (a * c.lower).abs().max((a * c.upper).abs());
+            // The range of a parameter is wider than its value.
+            if space.parameters.contains(&j) { most + a.abs() * c.lower.abs().max(1.0) } else { most }
+        });
+        terms.sum::<f64>() + form.constant.abs()
     };
     Some(1.5 * (length(tail.iter().map(reach)) + reach(head)) + space.unit)
 }
@@ -352,8 +356,19 @@ fn cost(r: &mut Random, space: &Space, at: &[f64]) -> (Vec<f64>, Vec<Square>) {
 }
 
 impl ConicCase {
-    /// Drops the cones that models refuse: without variables, or with a head of unknown sign.
+    /// Drops the cones that models refuse: without variables, or with a head of unknown sign. Norms whose
+    /// head may be negative are not written with squares, which would say something else.
     pub(super) fn drop_refused(&mut self) {
+        let columns = &self.base.columns;
+        let choices = self.choices.iter_mut().flat_map(|choice| &mut choice.terms);
+        let shapes = choices.flat_map(|(_, shapes)| shapes);
+        for shape in shapes.chain(self.cones.iter_mut().map(|cone| &mut cone.shape)) {
+            if let Shape::Norm { head, is_squared, .. } = shape {
+                let terms = head.coefficients.iter().zip(columns).filter(|(a, _)| **a != 0.0);
+                let least = terms.map(|(a, c)| (a * c.lower).min(a * c.upper));
+                *is_squared &= least.sum::<f64>() + head.constant >= 0.0;
+            }
+        }
         let mut plain = self.clone();
         (plain.cones, plain.choices, plain.norms) = (Vec::new(), Vec::new(), Vec::new());
         let is_taken = |shape: &Shape| {

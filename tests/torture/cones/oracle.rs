@@ -15,6 +15,9 @@ use crate::torture::oracle::{FEASIBILITY, Verdict};
 /// By how much rows and cones are tightened, relative to their largest coefficient.
 const TIGHTER: f64 = 1e-7;
 
+/// By how much they are loosened for what a solver may take for a point.
+const LOOSER: f64 = 2e-6;
+
 /// The answer by enumeration, as a cost to minimise.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ConicTruth {
@@ -145,7 +148,7 @@ fn checked(
     if ended != Termination::Infeasible {
         borderline |= is_beyond(bound, 0.0)?;
     }
-    if truth.unbounded && bound > f64::NEG_INFINITY {
+    if truth.unbounded && bound > f64::NEG_INFINITY && ended != Termination::Infeasible {
         if ended == Termination::Stalled {
             return Ok(Verdict::Beyond);
         }
@@ -166,7 +169,13 @@ fn checked(
         }
         Termination::Unbounded if truth.unbounded => {}
         Termination::Unbounded if truth.unknown => borderline = true,
-        Termination::Unbounded => return Err("unbounded".to_owned()),
+        Termination::Unbounded => {
+            // As points are, it may be missed by the tolerance.
+            if !self::truth(case, -LOOSER).unbounded {
+                return Err("unbounded".to_owned());
+            }
+            borderline = true;
+        }
         Termination::Optimal => {
             let cost = cost.ok_or("optimal without a point")?;
             let gap = options.absolute_gap.max(options.relative_gap * cost.abs());
