@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{} stops; {} edges searched; {} nodes; {:.2} s",
         path.stops.len(),
         path.edges_left,
-        path.statistics.nodes,
+        path.nodes,
         began.elapsed().as_secs_f64()
     );
     if let Some(picture) = arguments.next() {

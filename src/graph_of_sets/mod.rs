@@ -1,5 +1,6 @@
 #![doc = include_str!("../../docs/modules/graph_of_sets.md")]
 
+mod beginnings;
 mod graph;
 mod handles;
 mod path;

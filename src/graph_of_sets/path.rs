@@ -1,10 +1,11 @@
 //! Paths, as a solution of the program tells them.
 
+use super::graph::GraphOfSets;
 use super::handles::{GraphEdge, GraphVertex};
 use super::program::PathProgram;
 use crate::error::{Error, ErrorKind};
-use crate::model::Affine;
-use crate::solution::{Solution, Statistics, Termination};
+use crate::model::{Affine, Variable};
+use crate::solution::{Solution, Termination};
 use crate::solver::{Control, MipStart, Solver};
 
 /// A flow above this is taken (no unit).
@@ -29,8 +30,8 @@ pub struct ShortestPath {
     pub termination: Termination,
     /// The number of edges that were left to the search, after those that no shortest path takes.
     pub edges_left: usize,
-    /// The counts and times of the search.
-    pub statistics: Statistics,
+    /// The number of nodes of the search: beginnings of paths, or nodes of the solver's tree.
+    pub nodes: u64,
 }
 
 /// A vertex on a path.
@@ -50,6 +51,25 @@ pub(super) fn no_path(termination: Termination) -> Error {
         _ => "give the search more time or nodes",
     };
     ErrorKind::NoPlan { termination: termination.to_string(), help }.into()
+}
+
+impl GraphOfSets {
+    /// The point of a vertex in a solution, from its distances to the lower ends of its ranges.
+    pub(super) fn point_at(
+        &self,
+        vertex: usize,
+        shifts: &[Option<Variable>],
+        solution: &Solution,
+    ) -> Result<Vec<f64>, Error> {
+        let coordinates = self.vertices[vertex].point.iter().zip(shifts);
+        coordinates
+            .map(|(&variable, shift)| {
+                let range = self.frame.variable_ref(variable)?.bounds();
+                let shift = shift.map_or(Ok(0.0), |shift| solution.value(shift))?;
+                Ok((range.lower + shift).clamp(range.lower, range.upper))
+            })
+            .collect()
+    }
 }
 
 impl PathProgram {
@@ -134,14 +154,7 @@ impl PathProgram {
         let mut stop = |edge: usize, end: usize| -> Result<(), Error> {
             let vertex = self.graph.edges[edge].ends[end];
             let Some(used) = &self.used[edge] else { return Ok(()) };
-            let mut point = Vec::new();
-            for (&variable, shift) in
-                self.graph.vertices[vertex].point.iter().zip(&used.shifts[end])
-            {
-                let range = self.graph.frame.variable_ref(variable)?.bounds();
-                let shift = shift.map_or(Ok(0.0), |shift| solution.value(shift))?;
-                point.push((range.lower + shift).clamp(range.lower, range.upper));
-            }
+            let point = self.graph.point_at(vertex, &used.shifts[end], solution)?;
             stops.push(PathStop { vertex: GraphVertex { index: vertex, tag }, point });
             Ok(())
         };
@@ -159,7 +172,7 @@ impl PathProgram {
             bound: solution.bound().min(cost),
             termination: solution.termination(),
             edges_left: self.used.iter().flatten().count(),
-            statistics: *solution.statistics(),
+            nodes: solution.statistics().nodes,
         })
     }
 

@@ -11,25 +11,28 @@
 use super::graph::GraphOfSets;
 use super::program::PathProgram;
 use crate::error::Error;
-use crate::model::{Affine, Model};
+use crate::model::{Affine, Model, Variable};
 use crate::solution::Solution;
-
-/// The most paths that are solved one by one, and the most edges looked at for them.
-const FEW: usize = 60;
-const LOOKS: usize = 20_000;
-
-/// The most edges of such a path.
-const LONGEST: usize = 200;
 
 /// Potentials of vertices, and charges for edges.
 pub(super) struct Potentials {
-    ends: [usize; 2],
+    pub(super) ends: [usize; 2],
     /// By vertex: of the flow and of each coordinate, from the lower end of its range.
     flow: Vec<f64>,
     shifts: Vec<Vec<f64>>,
     /// By edge, for rows over flows that all paths satisfy, and what these charges give back.
-    charges: Vec<f64>,
+    pub(super) charges: Vec<f64>,
     refund: f64,
+}
+
+/// Prices of edges with their charges.
+pub(super) struct Prices {
+    /// By edge.
+    pub(super) prices: Vec<f64>,
+    /// By vertex, at most the least sum of prices from it to the end.
+    pub(super) after: Vec<f64>,
+    /// What the charges of a whole path give back.
+    pub(super) refund: f64,
 }
 
 impl Potentials {
@@ -60,11 +63,19 @@ impl Potentials {
         }
         Some(potentials)
     }
+
+    /// The potential of a vertex at its point.
+    pub(super) fn at(&self, vertex: usize, shifts: &[Option<Variable>]) -> Affine {
+        let mut potential = Affine::constant(self.flow[vertex]);
+        for (&shift, &price) in shifts.iter().zip(&self.shifts[vertex]) {
+            shift.iter().for_each(|&shift| potential.add_term(price, shift));
+        }
+        potential
+    }
 }
 
 impl GraphOfSets {
-    /// Leaves out the edges that are on no path with a cost of at most `cost`. Returns the paths that may have
-    /// such a cost, each with its least possible one, the most promising ones first, if they are few.
+    /// Leaves out the edges that are on no path with a cost of at most `cost`.
     ///
     /// # Arguments
     ///
@@ -75,7 +86,7 @@ impl GraphOfSets {
         cost: f64,
         is_used: &mut [bool],
         mut minimum: impl FnMut(&Model) -> Result<f64, Error>,
-    ) -> Result<Option<Vec<PricedPath>>, Error> {
+    ) -> Result<Prices, Error> {
         let mut prices = vec![f64::INFINITY; self.edges.len()];
         for edge in (0..self.edges.len()).filter(|&edge| is_used[edge]) {
             let model = self.price_program(potentials, edge)?;
@@ -90,23 +101,8 @@ impl GraphOfSets {
             // Not a number where a price is not bounded, which excludes nothing.
             *is_used &= !(least > cost);
         }
-        let mut left = PathsLeft {
-            graph: self,
-            is_used,
-            prices: &prices,
-            after: &after,
-            allowed: cost - potentials.refund,
-            to,
-            found: Vec::new(),
-            looks: 0,
-        };
-        let mut is_visited = vec![false; self.vertices.len()];
-        if !left.extend(from, 0.0, &mut Vec::new(), &mut is_visited) {
-            return Ok(None);
-        }
-        left.found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        left.found.iter_mut().for_each(|(price, _)| *price += potentials.refund);
-        Ok(Some(left.found))
+        let refund = potentials.refund;
+        Ok(Prices { prices, after, refund })
     }
 
     /// The program whose least objective is the price of an edge, without its charge.
@@ -117,14 +113,8 @@ impl GraphOfSets {
         model.fix(flow, 1.0)?;
         let ends = self.edges[edge].ends;
         let used = self.add_edge(&mut model, edge, flow, ends[0] == potentials.ends[0])?;
-        let mut price: Affine = used.cost.clone();
-        for (end, sign) in [(0, 1.0), (1, -1.0)] {
-            let vertex = ends[end];
-            price = price + Affine::constant(sign * potentials.flow[vertex]);
-            for (&shift, &potential) in used.shifts[end].iter().zip(&potentials.shifts[vertex]) {
-                shift.iter().for_each(|&shift| price.add_term(sign * potential, shift));
-            }
-        }
+        let [from, into] = &used.shifts;
+        let price = used.cost.clone() + potentials.at(ends[0], from) - potentials.at(ends[1], into);
         model.minimize(price)?;
         Ok(model)
     }
@@ -148,58 +138,5 @@ impl GraphOfSets {
             }
         }
         least
-    }
-}
-
-/// The least cost that a path may have, and its edges.
-pub(super) type PricedPath = (f64, Vec<usize>);
-
-/// The paths whose prices do not exclude them.
-struct PathsLeft<'a> {
-    graph: &'a GraphOfSets,
-    is_used: &'a [bool],
-    prices: &'a [f64],
-    after: &'a [f64],
-    allowed: f64,
-    to: usize,
-    found: Vec<PricedPath>,
-    looks: usize,
-}
-
-impl PathsLeft<'_> {
-    /// Finds the paths that begin with one; `false` if there are many.
-    fn extend(
-        &mut self,
-        at: usize,
-        price: f64,
-        path: &mut Vec<usize>,
-        is_visited: &mut [bool],
-    ) -> bool {
-        if at == self.to {
-            self.found.push((price, path.clone()));
-            return self.found.len() <= FEW;
-        }
-        is_visited[at] = true;
-        for (edge, data) in self.graph.edges.iter().enumerate() {
-            let [from, next] = data.ends;
-            if from != at || !self.is_used[edge] || is_visited[next] {
-                continue;
-            }
-            self.looks += 1;
-            let price = price + self.prices[edge];
-            if price + self.after[next] > self.allowed {
-                continue;
-            }
-            path.push(edge);
-            let are_few = self.looks <= LOOKS
-                && path.len() <= LONGEST
-                && self.extend(next, price, path, is_visited);
-            path.pop();
-            if !are_few {
-                return false;
-            }
-        }
-        is_visited[at] = false;
-        true
     }
 }

@@ -5,12 +5,13 @@ use std::time::Duration;
 
 use web_time::Instant;
 
+use super::beginnings::Beginnings;
 use super::graph::GraphOfSets;
 use super::handles::GraphVertex;
 use super::path::{ShortestPath, no_path};
 use super::program::PathProgram;
-use super::pruning::{Potentials, PricedPath};
-use crate::error::Error;
+use super::pruning::Potentials;
+use crate::error::{Error, ErrorKind};
 use crate::model::VariableKind;
 use crate::solution::{Solution, Termination};
 use crate::solver::Solver;
@@ -29,7 +30,8 @@ impl GraphOfSets {
     /// whose points are in the sets of its vertices and satisfy the statements of its edges.
     ///
     /// The relaxation comes first. Paths along its flows are tried, its multipliers prove for most
-    /// edges that no better path takes them, and the program of the others is solved. The time limit of the
+    /// edges that no better path takes them, and beginnings of paths over the others are searched, the most
+    /// promising one first; if there are very many, the program of the others is solved. The time limit of the
     /// solver is that of all.
     ///
     /// # Errors
@@ -68,54 +70,28 @@ impl GraphOfSets {
             && let Some(potentials) = Potentials::of(&relaxed, &solution)
         {
             least = best.cost;
-            let few = self.prune(&potentials, least, &mut is_used, |model| {
+            let prices = self.prune(&potentials, least, &mut is_used, |model| {
                 let solution = timed.solver().solve(model)?;
                 Ok(if solution.is_infeasible() { f64::INFINITY } else { solution.bound() })
             })?;
             path.iter().for_each(|&edge| is_used[edge] = true);
-            if let Some(few) = few
-                && let Some(mut found) = self.best_of(ends, &few, (path, best), timed)?
-            {
-                found.edges_left = is_used.iter().filter(|is_used| **is_used).count();
+            let beginnings = Beginnings::new(self, &potentials, &prices, &is_used);
+            if let Some(found) = beginnings.search(best.clone(), solution.bound(), timed)? {
                 return Ok(found);
             }
         }
         let mut program = self.program_of(ends, &is_used, VariableKind::Binary)?;
         let path = known.as_ref().map(|(path, _)| &path[..]);
-        let mut found = program.solve_from(path, timed.solver())?;
+        let mut found = match (program.solve_from(path, timed.solver()), known) {
+            // The known path is better than none.
+            (Err(error), Some((_, known))) if is_limit(&error) => {
+                let termination = Termination::TimeLimit;
+                ShortestPath { bound: solution.bound(), termination, ..known }
+            }
+            (found, _) => found?,
+        };
         found.bound = found.bound.min(least);
         Ok(found)
-    }
-
-    /// The best of few paths and a known one, each solved by itself; `None` if a limit stops that.
-    fn best_of<S: Solver + ?Sized>(
-        &self,
-        ends: [usize; 2],
-        few: &[PricedPath],
-        (known, best): (&[usize], &ShortestPath),
-        timed: &mut Timed<'_, S>,
-    ) -> Result<Option<ShortestPath>, Error> {
-        let mut best = best.clone();
-        for (price, path) in few.iter().filter(|(_, path)| path != known) {
-            if *price > best.cost {
-                break;
-            }
-            let along = self.program_along(ends, path)?;
-            let solution = timed.solver().solve(&along.model)?;
-            if solution.is_infeasible() {
-                continue;
-            }
-            if !solution.is_optimal() {
-                return Ok(None);
-            }
-            let mut found = along.read(&solution, path)?;
-            let bound = best.bound.min(found.bound);
-            if found.cost > best.cost {
-                found = best;
-            }
-            best = ShortestPath { bound, ..found };
-        }
-        Ok((best.termination == Termination::Optimal).then_some(best))
     }
 
     /// The program over the edges of a path.
@@ -190,8 +166,14 @@ impl GraphOfSets {
     }
 }
 
+/// Whether a search was stopped before it had a path.
+fn is_limit(error: &Error) -> bool {
+    let infeasible = Termination::Infeasible.to_string();
+    matches!(error.kind(), ErrorKind::NoPlan { termination, .. } if *termination != infeasible)
+}
+
 /// A solver whose time limit is that of several solves.
-struct Timed<'a, S: ?Sized> {
+pub(super) struct Timed<'a, S: ?Sized> {
     solver: &'a mut S,
     limit: Option<Duration>,
     began: Instant,
@@ -199,7 +181,7 @@ struct Timed<'a, S: ?Sized> {
 
 impl<S: Solver + ?Sized> Timed<'_, S> {
     /// The solver, with the time that is left.
-    fn solver(&mut self) -> &mut S {
+    pub(super) fn solver(&mut self) -> &mut S {
         let left = self.limit.map(|limit| limit.saturating_sub(self.began.elapsed()));
         self.solver.options_mut().time_limit = left;
         self.solver

@@ -46,40 +46,12 @@ pub(super) fn contradiction(
         miss > if exact.integral[*j] { 0.5 } else { COEFFICIENT_MISS * x[*j].abs().max(1.0) }
     };
     if let Some(j) = (0..x.len()).find(excluded) {
-        if std::env::var_os("CONES").is_some() {
-            eprintln!(
-                "column {j} x {} bounds {:?}; cones {:?}",
-                x[j],
-                root.bounds(j),
-                exact
-                    .cones
-                    .iter()
-                    .filter(|c| c.columns.contains(&j))
-                    .map(|c| (
-                        c.role,
-                        c.columns.iter().take(3).map(|&k| x[k]).collect::<Vec<_>>(),
-                        c.miss(x)
-                    ))
-                    .collect::<Vec<_>>()
-            );
-        }
         return Some(Contradiction::Column(j));
     }
     if std::ptr::eq(exact, program) {
         return None;
     }
     if let Some(row) = (0..program.row_count()).find(|&row| is_missed(program, row, x)) {
-        if std::env::var_os("CONES").is_some() {
-            let (c, v) = program.row(row);
-            eprintln!(
-                "row {row} of {} terms {:?} limits {} {}; misses {:?}",
-                exact.row_count(),
-                c.iter().zip(v).map(|(&j, a)| (j, *a, x[j])).collect::<Vec<_>>(),
-                program.row_lower[row],
-                program.row_upper[row],
-                exact.cones.iter().map(|c| c.miss(x)).fold(0.0, f64::max)
-            );
-        }
         return Some(Contradiction::Row(row));
     }
     is_dearer(program, exact, x, task.options.feasibility).then_some(Contradiction::Objective)

@@ -10,8 +10,8 @@ use crate::relaxation::ConeCut;
 const LEAST_MISS: f64 = 1e-7;
 
 /// Most cuts of a pool, and most relaxations in a row in which one of them may be slack.
-const MOST_CUTS: usize = 4000;
-const MOST_IDLE: u32 = 6;
+const MAX_CUTS: usize = 4000;
+const MAX_IDLE_RELAXATIONS: u32 = 6;
 
 /// The cuts of a worker.
 #[derive(Debug, Default)]
@@ -78,8 +78,7 @@ impl ConePool {
 
     fn drop_idle(&mut self) {
         let held = self.cuts.len() - self.free.len();
-        let idle = crate::search::env("IDLE", MOST_IDLE as f64) as u32;
-        let most = if held > MOST_CUTS { idle / 4 } else { idle };
+        let most = if held > MAX_CUTS { MAX_IDLE_RELAXATIONS / 4 } else { MAX_IDLE_RELAXATIONS };
         for (name, slot) in self.cuts.iter_mut().enumerate() {
             if slot.as_ref().is_some_and(|(_, idle)| *idle > most) {
                 *slot = None;

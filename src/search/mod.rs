@@ -113,14 +113,3 @@ pub use indifferent_binaries::{groups, lone_binaries, settle_groups, settle_lone
 pub use node::{Decision, Node, NodeQueue, Path, StepCount};
 pub use node_probing::NodeProbing;
 pub use pseudocosts::{LEAST_GAIN, Pseudocosts};
-
-pub(crate) fn env(name: &str, or: f64) -> f64 {
-    use std::collections::HashMap;
-    use std::sync::Mutex;
-    static CACHE: Mutex<Option<HashMap<String, f64>>> = Mutex::new(None);
-    let mut cache = CACHE.lock().unwrap();
-    *cache
-        .get_or_insert_default()
-        .entry(name.to_string())
-        .or_insert_with(|| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or))
-}

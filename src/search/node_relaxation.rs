@@ -13,8 +13,8 @@ use web_time::Instant;
 
 /// Most rounds of cuts of cones at a node; most of them in a row that may be idle, and the least lift of the
 /// bound by one that is not, as a share of the gap to the cutoff.
-const MOST_CONE_ROUNDS: usize = 20;
-const MOST_IDLE_CONE_ROUNDS: usize = 2;
+const MAX_CONE_ROUNDS: usize = 20;
+const MAX_IDLE_CONE_ROUNDS: usize = 2;
 const CONE_LIFT: f64 = 0.02;
 
 /// The program to relax at the node of the domain; `None` if the node is refuted.
@@ -144,11 +144,7 @@ fn relax_in_rounds(
     let mut warm = ctx.node.warm.clone();
     let mut verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
     let mut idle = 0;
-    let most = if purpose == Purpose::Trial {
-        0
-    } else {
-        crate::search::env("ROUNDS", MOST_CONE_ROUNDS as f64) as usize
-    };
+    let most = if purpose == Purpose::Trial { 0 } else { MAX_CONE_ROUNDS };
     for _ in 0..most {
         let RelaxationVerdict::Relaxed { bound, x, warm: state, .. } = &verdict else { break };
         let (before, cutoff) = (*bound, ctx.tree.cutoff());
@@ -167,12 +163,8 @@ fn relax_in_rounds(
         ctx.ladder.reuse(std::mem::replace(&mut verdict, next));
         let RelaxationVerdict::Relaxed { bound, .. } = &verdict else { break };
         let room = if cutoff.is_finite() { cutoff - before } else { before.abs().max(1.0) };
-        idle = if bound - before > crate::search::env("LIFT", CONE_LIFT) * room {
-            0
-        } else {
-            idle + 1
-        };
-        if idle >= crate::search::env("IDLEROUNDS", MOST_IDLE_CONE_ROUNDS as f64) as usize {
+        idle = if bound - before > CONE_LIFT * room { 0 } else { idle + 1 };
+        if idle >= MAX_IDLE_CONE_ROUNDS {
             break;
         }
     }

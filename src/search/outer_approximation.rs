@@ -13,7 +13,7 @@ use crate::solver::{Options, StopToken};
 use web_time::Instant;
 
 /// Most rounds.
-const MOST_ROUNDS: usize = 60;
+const MAX_ROOT_ROUNDS: usize = 60;
 
 /// Distance of the linear relaxation from the conic one, relative, at which rounds end, and up to which the
 /// linear one is used.
@@ -47,39 +47,10 @@ pub(crate) fn approximate_cones(
         warm: None,
     };
     let rows = reduced.rows.len();
-    if std::env::var_os("CONES").is_some() {
-        for k in 0..reduced.columns.len() {
-            if reduced.lower[k].is_infinite() || reduced.upper[k].is_infinite() {
-                eprintln!(
-                    "open column {} [{}, {}] cost {}",
-                    reduced.columns[k], reduced.lower[k], reduced.upper[k], reduced.linear[k]
-                );
-            }
-        }
-        eprintln!("{} columns {} rows {} cones", reduced.columns.len(), rows, reduced.cones.len());
-        for c in reduced.cones.iter().take(3) {
-            eprintln!(
-                "{:?} {:?} {:?}",
-                c.shape,
-                c.role,
-                c.entries.iter().map(|e| e.column).collect::<Vec<_>>()
-            );
-        }
-    }
     let began = Instant::now();
-    let v = ladder.solve(&mut reduced, &question);
-    if std::env::var_os("CONES").is_some() {
-        if let RelaxationVerdict::Relaxed { bound, converged, x, .. } = &v {
-            eprintln!(
-                "root conic {bound} {converged} objective {} {:?}",
-                reduced.objective(x),
-                began.elapsed()
-            );
-        } else {
-            eprintln!("root no verdict");
-        }
-    }
-    let RelaxationVerdict::Relaxed { bound: conic, converged: true, .. } = v else {
+    let RelaxationVerdict::Relaxed { bound: conic, converged: true, .. } =
+        ladder.solve(&mut reduced, &question)
+    else {
         return None;
     };
     let time = began.elapsed().as_secs_f64();
@@ -91,14 +62,15 @@ pub(crate) fn approximate_cones(
     rounds.append(&mut reduced, 0);
     let (mut warm, mut last) = (None, f64::NEG_INFINITY);
     let mut active = Vec::new();
-    for round in 0..MOST_ROUNDS {
+    for round in 0..MAX_ROOT_ROUNDS {
         let question = RelaxationQuestion { warm: warm.as_ref(), ..question };
         let verdict = ladder.solve(&mut reduced, &question);
         let RelaxationVerdict::Relaxed { x, warm: state, y, .. } = verdict else { break };
         last = reduced.objective(&x);
         active = y;
         let late = began.elapsed().as_secs_f64() > (TIME_RATIO * time).max(SHORT);
-        if conic - last <= CLOSE * scale || late || token.is_over() || round + 1 == MOST_ROUNDS {
+        if conic - last <= CLOSE * scale || late || token.is_over() || round + 1 == MAX_ROOT_ROUNDS
+        {
             break;
         }
         let found = separate_cones(&reduced, &x);
@@ -110,14 +82,7 @@ pub(crate) fn approximate_cones(
         rounds.append(&mut reduced, known);
         warm = state;
     }
-    if std::env::var_os("CONES").is_some() {
-        eprintln!(
-            "conic {conic} in {time:.3} s, linear {last} in {:.3} s, {} cuts",
-            began.elapsed().as_secs_f64(),
-            rounds.cuts.len()
-        );
-    }
-    if conic - last > crate::search::env("CLOSE", CLOSE_ENOUGH) * scale {
+    if conic - last > CLOSE_ENOUGH * scale {
         return None;
     }
     rounds.program(program, &active)

@@ -375,3 +375,65 @@ fn no_path_is_an_error_with_the_reason() {
     graph.add(edge, (q[0] - p[0]).ge(2.0)).unwrap();
     assert_eq!(text(graph.shortest_path(v[0], v[1], &mut solver())), expected);
 }
+
+/// Discs with a radius at pseudo-random places of a square, with edges between those that are near.
+fn islands(count: usize) -> (GraphOfSets, Vec<GraphVertex>) {
+    let mut graph = GraphOfSets::new("islands");
+    let mut state = 7_u64;
+    let mut draw = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let places: Vec<[f64; 2]> = (0..count).map(|_| [draw(), draw()]).collect();
+    let mut vertices = Vec::new();
+    for (k, place) in places.iter().enumerate() {
+        let ranges = place.map(|c| c - 0.08..=c + 0.08);
+        let vertex = graph.vertex(("island", k), &ranges).unwrap();
+        let p = graph.point(vertex).unwrap();
+        graph.add(vertex, norm([p[0] - place[0], p[1] - place[1]]).le(0.08)).unwrap();
+        vertices.push(vertex);
+    }
+    for (i, a) in places.iter().enumerate() {
+        for (j, b) in places.iter().enumerate() {
+            if i != j && (a[0] - b[0]).hypot(a[1] - b[1]) < 0.45 {
+                let edge = graph.edge(vertices[i], vertices[j]).unwrap();
+                let (p, q) = (graph.point(vertices[i]).unwrap(), graph.point(vertices[j]).unwrap());
+                let d = [p[0] - q[0], p[1] - q[1]];
+                graph.add(edge, norm(d.clone()).le(0.3)).unwrap();
+                // Short hops are cheap.
+                graph.add_cost(edge, d[0].square() + d[1].square()).unwrap();
+                graph.add_cost(edge, norm(d)).unwrap();
+            }
+        }
+    }
+    (graph, vertices)
+}
+
+#[test]
+fn pruning_leaves_few_edges_and_the_answer_of_the_whole_program() {
+    let (graph, v) = islands(9);
+    let found = graph.shortest_path(v[0], v[8], &mut solver()).unwrap();
+    let plain = graph.program(v[0], v[8]).unwrap().solve(&mut solver()).unwrap();
+    assert!((found.cost - plain.cost).abs() < 1e-4, "{} {}", found.cost, plain.cost);
+    assert!(found.bound <= found.cost && found.bound > found.cost - 1e-3);
+    assert!(2 * found.edges_left < plain.edges_left, "{} {}", found.edges_left, plain.edges_left);
+}
+
+#[test]
+fn a_limit_keeps_the_best_path_and_a_bound() {
+    use std::time::Duration;
+    let (graph, v) = islands(9);
+    let best = graph.shortest_path(v[0], v[8], &mut solver()).unwrap();
+    for millis in [0, 1, 5, 20, 50, 100, 200] {
+        let limit = Duration::from_millis(millis);
+        let options = Options::default().with_threads(1).with_time_limit(limit);
+        let mut limited = BranchAndBound::new(options);
+        match graph.shortest_path(v[0], v[8], &mut limited) {
+            Ok(found) => {
+                assert!(found.bound <= best.cost + 1e-6 && found.cost >= best.cost - 1e-5);
+            }
+            Err(error) => assert!(matches!(error.kind(), ErrorKind::NoPlan { .. }), "{error}"),
+        }
+        assert_eq!(limited.options().time_limit, Some(limit));
+    }
+}

@@ -371,9 +371,6 @@ impl Dual {
         Iteration::Moved
     }
 
-    pub(super) fn nucleus(&self) -> usize {
-        self.factors.nucleus()
-    }
     /// Factorises the basis again, and computes everything from it.
     fn refresh(&mut self) -> bool {
         let fine = self.factorise();

@@ -141,9 +141,6 @@ impl Factors {
         Err(Deficit { slots: dependent, rows: self.rows[done..].to_vec() })
     }
 
-    pub(super) fn nucleus(&self) -> usize {
-        self.rows.len()
-    }
     /// The number of exchanges since the basis was factorised.
     pub(super) fn exchanges(&self) -> usize {
         self.exchanges.len()

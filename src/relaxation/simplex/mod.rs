@@ -116,18 +116,6 @@ impl Relaxation for DualSimplex {
                 break;
             }
         }
-        if std::env::var_os("SPX").is_some() {
-            eprintln!(
-                "SPX m {} n {} it {} nucleus {} claim {:?} shifted {} warm {}",
-                program.rows.len(),
-                program.columns.len(),
-                iterations,
-                dual.nucleus(),
-                claim,
-                dual.is_shifted,
-                effort.warm.is_some()
-            );
-        }
         let y = match ray {
             Some(ray) => dual.program.multipliers(&ray, 1.0),
             None => {
