@@ -311,7 +311,11 @@ fn large_m(shape: &Shape, space: &Space) -> Option<f64> {
         let terms = terms.filter(|(_, (a, _))| **a != 0.0).map(|(j, (a, c))| {
             let most = (a * c.lower).abs().max((a * c.upper).abs());
             // The range of a parameter is wider than its value.
-            if space.parameters.contains(&j) { most + a.abs() * c.lower.abs().max(1.0) } else { most }
+            if space.parameters.contains(&j) {
+                most + a.abs() * c.lower.abs().max(1.0)
+            } else {
+                most
+            }
         });
         terms.sum::<f64>() + form.constant.abs()
     };
