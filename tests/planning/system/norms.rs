@@ -364,6 +364,27 @@ fn explanations_flaws_and_terminal_sets_know_lengths() {
 }
 
 #[test]
+fn soft_limits_of_lengths_cost_what_is_beyond() {
+    let mut own = puck(1.0);
+    own.system.mode("slide").unwrap();
+    let mut program = own.system.program(3).unwrap();
+    program.start(own.v.map(|v| v.equals(0.0))).unwrap();
+    program.require("fast", [own.v[0].equals(1.8), own.v[1].equals(2.4)], When::At(3)).unwrap();
+    let soft = program.soften("speed", norm(own.v).le(2.0), 10.0, 0.0).unwrap();
+    program.minimize(soft.cost).unwrap();
+    let plan = program.solve(&mut BranchAndBound::default()).unwrap();
+    assert!((plan.value(soft.excess, 0).unwrap() - 1.0).abs() < 1e-5);
+    let squares = (own.v[0].square() + own.v[1].square()).le(4.0);
+    assert_eq!(
+        program.soften("squares", squares, 1.0, 0.0).unwrap_err().to_string(),
+        "the row `squares` of squares cannot stand in a soft limit; state it as a norm, so that the \
+         excess is a length",
+    );
+    let far = program.soften("far", norm(own.v).ge(4.0), 1.0, 0.0).unwrap_err().to_string();
+    assert!(far.starts_with("the row `far[0]` says that a norm is at least"), "{far}");
+}
+
+#[test]
 fn refusals_name_the_row_and_the_way_out() {
     fn text<T>(result: Result<T, Error>) -> String {
         match result {
