@@ -1,23 +1,23 @@
-//! A helicopter flies over islands, on which it may land and charge its battery: a shortest path through a
-//! graph of convex sets.
+//! A helicopter flies over islands, where it may land and charge its battery: which islands, where to land on
+//! them, and how long to rest? A shortest path through a graph of convex sets.
 //!
 //! `cargo run --release --example helicopter [-- ISLANDS.csv [PICTURE.svg]]`
 //!
-//! Islands are discs, a line `x,y,radius` each. Flying one unit takes one unit of time and five of the
-//! battery, of which there is one; resting charges one a unit of time. Which islands, where to land on them, and
-//! how long to rest?
+//! Flying one unit takes one unit of time and five of the battery, which holds one; resting charges one a unit of
+//! time. The file has a line `x,y,radius` for each island after its heading.
 
-use carom::graph_of_sets::{GraphOfSets, GraphVertex};
+use carom::graph_of_sets::GraphOfSets;
 use carom::model::norm;
 use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
 
-/// Seven islands, if no file is given.
+/// Some islands, if no file is given.
 const ISLANDS: &str = "x,y,radius
-0.05,0.05,0.08\n0.25,0.2,0.07\n0.1,0.35,0.09\n0.4,0.4,0.06\n0.3,0.6,0.08\n0.55,0.55,0.05\n0.5,0.8,0.07";
+0.05,0.05,0.08\n0.25,0.2,0.07\n0.1,0.35,0.09\n0.4,0.4,0.06\n0.3,0.6,0.08\n0.55,0.55,0.05
+0.5,0.8,0.07\n0.15,0.7,0.06\n0.35,0.95,0.09\n0.1,1.1,0.08\n0.55,1.2,0.07\n0.3,1.35,0.08
+0.1,1.5,0.07\n0.5,1.5,0.06\n0.3,1.7,0.09\n0.1,1.9,0.06\n0.5,1.85,0.08\n0.4,2.1,0.06";
 const DISCHARGE: f64 = 5.0;
-const CHARGE: f64 = 1.0;
-const SPEED: f64 = 1.0;
+const RANGE: f64 = 1.0 / DISCHARGE;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -25,65 +25,56 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut islands = Vec::new();
     for line in text.lines().skip(1) {
         let numbers: Vec<f64> = line.split(',').map(str::parse).collect::<Result<_, _>>()?;
-        islands.push([numbers[0], numbers[1], numbers[2]]);
+        islands.push(<[f64; 3]>::try_from(numbers).map_err(|_| format!("`{line}` is no island"))?);
     }
     let distance = |a: [f64; 3], b: [f64; 3]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let nearest = |to: [f64; 3]| {
-        let order =
-            |a: &usize, b: &usize| distance(islands[*a], to).total_cmp(&distance(islands[*b], to));
-        (0..islands.len()).min_by(order).unwrap_or(0)
+    let nearest = |place: [f64; 3]| {
+        let far = |k: &usize| distance(islands[*k], place);
+        (0..islands.len()).min_by(|a, b| far(a).total_cmp(&far(b))).ok_or("no islands")
     };
-    let goal = if islands.len() < 30 { [0.5, 0.8] } else { [islands.len() as f64 / 60.0, 2.0] };
-    let (start, goal) = (nearest([0.0; 3]), nearest([goal[0], goal[1], 0.0]));
+    let (start, goal) = (nearest([0.0; 3])?, nearest([islands.len() as f64 / 60.0, 2.0, 0.0])?);
 
     let mut graph = GraphOfSets::new("helicopter");
-    let mut vertices: Vec<GraphVertex> = Vec::new();
+    let (mut vertices, mut points) = (Vec::new(), Vec::new());
     for (k, &[x, y, radius]) in islands.iter().enumerate() {
-        // The battery at landing and at take-off; it is full at the start.
+        // Where it lands, and the battery at landing and at take-off; it is full at the start.
         let battery = if k == start { 1.0..=1.0 } else { 0.0..=1.0 };
         let ranges = [x - radius..=x + radius, y - radius..=y + radius, battery.clone(), battery];
-        let vertex = graph.vertex(("island", k), &ranges)?;
-        let p = graph.point(vertex)?;
-        graph.add(vertex, norm([p[0] - x, p[1] - y]).le(radius))?;
+        let island = graph.vertex(("island", k), &ranges)?;
+        let p = graph.point(island)?;
+        graph.add(island, norm([p[0] - x, p[1] - y]).le(radius))?;
         if k != start {
-            graph.add(vertex, p[3].ge(p[2]))?;
-            graph.add_cost(vertex, (1.0 / CHARGE) * (p[3] - p[2]))?;
+            graph.add(island, p[3].ge(p[2]))?;
+            graph.add_cost(island, p[3] - p[2])?;
         }
-        vertices.push(vertex);
+        vertices.push(island);
+        points.push(p);
     }
-    let pairs = (0..islands.len()).flat_map(|i| (0..islands.len()).map(move |j| (i, j)));
-    for (i, j) in pairs.filter(|(i, j)| i != j) {
+    for (i, j) in (0..islands.len()).flat_map(|i| (0..islands.len()).map(move |j| (i, j))) {
         let gap = distance(islands[i], islands[j]) - islands[i][2] - islands[j][2];
-        if gap < SPEED / DISCHARGE {
-            let flight = graph.edge(vertices[i], vertices[j])?;
-            let (p, q) = (graph.point(vertices[i])?, graph.point(vertices[j])?);
-            let time = (1.0 / DISCHARGE) * (p[3] - q[2]);
-            graph.add(flight, norm([p[0] - q[0], p[1] - q[1]]).le(SPEED * &time))?;
+        if i != j && gap < RANGE {
+            let (flight, p, q) = (graph.edge(vertices[i], vertices[j])?, &points[i], &points[j]);
+            let time = RANGE * (p[3] - q[2]);
+            graph.add(flight, norm([p[0] - q[0], p[1] - q[1]]).le(&time))?;
             graph.add_cost(flight, time)?;
         }
     }
-
+    let mut solver = BranchAndBound::new(Options::default().with_threads(1));
     let began = std::time::Instant::now();
-    let options = Options::default().with_threads(1);
-    let mut solver = BranchAndBound::new(options);
     let path = graph.shortest_path(vertices[start], vertices[goal], &mut solver)?;
-    println!("time {:.6}, proved least above {:.6}", path.cost, path.bound);
-    println!(
-        "{} stops; {} edges searched; {} nodes; {:.2} s",
-        path.stops.len(),
-        path.edges_left,
-        path.nodes,
-        began.elapsed().as_secs_f64()
-    );
-    if let Some(picture) = arguments.next() {
-        let mut chart = Chart::new("x", "y").with_size(720.0, 720.0);
-        for &[x, y, radius] in &islands {
-            let turn = (0..=48).map(|k| f64::from(k) / 48.0 * std::f64::consts::TAU);
-            let rim = turn.map(|a| [x + radius * a.cos(), y + radius * a.sin()]);
-            chart.line("islands", COLOURS[2], rim);
-        }
-        chart.line("flight", COLOURS[0], path.stops.iter().map(|s| [s.point[0], s.point[1]]));
-        std::fs::write(picture, Chart::to_svg(&[chart], ""))?;
+    println!("time {:.6}, proved: no less than {:.6}", path.cost, path.bound);
+    println!("{} edges left, {} nodes, {:.2?}", path.edges_left, path.nodes, began.elapsed());
+    let Some(picture) = arguments.next() else { return Ok(()) };
+    let mut chart = Chart::new("x", "y").with_size(720.0, 720.0);
+    for &[x, y, radius] in &islands {
+        let turn = (0..=48).map(|k| f64::from(k) / 48.0 * std::f64::consts::TAU);
+        chart.line(
+            "island",
+            COLOURS[2],
+            turn.map(|a| [x + radius * a.cos(), y + radius * a.sin()]),
+        );
     }
-    Ok(())
+    chart.line("flight", COLOURS[0], path.stops.iter().map(|s| [s.point[0], s.point[1]]));
+    chart.dots("landing", COLOURS[0], 4.0, path.stops.iter().map(|s| [s.point[0], s.point[1]]));
+    Ok(std::fs::write(picture, Chart::to_svg(&[chart], "A flight over islands"))?)
 }

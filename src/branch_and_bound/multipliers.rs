@@ -1,8 +1,8 @@
 //! Multipliers of a continuous program: from a relaxation of the presolved program, back through
 //! presolve, and checked against the original one.
 
+use crate::presolve::Reduced;
 use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve};
-use crate::presolve::{Domain, FIXED, Reduced};
 use crate::program::Program;
 use crate::relaxation::{ConeCut, Ladder, Purpose, RelaxationClaim};
 use crate::solver::StopToken;
@@ -77,26 +77,8 @@ fn conic_derivatives(
     ladder: &mut Ladder,
     token: &StopToken,
 ) -> Option<Derivatives> {
-    let reduced = ladder.reducer().reduce(program, &Domain::new(program))?;
-    ladder.conic_multipliers(&reduced, token, |(x, y, cuts)| {
-        let x = reduced.lift(&x);
-        let mut all = vec![0.0; program.row_count()];
-        for (&row, y) in reduced.origin.iter().zip(y).filter(|(row, _)| **row != FIXED) {
-            all[row] = y;
-        }
-        let pressure = pressures(&cuts, x.len());
-        // Rows over one column have become bounds, whose reduced costs are theirs.
-        for row in 0..program.row_count() {
-            let (&[j], &[a]) = program.row(row) else { continue };
-            let d = reduced_cost(program, j, &x, &all).0 + pressure[j];
-            let own = if d > 0.0 { program.lower[j] } else { program.upper[j] };
-            let is_upper = (d < 0.0) == (a > 0.0);
-            let limit = [program.row_lower[row], program.row_upper[row]][usize::from(is_upper)];
-            if all[row] == 0.0 && (a * x[j] - limit).abs() < (a * (x[j] - own)).abs() {
-                all[row] = -d / a;
-            }
-        }
-        judged(program, point, x, all, &cuts)
+    ladder.conic_multipliers(&Reduced::whole(program), token, |(x, y, cuts)| {
+        judged(program, point, x, y, &cuts)
     })
 }
 

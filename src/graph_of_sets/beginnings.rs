@@ -20,7 +20,7 @@ use crate::solution::{Solution, Termination};
 use crate::solver::Solver;
 
 /// The most beginnings that are solved before the search is left to the solver.
-const MOST: u64 = 20_000;
+const MOST_BEGINNINGS: u64 = 20_000;
 
 /// A beginning of a path, and a bound on the cost of all paths that begin so.
 struct Beginning {
@@ -93,8 +93,8 @@ impl<'a> Beginnings<'a> {
         // Below all paths that are not on the heap.
         let mut bound = best.bound;
         let mut nodes = 0;
-        let mut heap =
-            BinaryHeap::from([Beginning { bound: f64::NEG_INFINITY, edges: Vec::new() }]);
+        let first = Beginning { bound: relaxed, edges: Vec::new() };
+        let mut heap = BinaryHeap::from([first]);
         while let Some(beginning) = heap.pop() {
             let gap = timed.solver().options().allowed_gap(best.cost, 0.0);
             if beginning.bound >= best.cost - gap {
@@ -128,7 +128,7 @@ impl<'a> Beginnings<'a> {
                     (best.nodes, best.edges_left) = (nodes, self.edges_left);
                     return Ok(Some(best));
                 }
-                if !solution.is_optimal() || nodes > MOST {
+                if !solution.is_optimal() || nodes > MOST_BEGINNINGS {
                     return Ok(None);
                 }
                 if next == to {

@@ -218,3 +218,28 @@ fn a_lowered_model_passes_them_on() {
     let found = solution.multipliers().expect("multipliers of the lowered model");
     assert!(is_close(found.shadow_price(row).unwrap(), 2.0));
 }
+
+#[test]
+fn programs_with_norms_have_multipliers() {
+    let mut model = Model::new("norm");
+    let (x, y) =
+        (model.continuous("x", -9.0, 9.0).unwrap(), model.continuous("y", -9.0, 9.0).unwrap());
+    let length = model.continuous("length", 0.0, 20.0).unwrap();
+    model.add("length", carom::model::norm([3.0 * x, 4.0 * y]).le(length)).unwrap();
+    let far = model.add("far", (x + y).ge(5.0)).unwrap();
+    model.minimize(length + 0.5).unwrap();
+    let solution = BranchAndBound::default().solve(&model).unwrap();
+    // At (3.2, 1.8) the length is 12, and proportional to the limit of the row.
+    assert!((solution.objective().unwrap() - 12.5).abs() < 1e-6);
+    assert!((solution.shadow_price(far).unwrap() - 2.4).abs() < 1e-5);
+    for variable in [x, y, length] {
+        assert!(solution.reduced_cost(variable).unwrap().abs() < 1e-5);
+    }
+    // A bound that presses: less of `x` makes it longer, by 16 * 4 / sqrt(3^2 + 16^2) less 9 / sqrt(...).
+    model.set_bounds(x, -9.0, 1.0).unwrap();
+    let solution = BranchAndBound::default().solve(&model).unwrap();
+    let root = 265_f64.sqrt();
+    assert!((solution.objective().unwrap() - 0.5 - root).abs() < 1e-6);
+    assert!((solution.shadow_price(far).unwrap() - 64.0 / root).abs() < 1e-5);
+    assert!((solution.reduced_cost(x).unwrap() - (9.0 - 64.0) / root).abs() < 1e-5);
+}
