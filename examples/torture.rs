@@ -7,8 +7,8 @@
 //! * `--seed S`: seed of the first program, 0 by default; the others follow
 //! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
-//! * `--family NAME`: `mixed` (the default), `large`, `big-m`, `open`, `borderline`, `chain`, or `all` in
-//!   turn; see `tests/torture/families.rs`
+//! * `--family NAME`: `mixed` (the default), `large`, `big-m`, `open`, `borderline`, `chain`, `cones`, or
+//!   `all` in turn; see `tests/torture/families.rs` and `tests/torture/cones`
 //! * `--paths`: solves each program in all unusual ways as well: without presolve, with a pool, with kept
 //!   leaves, with another branching rule, without cuts
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
@@ -34,7 +34,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use carom::model::mps;
-use carom::prelude::{BranchAndBound, Solver};
+use carom::prelude::{BranchAndBound, Model, Options, Solution, Solver};
+use torture::cones::{generator, oracle};
 use torture::families::{Family, Path};
 use torture::oracle::{Truth, Verdict};
 
@@ -43,7 +44,8 @@ struct Arguments {
     seed: u64,
     threads: usize,
     solver_threads: usize,
-    families: Vec<Family>,
+    /// `None` stands for programs with cones.
+    families: Vec<Option<Family>>,
     paths: Vec<Path>,
     out: String,
 }
@@ -62,7 +64,7 @@ fn main() -> ExitCode {
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
     let (cases, seed, out) = (10_000, 0, "target/torture".to_owned());
     let (threads, solver_threads) = (1, 1);
-    let (families, paths) = (vec![Family::Mixed], vec![Path::Usual]);
+    let (families, paths) = (vec![Some(Family::Mixed)], vec![Path::Usual]);
     let mut arguments = Arguments { cases, seed, threads, solver_threads, families, paths, out };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -76,10 +78,13 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             "--seed" => arguments.seed = value.parse()?,
             "--threads" => arguments.threads = value.parse()?,
             "--solver-threads" => arguments.solver_threads = value.parse()?,
-            "--family" if value == "all" => arguments.families = Family::ALL.to_vec(),
+            "--family" if value == "all" => {
+                arguments.families = Family::ALL.into_iter().map(Some).chain([None]).collect();
+            }
+            "--family" if value == "cones" => arguments.families = vec![None],
             "--family" => {
-                let family = Family::named(&value);
-                arguments.families = vec![family.ok_or(format!("no family `{value}`"))?];
+                let family = Family::named(&value).ok_or(format!("no family `{value}`"))?;
+                arguments.families = vec![Some(family)];
             }
             "--out" => arguments.out = value,
             _ => return Err(format!("unexpected `{word}`").into()),
@@ -125,57 +130,114 @@ fn run(arguments: Arguments) -> Result<bool, Box<dyn Error>> {
     Ok(counts.wrong + counts.not_finished == 0)
 }
 
-fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
-    let family = arguments.families[(seed % arguments.families.len() as u64) as usize];
+/// A program that is to be solved.
+struct Posed {
+    name: String,
+    model: Model,
+    is_infeasible: bool,
+    is_unbounded: bool,
+    may_stall: bool,
+    judge: Box<dyn Fn(&Options, &Solution) -> Verdict>,
+}
+
+/// The program of a seed; with cones also the same program in other coordinates.
+fn posed(family: Option<Family>, seed: u64) -> Result<Vec<Posed>, String> {
+    let Some(family) = family else { return with_cones(seed) };
     let case = family.program(seed);
     let (model, variables) = case.build();
     let truth = family.truth(&case);
-    if let Ok(mut counts) = counts.lock() {
-        match truth {
-            Truth::Infeasible => counts.infeasible += 1,
-            Truth::Unbounded => counts.unbounded += 1,
-            Truth::Least { .. } => {}
+    Ok(vec![Posed {
+        name: family.name().to_owned(),
+        model,
+        is_infeasible: truth == Truth::Infeasible,
+        is_unbounded: truth == Truth::Unbounded,
+        may_stall: family.may_stall(),
+        judge: Box::new(move |options, solution| {
+            family.judge(&case, &variables, options, solution, &truth)
+        }),
+    }])
+}
+
+fn with_cones(seed: u64) -> Result<Vec<Posed>, String> {
+    let case = generator::program(seed);
+    let truth = oracle::truth(&case, 0.0);
+    let posed = |name: &str, case: torture::cones::case::ConicCase| -> Result<Posed, String> {
+        let (model, variables) = case.build().map_err(|error| error.to_string())?;
+        let truth = truth.clone();
+        Ok(Posed {
+            name: name.to_owned(),
+            model,
+            is_infeasible: truth.least.is_none() && !truth.unbounded,
+            is_unbounded: truth.unbounded,
+            may_stall: false,
+            judge: Box::new(move |options, solution| {
+                oracle::judge(&case, &variables, options, solution, &truth)
+            }),
+        })
+    };
+    let moved = case.moved(seed);
+    Ok(vec![posed("cones", case)?, posed("cones-moved", moved)?])
+}
+
+fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
+    let family = arguments.families[(seed % arguments.families.len() as u64) as usize];
+    let posed = match posed(family, seed) {
+        Ok(posed) => posed,
+        Err(error) => {
+            println!("WRONG {seed}: {error}");
+            if let Ok(mut counts) = counts.lock() {
+                counts.wrong += 1;
+            }
+            return;
+        }
+    };
+    for posed in &posed {
+        if let Ok(mut counts) = counts.lock() {
+            counts.infeasible += u64::from(posed.is_infeasible);
+            counts.unbounded += u64::from(posed.is_unbounded);
+        }
+        for &path in &arguments.paths {
+            solve(seed, posed, path, arguments, counts);
         }
     }
-    for &path in &arguments.paths {
-        let options = path.options();
-        let threads = options.threads.max(arguments.solver_threads);
-        let mut solver = BranchAndBound::new(options.with_threads(threads));
-        let (verdict, nodes) = match solver.solve(&model) {
-            Ok(solution) => (
-                family.judge(&case, &variables, solver.options(), &solution, &truth),
-                solution.statistics().nodes,
-            ),
-            Err(error) => (Verdict::Wrong(error.to_string()), 0),
-        };
-        if let Ok(mut counts) = counts.lock() {
-            counts.nodes += nodes;
-            match &verdict {
-                Verdict::Right => counts.right += 1,
-                Verdict::Borderline => counts.borderline += 1,
-                Verdict::Beyond => counts.beyond += 1,
-                Verdict::Stalled(_) => {
-                    counts.stalled += 1;
-                    counts.not_finished += u64::from(!family.may_stall());
-                }
-                Verdict::Wrong(_) => counts.wrong += 1,
+}
+
+fn solve(seed: u64, posed: &Posed, path: Path, arguments: &Arguments, counts: &Mutex<Counts>) {
+    let Posed { name, model, .. } = posed;
+    let options = path.options();
+    let threads = options.threads.max(arguments.solver_threads);
+    let mut solver = BranchAndBound::new(options.with_threads(threads));
+    let (verdict, nodes) = match solver.solve(model) {
+        Ok(solution) => ((posed.judge)(solver.options(), &solution), solution.statistics().nodes),
+        Err(error) => (Verdict::Wrong(error.to_string()), 0),
+    };
+    if let Ok(mut counts) = counts.lock() {
+        counts.nodes += nodes;
+        match &verdict {
+            Verdict::Right => counts.right += 1,
+            Verdict::Borderline => counts.borderline += 1,
+            Verdict::Beyond => counts.beyond += 1,
+            Verdict::Stalled(_) => {
+                counts.stalled += 1;
+                counts.not_finished += u64::from(!posed.may_stall);
             }
+            Verdict::Wrong(_) => counts.wrong += 1,
         }
-        let (word, what) = match &verdict {
-            Verdict::Wrong(what) => ("WRONG", what),
-            Verdict::Stalled(what) => ("stalled", what),
-            _ => continue,
-        };
-        let name = family.name();
-        println!("{word} {seed} ({name}, {path:?}): {what}");
-        let text = mps::write(&model).map_err(|error| error.to_string());
-        let written = text.and_then(|text| {
-            std::fs::create_dir_all(&arguments.out).map_err(|error| error.to_string())?;
-            let path = format!("{}/{name}_{seed}.mps", arguments.out);
-            std::fs::write(path, text).map_err(|error| error.to_string())
-        });
-        if let Err(error) = written {
-            println!("  it could not be written: {error}");
-        }
+    }
+    let (word, what) = match &verdict {
+        Verdict::Wrong(what) => ("WRONG", what),
+        Verdict::Stalled(what) => ("stalled", what),
+        _ => return,
+    };
+    println!("{word} {seed} ({name}, {path:?}): {what}");
+    // What MPS cannot say is written as text.
+    let (text, ending) = match mps::write(model) {
+        Ok(text) => (text, "mps"),
+        Err(_) => (model.to_string(), "txt"),
+    };
+    let path = format!("{}/{name}_{seed}.{ending}", arguments.out);
+    let written = std::fs::create_dir_all(&arguments.out).and_then(|()| std::fs::write(path, text));
+    if let Err(error) = written {
+        println!("  it could not be written: {error}");
     }
 }

@@ -66,7 +66,7 @@ impl PlanningProgram {
         if let Some(value) = start.acceleration {
             self.program.add("start_acceleration", self.acceleration[0].equals(value))?;
         }
-        let Region { ranges, halfspaces, .. } = scenario.goal_states();
+        let Region { ranges, halfspaces, norms, .. } = scenario.goal_states();
         for (name, variable, range) in
             [("goal_position", x[last], ranges[0]), ("goal_velocity", v[last], ranges[1])]
         {
@@ -80,6 +80,8 @@ impl PlanningProgram {
             let alone = Region::from([Interval::REALS; 2]).with_halfspace(halfspace);
             alone.add(self.program.model_mut(), &format!("goal_limit_{k}"), &[x[last], v[last]])?;
         }
+        let discs = Region { norms, ..Region::from([Interval::REALS; 2]) };
+        discs.add(self.program.model_mut(), "goal_limit", &[x[last], v[last]])?;
         Ok(())
     }
 

@@ -3,13 +3,13 @@
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
+use crate::hybrid::SystemRow;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::scene::{DamageRule, region_where};
 use crate::hybrid::{
     Contact, ContactLaw, FreeSide, ImpactEstimate, Region, Restitution, State, Waiting, Wall,
 };
 use crate::interval::Interval;
-use crate::model::Row;
 use crate::setters::setters;
 use crate::tolerance;
 
@@ -187,7 +187,7 @@ impl Scenario {
     /// # Errors
     ///
     /// Those of [`HybridSystem::region`](crate::hybrid::HybridSystem::region).
-    pub fn with_goal_where<R: IntoIterator<Item = Row>>(
+    pub fn with_goal_where<R: IntoIterator<Item: Into<SystemRow>>>(
         self,
         rows: impl FnOnce(State, State) -> R,
     ) -> Result<Self, Error> {
@@ -302,7 +302,10 @@ impl Scenario {
     pub(super) fn goal_states(&self) -> Region {
         let halfspaces = self.goal_region.iter().flat_map(|region| &region.halfspaces);
         let ranges = Region::from([self.goal_positions(), self.goal_velocities()]);
-        halfspaces.fold(ranges, |region, halfspace| region.with_halfspace(halfspace.clone()))
+        let region =
+            halfspaces.fold(ranges, |region, halfspace| region.with_halfspace(halfspace.clone()));
+        let norms = self.goal_region.iter().flat_map(|region| region.norms.clone()).collect();
+        Region { norms, ..region }
     }
 
     /// Whether waiting is free, so that the shortest horizon may be found by bisection.

@@ -38,7 +38,7 @@ pub use simulate::{
 };
 pub use system::{
     HybridSystem, IntoRegion, LinearComplementarity, MixedLogicalDynamical, Region, Schedule,
-    State, TransitionMut,
+    State, SystemRow, TransitionMut,
 };
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
 pub(crate) use wall::FreeSide;

@@ -10,7 +10,7 @@
 
 use super::task::SolveTask;
 use crate::presolve::Domain;
-use crate::program::Program;
+use crate::program::{Cone, Program};
 
 /// By how much an accepted point may miss a strengthened row or a bound, in units of the largest
 /// coefficient, and relative to the sum of its terms (no unit).
@@ -40,21 +40,40 @@ pub(super) fn contradiction(
 ) -> Option<Contradiction> {
     let exact = task.exact?;
     let program = task.program;
-    let excluded = |j: &usize| {
-        let [lower, upper] = root.bounds(*j);
-        let miss = (lower - x[*j]).max(x[*j] - upper);
-        miss > if exact.integral[*j] { 0.5 } else { COEFFICIENT_MISS * x[*j].abs().max(1.0) }
-    };
+    let excluded = |j: &usize| is_outside(exact.integral[*j], root.bounds(*j), x[*j]);
     if let Some(j) = (0..x.len()).find(excluded) {
-        return Some(Contradiction::Column(j));
+        return (!is_excluded(exact, x)).then_some(Contradiction::Column(j));
     }
     if std::ptr::eq(exact, program) {
         return None;
     }
     if let Some(row) = (0..program.row_count()).find(|&row| is_missed(program, row, x)) {
-        return Some(Contradiction::Row(row));
+        return (!is_excluded(exact, x)).then_some(Contradiction::Row(row));
     }
     is_dearer(program, exact, x, task.options.feasibility).then_some(Contradiction::Objective)
+}
+
+/// Whether bounds exclude a value.
+fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64) -> bool {
+    let miss = (lower - value).max(value - upper);
+    miss > if is_integral { 0.5 } else { COEFFICIENT_MISS * value.abs().max(1.0) }
+}
+
+/// Whether the exact program itself excludes an accepted point. Expressions in cones are columns of which
+/// the model knows nothing: a point that it accepts may have other values of them than the rows say, and
+/// tells nothing about what was derived from the rows.
+fn is_excluded(exact: &Program, x: &[f64]) -> bool {
+    let is_outside = |j| is_outside(exact.integral[j], [exact.lower[j], exact.upper[j]], x[j]);
+    !exact.cones.is_empty()
+        && ((0..x.len()).any(is_outside)
+            || (0..exact.row_count()).any(|row| is_missed(exact, row, x))
+            || exact.cones.iter().any(|cone| is_cone_missed(cone, x)))
+}
+
+/// Whether a point misses a cone.
+fn is_cone_missed(cone: &Cone, x: &[f64]) -> bool {
+    let size = cone.columns.iter().fold(1.0_f64, |size, &j| size.max(x[j].abs()));
+    cone.miss(x) > COEFFICIENT_MISS * size
 }
 
 /// Whether a point misses a row.

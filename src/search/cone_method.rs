@@ -1,17 +1,17 @@
 //! The choice between the two ways of relaxing a node of a program whose cones are cut off: rounds of cuts,
 //! each a linear program that begins with the basis of the last one, or one conic program.
 //!
-//! Both give the same bound, so the quicker one is used. Which one that is depends on the program, and both
-//! are tried.
+//! Both give the same bound, so the quicker one is used. Which one that is depends on the program, and
+//! changes with the cuts that are known. So the favourite is used for long, and the other one is tried for
+//! a few nodes in a row, because a basis helps the next node only.
 
 use web_time::Duration;
 
-/// Nodes that each way is tried at, at the beginning, and nodes after which the slower one is tried again.
-const TRIED_FIRST: u32 = 4;
-const RETRY_INTERVAL: u32 = 64;
-
-/// The slower way is not tried again if it takes this many times as long.
-const FAR_SLOWER: f64 = 6.0;
+/// Nodes of a trial, and of the turn of a new favourite between two trials; a turn that follows a trial
+/// that changed nothing is twice as long as the last one.
+const TRIAL_NODES: u32 = 12;
+const FIRST_TURN: u32 = 100;
+const LONGEST_TURN: u32 = 10_000;
 
 /// The share of the last node in the average time of a way.
 const SHARE_OF_LAST: f64 = 0.1;
@@ -23,42 +23,77 @@ pub(super) enum ConeMethod {
     Conic,
 }
 
-/// What the two ways have taken at the nodes of a worker.
-#[derive(Debug, Default)]
+impl ConeMethod {
+    fn other(self) -> Self {
+        match self {
+            ConeMethod::Cuts => ConeMethod::Conic,
+            ConeMethod::Conic => ConeMethod::Cuts,
+        }
+    }
+}
+
+/// The turns of the two ways at the nodes of a worker, and the time that they take.
+#[derive(Debug)]
 pub(super) struct ConeRecord {
-    /// By way, the nodes and the average time (s).
+    favourite: ConeMethod,
+    /// Whether the other way is on trial, and the nodes left of the turn.
+    on_trial: bool,
+    left: u32,
+    /// The length of the favourite's next turn.
+    turn: u32,
+    /// By way, the nodes since its last trial began, and their average time (s).
     nodes: [u32; 2],
     average: [f64; 2],
 }
 
-impl ConeRecord {
-    /// The way for the next node.
-    pub(super) fn next(&self) -> ConeMethod {
-        let quicker = self.quicker();
-        let (best, other) = (quicker as usize, 1 - quicker as usize);
-        let is_tried = self.nodes[best] >= TRIED_FIRST && self.nodes[other] >= TRIED_FIRST;
-        let retries = self.nodes[best].is_multiple_of(RETRY_INTERVAL)
-            && self.average[other] < FAR_SLOWER * self.average[best];
-        match (is_tried, quicker) {
-            (false, _) if self.nodes[0] <= self.nodes[1] => ConeMethod::Cuts,
-            (false, _) => ConeMethod::Conic,
-            (true, ConeMethod::Cuts) if retries => ConeMethod::Conic,
-            (true, ConeMethod::Conic) if retries => ConeMethod::Cuts,
-            (true, quicker) => quicker,
+impl Default for ConeRecord {
+    fn default() -> Self {
+        ConeRecord {
+            favourite: ConeMethod::Cuts,
+            on_trial: false,
+            left: TRIAL_NODES,
+            turn: FIRST_TURN,
+            nodes: [0; 2],
+            average: [0.0; 2],
         }
     }
+}
 
-    /// The way that has taken less time.
-    pub(super) fn quicker(&self) -> ConeMethod {
-        if self.average[1] < self.average[0] { ConeMethod::Conic } else { ConeMethod::Cuts }
+impl ConeRecord {
+    /// The way for the next node, which is counted.
+    pub(super) fn next(&mut self) -> ConeMethod {
+        match (self.left, self.on_trial) {
+            (0, true) => self.end_trial(),
+            (0, false) => {
+                (self.on_trial, self.left) = (true, TRIAL_NODES);
+                self.nodes[self.favourite.other() as usize] = 0;
+            }
+            _ => {}
+        }
+        self.left -= 1;
+        self.current()
+    }
+
+    /// The way of the turn.
+    pub(super) fn current(&self) -> ConeMethod {
+        if self.on_trial { self.favourite.other() } else { self.favourite }
+    }
+
+    fn end_trial(&mut self) {
+        let (old, new) = (self.favourite as usize, self.favourite.other() as usize);
+        let is_quicker = self.nodes[old] == 0 || self.average[new] < self.average[old];
+        if self.nodes[new] > 0 && is_quicker {
+            (self.favourite, self.turn) = (self.favourite.other(), FIRST_TURN);
+        }
+        (self.on_trial, self.left) = (false, self.turn);
+        self.turn = (2 * self.turn).min(LONGEST_TURN);
     }
 
     /// Takes note of the time of a node.
     pub(super) fn note(&mut self, method: ConeMethod, time: Duration) {
-        let (average, nodes) =
-            (&mut self.average[method as usize], &mut self.nodes[method as usize]);
-        let share = SHARE_OF_LAST.max(1.0 / f64::from(*nodes + 1));
-        *average += share * (time.as_secs_f64() - *average);
-        *nodes = nodes.saturating_add(1);
+        let way = method as usize;
+        let share = SHARE_OF_LAST.max(1.0 / f64::from(self.nodes[way] + 1));
+        self.average[way] += share * (time.as_secs_f64() - self.average[way]);
+        self.nodes[way] = self.nodes[way].saturating_add(1);
     }
 }

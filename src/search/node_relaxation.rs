@@ -77,10 +77,11 @@ fn relax_cut_off(
     // Threads of a deterministic search must not differ in what they have seen.
     let method = match (ctx.options().deterministic, purpose) {
         (true, _) => ConeMethod::Cuts,
-        (false, Purpose::Trial) => ctx.cone_record.quicker(),
+        (false, Purpose::Trial) => ctx.cone_record.current(),
         (false, _) => ctx.cone_record.next(),
     };
     let began = Instant::now();
+    let is_warm = ctx.node.warm.is_some();
     let verdict = match method {
         ConeMethod::Cuts => relax_in_rounds(ctx, reduced, purpose),
         ConeMethod::Conic => {
@@ -91,7 +92,8 @@ fn relax_cut_off(
             relax_as_is(ctx, reduced, purpose)
         }
     };
-    if purpose != Purpose::Trial {
+    // The first node of a turn has no basis to begin with.
+    if purpose != Purpose::Trial && (is_warm || method == ConeMethod::Conic) {
         ctx.cone_record.note(method, began.elapsed());
     }
     verdict

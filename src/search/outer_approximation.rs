@@ -48,17 +48,20 @@ pub(crate) fn approximate_cones(
     };
     let rows = reduced.rows.len();
     let began = Instant::now();
-    let RelaxationVerdict::Relaxed { bound: conic, converged: true, .. } =
-        ladder.solve(&mut reduced, &question)
+    let RelaxationVerdict::Relaxed { bound: conic, x, .. } = ladder.solve(&mut reduced, &question)
     else {
         return None;
     };
+    let scale = conic.abs().max(1.0);
+    let misses = reduced.objective(&x) - conic;
+    if misses.is_nan() || misses > CLOSE_ENOUGH * scale {
+        return None;
+    }
     let time = began.elapsed().as_secs_f64();
     let mut rounds = Rounds { cuts: ladder.take_cone_cuts(), place: reduced.places(), rows };
     reduced.truncate_rows(rows);
     reduced.is_cut_off = true;
     let began = Instant::now();
-    let scale = conic.abs().max(1.0);
     rounds.append(&mut reduced, 0);
     let (mut warm, mut last) = (None, f64::NEG_INFINITY);
     let mut active = Vec::new();

@@ -5,6 +5,7 @@
 
 pub(crate) mod big_m;
 mod complementarity;
+pub(crate) mod cones;
 mod dyadic;
 pub(crate) mod families;
 pub(crate) mod generator;

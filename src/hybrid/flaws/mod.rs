@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 pub use flaw::{Flaw, Witness};
 
 use super::affine::{self, Behaviour};
-use super::system::{Choice, HybridSystem, Transition};
+use super::system::{Bracket, Choice, HybridSystem, Transition};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::solver::Solver;
@@ -34,6 +34,9 @@ impl HybridSystem {
     /// line at full speed: one is reported for each combination of modes. With several choices, each
     /// choice is looked at for gaps and overlaps as if the others changed nothing; only whether a
     /// transition is possible and the domain must be left depends on all.
+    ///
+    /// Norms count as polygons around them, which reach up to 2 % farther: a gap and a dead end are ones
+    /// of the norms as well, while an overlap may be no wider than that.
     ///
     /// Distances are fractions of the widths of domains and ranges; up to 1e-5 they count as none.
     /// If the system depends on the step, every different step is looked at, and a flaw is
@@ -64,25 +67,26 @@ impl HybridSystem {
     /// [`ErrorKind::NoPoint`](crate::ErrorKind::NoPoint) if a limit stops it.
     pub fn flaws(&self, solver: &mut dyn Solver) -> Result<Vec<Flaw>, Error> {
         self.check()?;
-        let mut search = Search { system: self, solver, flaws: Vec::new(), found: BTreeSet::new() };
+        let system = &self.polyhedral(Bracket::Around);
+        let mut search = Search { system, solver, flaws: Vec::new(), found: BTreeSet::new() };
         let never = |choice: &Choice| vec![false; choice.transitions.len()];
-        let mut possible: Vec<Vec<bool>> = self.choices.iter().map(never).collect();
+        let mut possible: Vec<Vec<bool>> = system.choices.iter().map(never).collect();
         let mut steps: Vec<Step> = Vec::new();
-        for step in 0..=self.settles() {
-            let compiled = Step::new(self, step);
+        for step in 0..=system.settles() {
+            let compiled = Step::new(system, step);
             if steps.last().is_some_and(|last| last.is_like(&compiled)) {
                 continue;
             }
-            for c in 0..self.choices.len() {
+            for c in 0..system.choices.len() {
                 search.gaps(&compiled, c)?;
                 search.overlaps(&compiled, c)?;
             }
-            let moves = moves(self, &compiled);
+            let moves = moves(system, &compiled);
             search.stuck(&compiled, moves.as_deref().unwrap_or_default())?;
             search.possible(&compiled, moves.as_deref(), &mut possible)?;
             steps.push(compiled);
         }
-        for (choice, possible) in self.choices.iter().zip(possible) {
+        for (choice, possible) in system.choices.iter().zip(possible) {
             for (transition, _) in choice.transitions.iter().zip(possible).filter(|(_, p)| !p) {
                 let (choice, transition) = (choice.name.clone(), transition.name.clone());
                 search.flaws.push(Flaw::NeverTaken { choice, transition });

@@ -81,6 +81,60 @@ impl HybridProgram {
         magnitude(&mut self.model, &self.members, (name, sample), &expression.into())
     }
 
+    /// The sum of the Euclidean norm of some expressions over the steps 0, ..., τ-1, such as the fuel of a
+    /// thrust. Each of them is a variable `name[t]` of the model that is [at least the
+    /// norm](crate::model::Model::norm), and equal to it where the cost presses it down.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut puck = HybridSystem::new(1.0); // s
+    /// let x = puck.state("x", 0.0, 9.0)?; // m
+    /// let y = puck.state("y", 0.0, 9.0)?; // m
+    /// let [u, w] = [puck.input("u", -2.0, 2.0)?, puck.input("w", -2.0, 2.0)?]; // m/s
+    /// puck.mode("slide")?.next([x.is(x + u), y.is(y + w)])?;
+    /// let mut program = puck.program(4)?;
+    /// program.start([x.equals(0.0), y.equals(0.0)])?;
+    /// program.goal([x.equals(3.0), y.equals(4.0)])?;
+    /// let way = program.sum_norm("way", [u, w])?;
+    /// program.minimize(way)?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
+    /// assert!((plan.solution.objective().unwrap_or(0.0) - 5.0).abs() < 1e-5);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`sum_abs`](HybridProgram::sum_abs); [`ErrorKind::EmptyRow`] without expressions.
+    pub fn sum_norm<E: Into<Affine>>(
+        &mut self,
+        name: &str,
+        entries: impl IntoIterator<Item = E>,
+    ) -> Result<Affine, Error> {
+        let members = self.members.clone();
+        let entries: Vec<Affine> = entries.into_iter().map(E::into).collect();
+        self.model.all_or_nothing(|model| {
+            let steps = 0..members.steps;
+            steps.map(|step| length(model, &members, (name, step), &entries)).sum()
+        })
+    }
+
+    /// The Euclidean norm of some expressions at a sample: a variable `name[t]` of the model that is [at least
+    /// the norm](crate::model::Model::norm).
+    ///
+    /// # Errors
+    ///
+    /// As for [`sum_norm`](HybridProgram::sum_norm).
+    pub fn norm<E: Into<Affine>>(
+        &mut self,
+        name: &str,
+        entries: impl IntoIterator<Item = E>,
+        sample: usize,
+    ) -> Result<Affine, Error> {
+        let entries: Vec<Affine> = entries.into_iter().map(E::into).collect();
+        length(&mut self.model, &self.members, (name, sample), &entries)
+    }
+
     /// The sum over the steps 0, ..., τ-1 of the largest magnitude among some expressions. Each of them is
     /// a variable `name[t]` of the model, a [maximum](crate::model::Model::maximum).
     ///
@@ -189,6 +243,22 @@ impl HybridProgram {
             Ok(soft)
         })
     }
+}
+
+/// The length of some expressions at a sample, as a variable unless it is constant.
+fn length(
+    model: &mut Model,
+    members: &Members,
+    (name, sample): (&str, usize),
+    entries: &[Affine],
+) -> Result<Affine, Error> {
+    let entries = entries.iter().map(|entry| entry.at_sample(members, sample));
+    let entries: Vec<Affine> = entries.collect::<Result<_, Error>>()?;
+    if !entries.is_empty() && entries.iter().all(|entry| entry.terms().is_empty()) {
+        let length = entries.iter().fold(0.0_f64, |length, entry| length.hypot(entry.offset()));
+        return Ok(Affine::constant(length));
+    }
+    Ok(model.norm((name, sample), entries)?.into())
 }
 
 /// The magnitude of an expression at a sample, as a variable unless it is constant.

@@ -7,8 +7,8 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::system::{IntoRegion, Region, StatedRegion};
-use crate::model::{Affine, Either, Model, Row};
+use crate::hybrid::system::{IntoRegion, Region, StatedRegion, SystemRow};
+use crate::model::{Affine, Either, Model, Term};
 
 /// At which samples, from 0 to the number of steps τ, a run must be in a region.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,7 +45,7 @@ fn check_window(
 }
 
 /// The rows of a region at a sample.
-type RowsAt<'a> = dyn Fn(usize) -> Result<Vec<Row>, Error> + 'a;
+type RowsAt<'a> = dyn Fn(usize) -> Result<Vec<SystemRow>, Error> + 'a;
 
 impl HybridProgram {
     /// Requires the plan to begin in a region, as [`require`](HybridProgram::require) does with the
@@ -69,7 +69,7 @@ impl HybridProgram {
     }
 
     /// Requires rows of the systems' handles to hold at given samples: starts, goals, way-points, time
-    /// windows. A mode is required by `on.equals(1.0)`.
+    /// windows. A mode is required by `on.equals(1.0)`, a disc by `norm([x - 4.0, y - 1.0]).le(0.5)`.
     ///
     /// The statements are `name[t]`, or `name_k[t]` if there are several at a sample; for
     /// [`When::OnceIn`] it is one disjunction, `name`.
@@ -101,7 +101,7 @@ impl HybridProgram {
             StatedRegion::Rows(rows) => {
                 let at = |sample: usize| {
                     let rows = rows.iter().map(|row| row.at_sample(&members, sample));
-                    rows.collect::<Result<Vec<Row>, Error>>()
+                    rows.collect::<Result<Vec<SystemRow>, Error>>()
                 };
                 add(&mut self.model, name, when, steps, &at)
             }
@@ -124,10 +124,16 @@ fn add(
     check_window(name, &when, &window, steps)?;
     model.all_or_nothing(|model| {
         if let When::OnceIn(_) = when {
-            let terms = window.map(rows).collect::<Result<Vec<_>, _>>()?;
+            let samples = window.map(rows).collect::<Result<Vec<_>, _>>()?;
             // A term without rows is always true.
-            if terms.iter().all(|rows| !rows.is_empty()) {
-                model.add(name, Either::of(terms))?;
+            if samples.iter().all(|rows| !rows.is_empty()) {
+                let term = |rows: Vec<SystemRow>| {
+                    rows.into_iter().fold(Term::default(), |term, row| match row {
+                        SystemRow::Row(row) => term.and(row),
+                        SystemRow::Conic(row) => term.and(row),
+                    })
+                };
+                model.add(name, Either::of(samples.into_iter().map(term)))?;
             }
             return Ok(());
         }
@@ -136,11 +142,16 @@ fn add(
             let single = rows.len() == 1;
             for (k, row) in rows.into_iter().enumerate() {
                 let family = if single { name.to_owned() } else { format!("{name}_{k}") };
-                // Whoever has only one mode is in it.
-                if row.is_constant_and_holds() {
-                    continue;
+                match row {
+                    // Whoever has only one mode is in it.
+                    SystemRow::Row(row) if row.is_constant_and_holds() => {}
+                    SystemRow::Row(row) => {
+                        model.add((family, sample), row)?;
+                    }
+                    SystemRow::Conic(row) => {
+                        model.add((family, sample), row)?;
+                    }
                 }
-                model.add((family, sample), row)?;
             }
         }
         Ok(())
@@ -163,14 +174,16 @@ impl SystemVariables {
     }
 
     /// The rows that state that a sample is in a region, modes included.
-    fn rows_of(&self, region: &Region, sample: usize) -> Result<Vec<Row>, Error> {
+    fn rows_of(&self, region: &Region, sample: usize) -> Result<Vec<SystemRow>, Error> {
         let states: Vec<Affine> = self
             .states()
             .iter()
             .filter_map(|family| family.get(sample))
             .map(Affine::from)
             .collect();
-        let mut rows = region.rows(&states)?;
+        let mut rows: Vec<SystemRow> =
+            region.rows(&states)?.into_iter().map(SystemRow::from).collect();
+        rows.extend(region.discs(&states)?.into_iter().map(SystemRow::from));
         for (c, choice) in self.system().choices.iter().enumerate() {
             let allows = |mode: &&str| region.allows(&choice.name, mode);
             let modes = choice.modes();
@@ -179,7 +192,7 @@ impl SystemVariables {
             }
             let allowed = modes.into_iter().filter(allows);
             let allowed = allowed.map(|mode| self.mode_value(c, mode, sample));
-            rows.push(allowed.sum::<Result<Affine, Error>>()?.ge(1.0));
+            rows.push(allowed.sum::<Result<Affine, Error>>()?.ge(1.0).into());
         }
         Ok(rows)
     }

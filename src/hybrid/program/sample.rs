@@ -2,8 +2,8 @@
 
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::system::{HybridSystem, Meaning, State};
-use crate::model::{Affine, Literal, Model, ModelTag, Quadratic, Row, Variable};
+use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow};
+use crate::model::{Affine, ConicRow, Literal, Model, ModelTag, Quadratic, Row, Variable};
 use crate::solution::Solution;
 use crate::solver::Solver;
 
@@ -166,7 +166,8 @@ fn foreign(handle: Variable) -> Error {
     ErrorKind::ForeignHandle { kind: "variable", index, place }.into()
 }
 
-/// An argument of [`HybridProgram::at`](super::HybridProgram::at): an expression, a row or a condition.
+/// An argument of [`HybridProgram::at`](super::HybridProgram::at): an expression, a row, a comparison of a norm
+/// or of squares, or a condition.
 pub trait AtSample {
     /// The same, of the variables of the program's model.
     type Output;
@@ -223,6 +224,27 @@ impl AtSample for Row {
     fn at_sample(&self, members: &Members, sample: usize) -> Result<Row, Error> {
         let expression = self.expression().at_sample(members, sample)?;
         Ok(expression.within(self.lower(), self.upper()))
+    }
+}
+
+impl AtSample for ConicRow {
+    type Output = ConicRow;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<ConicRow, Error> {
+        self.try_map(&mut |expression| expression.at_sample(members, sample))
+    }
+}
+
+impl AtSample for SystemRow {
+    type Output = SystemRow;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<SystemRow, Error> {
+        Ok(match self {
+            SystemRow::Row(row) => row.at_sample(members, sample)?.into(),
+            SystemRow::Conic(row) => row.at_sample(members, sample)?.into(),
+        })
     }
 }
 

@@ -8,7 +8,7 @@ use super::sets::ReachSets;
 use super::step::predecessors;
 use super::tube::Tube;
 use crate::error::Error;
-use crate::hybrid::system::{Halfspace, HybridSystem};
+use crate::hybrid::system::{Halfspace, HybridSystem, NormLimit};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
@@ -260,6 +260,27 @@ impl ReachSets {
                 });
                 drop_each(transition.prediction_guards.len(), &|system| {
                     &mut system.choices[c].transitions[m].prediction_guards
+                });
+            }
+        }
+        let mut drop_norm =
+            |count: usize, list: &dyn Fn(&mut HybridSystem) -> &mut Vec<NormLimit>| {
+                for k in 0..count {
+                    let mut changed = system.clone();
+                    let dropped = list(&mut changed).remove(k);
+                    if dropped.is_limit {
+                        changes.push((format!("without {}", dropped.name), changed));
+                    }
+                }
+            };
+        drop_norm(system.norms.len(), &|system| &mut system.norms);
+        for (c, choice) in system.choices.iter().enumerate() {
+            for (m, transition) in choice.transitions.iter().enumerate() {
+                drop_norm(transition.norms.len(), &|system| {
+                    &mut system.choices[c].transitions[m].norms
+                });
+                drop_norm(transition.prediction_norms.len(), &|system| {
+                    &mut system.choices[c].transitions[m].prediction_norms
                 });
             }
         }

@@ -10,7 +10,7 @@ use super::set::{Emptied, Layers, ReachSet, closed};
 use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
-use crate::hybrid::system::{HybridSystem, IntoRegion, Region, check_ends};
+use crate::hybrid::system::{Bracket, HybridSystem, IntoRegion, NormLimit, Region, check_ends};
 use crate::interval::Interval;
 #[cfg(doc)]
 use crate::tolerance;
@@ -52,11 +52,14 @@ pub struct ReachSets {
     moves: Moves,
     pub(super) graph: Arc<Graph>,
     source: HybridSystem,
+    /// The system as it is stated, with norms.
+    stated: HybridSystem,
     /// Magnitudes of the states at the start and the goal.
     pub(super) sizes: Vec<f64>,
     ends: (Region, Region),
     first_inputs: Option<Vec<Interval>>,
     pub(super) options: SetOptions,
+    norm_excess: f64,
     forward: Vec<Shared>,
     backward: Vec<Shared>,
     /// From this step on, the forward sets no longer grow.
@@ -88,6 +91,12 @@ impl ReachSets {
         options.check(system.states.len())?;
         start.check(system, "the start")?;
         goal.check(system, "the goal")?;
+        // Sets have polygons for norms.
+        let around = system.polyhedral(Bracket::Around);
+        let norms = system.all_norms().chain(&start.norms).chain(&goal.norms);
+        let norm_excess = norms.map(NormLimit::excess).fold(0.0, f64::max);
+        let stated = system.clone();
+        let (system, start, goal) = (&around, start.polyhedral(), goal.polyhedral());
         let (from, to) = (closed(&system.states, &start), closed(&system.states, &goal));
         let sizes = from.iter().zip(&to).map(|(a, b)| a.magnitude().max(b.magnitude()));
         let moves = Moves::new(system, &options.exclusive);
@@ -98,6 +107,8 @@ impl ReachSets {
             moves,
             graph: Arc::new(graph),
             source: system.clone(),
+            stated,
+            norm_excess,
             sizes: sizes.collect(),
             ends: (start, goal),
             first_inputs: None,
@@ -111,6 +122,12 @@ impl ReachSets {
         sets.forward.push(sets.end_layers(0, &sets.ends.0));
         sets.backward.push(sets.end_layers(system.settles(), &sets.ends.1));
         Ok(sets)
+    }
+
+    /// How far the polygons that stand for norms reach beyond them, at most, relative to the bounds; 0
+    /// without norms. A polygon around a disc has 16 sides and reaches `1/cos(π/16) - 1`, 2 %, beyond it.
+    pub fn norm_excess(&self) -> f64 {
+        self.norm_excess
     }
 
     /// Compiles the system for every step up to the one from which on nothing changes.
@@ -162,7 +179,7 @@ impl ReachSets {
 
     /// The system of the sets.
     pub fn system(&self) -> &HybridSystem {
-        &self.source
+        &self.stated
     }
 
     /// The options in force.

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::hybrid::affine::{self, Behaviour};
 use crate::hybrid::system::Choice;
 use crate::interval::Interval;
-use crate::model::{Affine, Either, Literal, Method, Model, Row, Term};
+use crate::model::{Affine, ConicRow, Either, Literal, Method, Model, Row, Term};
 
 /// The least factor with which a change may be stated by the next state, because the error of the
 /// state is divided by it (no unit).
@@ -69,6 +69,12 @@ impl ChoiceStep<'_> {
             model.add((family.as_str(), self.step), left.le(row.limit))?;
             note(background, family, describes(row.label));
         }
+        if count == 1 {
+            for (family, row, describes) in self.norms(0, names) {
+                model.add((family.as_str(), self.step), row)?;
+                note(background, family, describes);
+            }
+        }
         let selectors = (0..count).map(|j| self.variables().taken.literal(j, self.step));
         let Some(selectors) = selectors.collect::<Option<Vec<Literal>>>() else { return Ok(()) };
         let implications = count == 2 && matches!(self.method, None | Some(Method::BigM));
@@ -79,6 +85,14 @@ impl ChoiceStep<'_> {
         for (j, literal) in selectors.iter().enumerate() {
             let mut term = Term::default();
             for (family, row, describes) in self.statements(j, model, names)? {
+                if implications || !describes {
+                    model.add((family.as_str(), self.step), literal.implies(row))?;
+                    note(background, family, describes);
+                } else {
+                    term = term.and(row);
+                }
+            }
+            for (family, row, describes) in self.norms(j, names) {
                 if implications || !describes {
                     model.add((family.as_str(), self.step), literal.implies(row))?;
                     note(background, family, describes);
@@ -213,6 +227,49 @@ impl ChoiceStep<'_> {
             named.push((family, self.tightest(transition, group, halves, model)?, true));
         }
         Ok(named)
+    }
+
+    /// The norm limits of a transition, on the start of the step and then on the prediction.
+    fn norms(&self, transition: usize, names: &mut Names) -> Vec<(String, ConicRow, bool)> {
+        let system = &self.program.system;
+        let own = &self.choice().transitions[transition];
+        let of = if self.is_alone() { "" } else { &self.choice().name };
+        let width = system.states.len() + system.inputs.len();
+        let flow = affine::flow(&own.flow);
+        let at_start = |factors: &[f64], constant: f64| {
+            expression(
+                self.program,
+                &affine::Map { factors: factors.to_vec(), constant },
+                self.step,
+            )
+        };
+        let predicted = |factors: &[f64], constant: f64| {
+            let used = || factors.iter().enumerate().filter(|(_, factor)| **factor != 0.0);
+            if used().all(|(i, _)| self.as_predicted[i]) {
+                let mut sum = Affine::constant(constant);
+                for (i, factor) in used() {
+                    if let Some(next) = self.program.states[i].get(self.step + 1) {
+                        sum.add_term(*factor, next);
+                    }
+                }
+                return sum;
+            }
+            let factors = factors.iter().copied();
+            let map = affine::combine(factors, &flow, width, constant);
+            expression(self.program, &map, self.step)
+        };
+        let mut rows = Vec::new();
+        for (k, norm) in own.norms.iter().chain(&own.prediction_norms).enumerate() {
+            let row = match k < own.norms.len() {
+                true => norm.row(self.step, at_start),
+                false => norm.row(self.step, predicted),
+            };
+            let label = Label::Guard { number: usize::MAX - k, is_limit: norm.is_limit };
+            let key = (self.number, transition, Some(label), false);
+            let family = names.keyed(key, &[of, &own.name, &norm.name]);
+            rows.push((family, row, !norm.is_limit));
+        }
+        rows
     }
 
     /// "The change is the transition's", by the group's variable or by one of the next states,

@@ -304,6 +304,19 @@ impl Writer<'_> {
                 self.background.insert(family);
             }
         }
+        for limit in &self.system.norms {
+            let family = self.names.family(&[&limit.name]);
+            let last = if limit.is_joint(n) { steps } else { steps + 1 };
+            for t in 0..last {
+                let row = limit.row(t, |factors, constant| {
+                    expression(self.program, &Map { factors: factors.to_vec(), constant }, t)
+                });
+                self.model.add((family.as_str(), t), row)?;
+            }
+            if !limit.is_limit {
+                self.background.insert(family);
+            }
+        }
         Ok(())
     }
 

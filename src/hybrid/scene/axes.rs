@@ -1,15 +1,14 @@
 //! Axes by their names, and regions of positions and velocities along them.
 
 use crate::error::Error;
-use crate::hybrid::system::{HybridSystem, Region, State};
+use crate::hybrid::system::{HybridSystem, Region, State, SystemRow};
 use crate::interval::Interval;
-use crate::model::Row;
 
 /// The names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The region of positions and velocities along some axes where rows of them hold.
-pub(crate) fn region_where<R: IntoIterator<Item = Row>>(
+pub(crate) fn region_where<R: IntoIterator<Item: Into<SystemRow>>>(
     axes: usize,
     rows: impl FnOnce(&[State], &[State]) -> R,
 ) -> Result<Region, Error> {

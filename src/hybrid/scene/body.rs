@@ -4,12 +4,12 @@ use faer::Mat;
 
 use super::axes::region_where;
 use super::error::SceneError;
+use super::geometry::dot;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
-use crate::hybrid::system::{Region, State};
+use crate::hybrid::system::{Region, State, SystemRow};
 use crate::interval::Interval;
-use crate::model::Row;
 use crate::setters::setters;
 
 /// The shape of a body, around its position. It does not turn.
@@ -58,8 +58,12 @@ pub struct Body {
     pub domain: Vec<Interval>,
     /// The largest speed along each axis at a sample, in m/s.
     pub max_speed: f64,
+    /// Whether it is the largest length of the velocity.
+    pub(super) is_speed_ball: bool,
     /// The range of the input along each axis, in m/s².
     pub acceleration: Vec<Interval>,
+    /// The largest length of the input, in m/s², if it is limited.
+    pub(super) acceleration_ball: Option<f64>,
     /// Its mass, in kg; default 1.
     pub mass: f64,
     /// Its shape; default a point.
@@ -93,6 +97,8 @@ impl Body {
         Body {
             name: name.into(),
             max_speed,
+            is_speed_ball: false,
+            acceleration_ball: None,
             acceleration: vec![range; domain.len()],
             gravity: vec![0.0; domain.len()],
             domain,
@@ -141,7 +147,7 @@ impl Body {
     /// # Errors
     ///
     /// Those of [`HybridSystem::region`](crate::hybrid::HybridSystem::region).
-    pub fn with_goal_where<R: IntoIterator<Item = Row>>(
+    pub fn with_goal_where<R: IntoIterator<Item: Into<SystemRow>>>(
         self,
         rows: impl FnOnce(&[State], &[State]) -> R,
     ) -> Result<Self, Error> {
@@ -149,10 +155,48 @@ impl Body {
         Ok(self.with_goal(region))
     }
 
-    /// Sets the range of the input along each axis, in m/s².
+    /// Limits the length of the velocity at a sample, in m/s, instead of its entry along each axis: the body
+    /// is as fast in one direction as in any other.
+    ///
+    /// ```
+    /// use carom::hybrid::scene::{Body, Scene};
+    /// use carom::prelude::*;
+    ///
+    /// // 3 m/s and 4 m/s² in any direction; the least fuel to a point at rest.
+    /// let at_rest = |x: f64, y: f64| [x, y, 0.0, 0.0];
+    /// let puck = Body::new("puck", [0.0..=9.0, 0.0..=9.0], 3.0, 4.0)
+    ///     .with_speed_ball(3.0)
+    ///     .with_acceleration_ball(4.0)
+    ///     .with_start(at_rest(1.0, 1.0))
+    ///     .with_goal(at_rest(4.0, 5.0));
+    /// let mut program = Scene::new(0.25).with_body(puck).program(12)?;
+    /// let fuel = program.fuel()?;
+    /// program.minimize(fuel)?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
+    /// let speed = |v: &Vec<f64>| v[0].hypot(v[1]);
+    /// assert!(plan.bodies[0].velocity.iter().all(|v| speed(v) < 3.0 + 2e-6));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_speed_ball(mut self, max_speed: f64) -> Self {
+        (self.max_speed, self.is_speed_ball) = (max_speed, true);
+        self
+    }
+
+    /// Limits the length of the input, in m/s², instead of its entry along each axis: a thrust that can be
+    /// turned in any direction.
+    #[must_use]
+    pub fn with_acceleration_ball(mut self, max_acceleration: f64) -> Self {
+        self.acceleration = vec![Interval::new(-max_acceleration, max_acceleration); self.axes()];
+        self.acceleration_ball = Some(max_acceleration);
+        self
+    }
+
+    /// Sets the range of the input along each axis, in m/s², without a limit of its length.
     #[must_use]
     pub fn with_acceleration(mut self, ranges: impl IntoIterator<Item: Into<Interval>>) -> Self {
         self.acceleration = ranges.into_iter().map(Into::into).collect();
+        self.acceleration_ball = None;
         self
     }
 
@@ -176,6 +220,11 @@ impl Body {
     pub fn with_dynamics(mut self, k: impl Into<Matrix>, d: impl Into<Matrix>) -> Self {
         self.dynamics = Some((faer(k), faer(d)));
         self
+    }
+
+    /// Whether a length of its velocity or its input is limited.
+    pub(super) fn has_ball(&self) -> bool {
+        self.is_speed_ball || self.acceleration_ball.is_some()
     }
 
     /// Number of axes.
@@ -276,6 +325,13 @@ impl Body {
                 let what = format!("the first acceleration of `{name}`");
                 let limits = format!("within {} and {}", range.lower, range.upper);
                 return Err(Error::out_of_range(what, *value, limits));
+            }
+        }
+        if let (Some(most), Some(first)) = (self.acceleration_ball, &self.first) {
+            let length = dot(first, first).sqrt();
+            if length > most * (1.0 + 1e-12) {
+                let what = format!("the length of the first acceleration of `{name}`");
+                return Err(Error::out_of_range(what, length, format!("at most {most}")));
             }
         }
         let sizes = match &self.shape {

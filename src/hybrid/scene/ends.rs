@@ -5,6 +5,7 @@ use super::axes::AXES;
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair, contacts};
 use super::error::SceneError;
+use super::geometry::dot;
 use super::statement::{INSIDE, Scene};
 use crate::error::Error;
 use crate::hybrid::system::{Region, check_cut, check_ends};
@@ -38,6 +39,13 @@ impl Body {
             }
             check_cut(side, expected)?;
         }
+        for disc in &region.norms {
+            let found = disc.bound.factors.len();
+            if found != expected {
+                let name = format!("the disc {} of the {word} of {}", disc.name, self.name);
+                return Err(SceneError::Axes { name, found, expected }.into());
+            }
+        }
         let finite = |range: &&Interval| range.lower.is_finite() && range.upper.is_finite();
         region.ranges.iter().filter(finite).try_for_each(|range| check_ends(&self.name, *range))
     }
@@ -63,7 +71,20 @@ impl Body {
             }
             left.push(if both.is_empty() { Interval::point(both.lower) } else { both });
         }
-        for side in &region.halfspaces {
+        let polygon = region.polyhedral();
+        if self.is_speed_ball {
+            // The slowest state of the box.
+            let slowest: Vec<f64> = left[axes..].iter().map(|range| range.nearest(0.0)).collect();
+            let nearest = dot(&slowest, &slowest).sqrt();
+            let limit = self.max_speed;
+            if nearest - limit > FEASIBILITY * margin_scale(nearest, limit) {
+                let what = "the speed".to_owned();
+                let range = Interval::point(nearest);
+                let limit = format!("largest speed, 0 to {limit} m/s");
+                return Err(SceneError::Limits { body: body(), end, what, range, limit });
+            }
+        }
+        for side in &polygon.halfspaces {
             let back: Vec<f64> = side.normal.iter().map(|n| -n).collect();
             // Not -0.
             let (nearest, limit) = (0.0 - farthest(&left, &back), side.limit_at(0));

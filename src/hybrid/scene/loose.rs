@@ -27,6 +27,8 @@ pub(super) fn loose(stated: &Stated) -> HybridSystem {
         }
     }
     system.limits = axes.apart(&system.limits, true);
+    // Domains and ranges remain of the limits of lengths.
+    system.clear_norms();
     system
 }
 

@@ -144,14 +144,23 @@ impl SceneProgram {
         Ok(effort)
     }
 
-    /// The sum of the magnitudes of all inputs, in m/s²; adds variables to the model.
+    /// The fuel of all bodies, in m/s²; adds variables to the model. Of a body with an [acceleration
+    /// ball](super::Body::with_acceleration_ball), whose thrust can be turned, it is the sum of the lengths of
+    /// the inputs, and of others the sum of their magnitudes along each axis.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::DuplicateName`] at the second call.
     pub fn fuel(&mut self) -> Result<Affine, Error> {
         let mut fuel = Affine::zero();
+        let axes = self.scene.axes();
         for (k, family) in self.variables().inputs().to_vec().iter().enumerate() {
+            if self.scene.bodies[k / axes].acceleration_ball.is_some() {
+                if k % axes == 0 {
+                    fuel += self.lengths(k)?;
+                }
+                continue;
+            }
             for (t, variable) in family.iter().enumerate() {
                 let most = self.program.model.variable_ref(variable)?.bounds().magnitude();
                 let name = format!("fuel_{k}");
@@ -164,6 +173,18 @@ impl SceneProgram {
             }
         }
         Ok(fuel)
+    }
+
+    /// The sum of the lengths of a body's inputs, of which the first is given.
+    fn lengths(&mut self, first: usize) -> Result<Affine, Error> {
+        let own = &self.program.variables().inputs()[first..first + self.scene.axes()];
+        let own = own.to_vec();
+        let (steps, model) = (self.program.steps(), &mut self.program.model);
+        let length = |t: usize| {
+            let entries = own.iter().filter_map(|family| family.get(t));
+            Ok(Affine::from(model.norm((format!("fuel_{first}"), t), entries)?))
+        };
+        (0..steps).map(length).sum()
     }
 
     /// The number of hits of all bodies.

@@ -128,7 +128,10 @@ impl Stated {
         let few = moves.fold(1, usize::saturating_mul) <= MOST_MOVES;
         let apart =
             self.contacts.iter().all(hits_apart) && self.scene.bodies.iter().all(Body::is_apart);
-        match (few || apart && self.contacts.iter().all(is_aligned), apart) {
+        // Lengths couple axes.
+        let apart_or_few = few || apart && self.contacts.iter().all(is_aligned);
+        let has_ball = self.scene.bodies.iter().any(Body::has_ball);
+        match (apart_or_few && !(has_ball && apart), apart) {
             (true, _) => self.sets_of(&self.system).map(Some),
             (false, true) => self.sets_of(&loose(self)).map(Some),
             (false, false) => Ok(None),

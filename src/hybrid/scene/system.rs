@@ -9,7 +9,7 @@ use super::law::Writer;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Region, Transition};
+use crate::hybrid::system::{Choice, Halfspace, HybridSystem, NormLimit, Region, Transition};
 use crate::interval::Interval;
 
 /// A checked scene with its contacts and its hybrid system.
@@ -62,6 +62,7 @@ impl Scene {
             }
         }
         system = limits.into_iter().fold(system, HybridSystem::with_limit);
+        system.norms.extend(scene.balls());
         for contact in &mut contacts {
             let writer = Writer { scene: &scene, contact, flow: &flow };
             let (transitions, modes) = writer.transitions()?;
@@ -107,27 +108,52 @@ impl Scene {
         LinearSystem::new(a, b, c)
     }
 
+    /// The limits of the lengths of velocities and inputs.
+    fn balls(&self) -> Vec<NormLimit> {
+        let (d, count) = (self.axes(), self.bodies.len());
+        let mut balls = Vec::new();
+        for (b, body) in self.bodies.iter().enumerate() {
+            if body.is_speed_ball {
+                let name = format!("speed of {}", body.name);
+                let first = 2 * d * b + d;
+                balls.push(NormLimit::ball(name, first..first + d, 2 * d * count, body.max_speed));
+            }
+            if let Some(most) = body.acceleration_ball {
+                let name = format!("acceleration of {}", body.name);
+                let first = 2 * d * count + d * b;
+                balls.push(NormLimit::ball(name, first..first + d, 3 * d * count, most));
+            }
+        }
+        balls
+    }
+
     /// Starts or goals of all bodies as one region.
     pub(super) fn ends(&self, system: &HybridSystem, is_start: bool) -> Region {
         let block = 2 * self.axes();
         let mut ranges = Vec::new();
-        let mut halfspaces = Vec::new();
+        let (mut halfspaces, mut norms) = (Vec::new(), Vec::new());
         for (b, body) in self.bodies.iter().enumerate() {
             let region = if is_start { &body.start } else { &body.goal };
             match region {
                 None => ranges.extend(vec![Interval::REALS; block]),
                 Some(region) => {
                     ranges.extend(&region.ranges);
+                    let place = |factors: &[f64]| {
+                        let mut wide = vec![0.0; system.states.len()];
+                        wide[block * b..block * (b + 1)].copy_from_slice(factors);
+                        wide
+                    };
+                    norms.extend(region.norms.iter().map(|disc| disc.placed(place)));
                     halfspaces.extend(region.halfspaces.iter().map(|halfspace| {
                         let mut wide = halfspace.clone();
-                        wide.normal = vec![0.0; system.states.len()];
-                        wide.normal[block * b..block * (b + 1)].copy_from_slice(&halfspace.normal);
+                        wide.normal = place(&halfspace.normal);
                         wide
                     }));
                 }
             }
         }
-        halfspaces.into_iter().fold(Region::from(ranges), Region::with_halfspace)
+        let region = halfspaces.into_iter().fold(Region::from(ranges), Region::with_halfspace);
+        Region { norms, ..region }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::hybrid::system::Halfspace;
+use crate::hybrid::system::{Halfspace, NormLimit};
 use crate::interval::Interval;
 use crate::sum::Sum;
 use crate::tolerance::margin_scale;
@@ -116,6 +116,17 @@ impl Slack {
         }
         let scale = margin_scale(largest, limit);
         Some(Slack { condition: condition(halfspace.name.clone()), slack: slack.value(), scale })
+    }
+
+    /// Of a norm at a point of states, or of states and then inputs.
+    pub(super) fn of_norm(
+        condition: impl FnOnce(String) -> Condition,
+        norm: &NormLimit,
+        point: &[f64],
+        step: usize,
+    ) -> Self {
+        let (slack, largest) = norm.slack(point, step);
+        Slack { condition: condition(norm.name.clone()), slack, scale: margin_scale(largest, 0.0) }
     }
 
     /// The slack in units of the scale, by which conditions are compared.

@@ -34,7 +34,10 @@ pub(super) fn sample_conditions(system: &HybridSystem, step: usize, state: &[f64
     let limits = limits.filter_map(|limit| {
         Slack::of_halfspace(|name| Condition::Limit { name }, limit, state, step)
     });
-    domains.chain(limits).collect()
+    let norms = system.norms.iter().filter(|norm| !norm.is_joint(n));
+    let norms =
+        norms.map(|norm| Slack::of_norm(|name| Condition::Limit { name }, norm, state, step));
+    domains.chain(limits).chain(norms).collect()
 }
 
 impl StepStart<'_> {
@@ -49,7 +52,10 @@ impl StepStart<'_> {
         let limits = self.system.limits.iter().filter(|limit| limit.is_joint(n));
         let slack =
             |limit| Slack::of_halfspace(|name| Condition::Limit { name }, limit, &point, self.step);
-        limits.filter_map(slack).collect()
+        let norms = self.system.norms.iter().filter(|norm| norm.is_joint(n));
+        let norms = norms
+            .map(|norm| Slack::of_norm(|name| Condition::Limit { name }, norm, &point, self.step));
+        limits.filter_map(slack).chain(norms).collect()
     }
 
     /// Where a transition leads, and the conditions of its own: guards and input ranges.
@@ -72,7 +78,16 @@ impl StepStart<'_> {
             let range = self.system.input_range(choice, transition, k, self.step)?;
             Some(Slack::of_range(Condition::InputRange { input: name.clone() }, range, value))
         });
-        let slacks = guards.chain(predicted).chain(ranges).collect();
+        let norms = transition
+            .norms
+            .iter()
+            .map(|norm| Slack::of_norm(|name| Condition::Guard { name }, norm, &joint, self.step));
+        let predicted_norms = transition.prediction_norms.iter().map(|norm| {
+            let condition = |name| Condition::PredictionGuard { name };
+            Slack::of_norm(condition, norm, &prediction, self.step)
+        });
+        let norms = norms.chain(predicted_norms);
+        let slacks = guards.chain(predicted).chain(ranges).chain(norms).collect();
         let outputs = transition.outputs.iter().map(|output| {
             let from = if output.is_at_start { &joint } else { &prediction };
             let mut sum = Sum::new(output.constant.get(self.step).copied().unwrap_or(0.0));

@@ -59,6 +59,7 @@ impl HybridSystem {
         system.handles.begin_at(step);
         system.inputs.iter_mut().for_each(|(_, range)| *range = range.from_step(step));
         system.limits.iter_mut().for_each(|limit| *limit = limit.from_step(step));
+        system.norms.iter_mut().for_each(|limit| *limit = limit.from_step(step));
         let choices = system.choices.iter_mut();
         choices.flat_map(|choice| &mut choice.transitions).for_each(|t| t.begin_at(step));
         system
@@ -74,8 +75,11 @@ impl HybridSystem {
         let transition = |(choice, t): (&Choice, &Transition)| {
             let guard = t.guards.iter().chain(&t.prediction_guards);
             let mut guard = guard.filter(|guard| guard.limit.varies());
-            let what = match (guard.next(), t.by_step()) {
-                (Some(guard), _) => format!("the guard `{}`", guard.name),
+            let mut norm = t.norms.iter().chain(&t.prediction_norms).filter(|norm| norm.varies());
+            let guard = guard.next().map(|guard| &guard.name);
+            let guard = guard.or_else(|| norm.next().map(|norm| &norm.name));
+            let what = match (guard, t.by_step()) {
+                (Some(guard), _) => format!("the guard `{guard}`"),
                 (None, Some(what)) => what,
                 (None, None) => return None,
             };
@@ -89,7 +93,10 @@ impl HybridSystem {
         let mut series = self.handles.series().filter(|(_, values)| values.varies());
         let series = series.next().map(|(name, _)| format!("the series `{name}`"));
         let own = self.inputs.iter().find_map(range).or(series);
+        let mut norms = self.norms.iter().filter(|norm| norm.varies());
+        let norm = || norms.next().map(|norm| format!("the limit `{}`", norm.name));
         own.or_else(|| self.limits.iter().find_map(limit))
+            .or_else(norm)
             .or_else(|| transitions.find_map(transition))
     }
 }
@@ -99,6 +106,8 @@ impl Transition {
     fn begin_at(&mut self, step: usize) {
         let guards = self.guards.iter_mut().chain(&mut self.prediction_guards);
         guards.for_each(|guard| *guard = guard.from_step(step));
+        let norms = self.norms.iter_mut().chain(&mut self.prediction_norms);
+        norms.for_each(|norm| *norm = norm.from_step(step));
         self.inputs.iter_mut().for_each(|(_, range)| *range = range.from_step(step));
         if let Some(reset) = &mut self.reset {
             reset.offset = reset.offset.from_step(step);

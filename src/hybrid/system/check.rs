@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use super::halfspace::Halfspace;
+use super::norm_limit::NormLimit;
 use super::transition::{Reset, Transition};
 use super::{Choice, HybridSystem};
 use crate::error::{Error, ErrorKind, check_finite, check_length};
@@ -45,6 +46,7 @@ impl HybridSystem {
         }
         let (n, m) = (self.states.len(), self.inputs.len());
         self.limits.iter().try_for_each(|limit| check_halfspace(limit, n, m))?;
+        self.norms.iter().try_for_each(|limit| check_norm(limit, n, m))?;
         if !self.disturbance.is_empty() {
             check_length("the list of disturbances", self.disturbance.len(), n)?;
             let named = self.states.iter().zip(&self.disturbance);
@@ -94,6 +96,8 @@ impl HybridSystem {
         check_flow(&transition.name, &transition.flow, n, m)?;
         transition.guards.iter().try_for_each(|guard| check_halfspace(guard, n, m))?;
         transition.prediction_guards.iter().try_for_each(|guard| check_halfspace(guard, n, 0))?;
+        transition.norms.iter().try_for_each(|guard| check_norm(guard, n, m))?;
+        transition.prediction_norms.iter().try_for_each(|guard| check_norm(guard, n, 0))?;
         for (input, range) in &transition.inputs {
             if self.inputs.iter().all(|(name, _)| name != input) {
                 return Err(Error::unknown_name(input, "input of the system"));
@@ -198,19 +202,45 @@ pub(crate) fn check_halfspace(
     inputs: usize,
 ) -> Result<(), Error> {
     let name = &halfspace.name;
-    let length = halfspace.normal.len();
-    if length != states && length != states + inputs {
-        let range = match inputs {
-            0 => format!("{states}, one entry per state"),
-            _ => format!("{states}, one entry per state, or {}, with the inputs", states + inputs),
-        };
-        let what = format!("the length of the normal of the half-space `{name}`");
-        return Err(Error::out_of_range(what, length as f64, range));
-    }
+    let what = || format!("the length of the normal of the half-space `{name}`");
+    check_length_of(what, halfspace.normal.len(), states, inputs)?;
     check_numbers(name, "a number", halfspace.normal.iter().copied())?;
     halfspace.limit.check(&format!("the limit of `{name}`"))?;
     let limits = halfspace.limit.values().copied();
     check_numbers(name, "a number", limits.filter(|&limit| limit != f64::INFINITY))
+}
+
+/// Each part of the norm has a factor per state, or one per state and input.
+pub(super) fn check_norm(norm: &NormLimit, states: usize, inputs: usize) -> Result<(), Error> {
+    let name = &norm.name;
+    if norm.entries.is_empty() {
+        return Err(ErrorKind::EmptyRow { name: name.clone() }.into());
+    }
+    for part in norm.parts() {
+        let what = || format!("the number of factors of the norm `{name}`");
+        check_length_of(what, part.factors.len(), states, inputs)?;
+        part.constant.check(&format!("a constant of `{name}`"))?;
+        let numbers = part.factors.iter().chain(part.constant.values());
+        check_numbers(name, "a number", numbers.copied())?;
+    }
+    Ok(())
+}
+
+/// Refuses another length than one entry per state, or one per state and input.
+fn check_length_of(
+    what: impl Fn() -> String,
+    length: usize,
+    states: usize,
+    inputs: usize,
+) -> Result<(), Error> {
+    if length == states || length == states + inputs {
+        return Ok(());
+    }
+    let range = match inputs {
+        0 => format!("{states}, one entry per state"),
+        _ => format!("{states}, one entry per state, or {}, with the inputs", states + inputs),
+    };
+    Err(Error::out_of_range(what(), length as f64, range))
 }
 
 /// Refuses ranges whose ends are not finite, crossed, or too large.

@@ -3,11 +3,13 @@
 use super::HybridSystem;
 use super::halfspace::Halfspace;
 use super::handles::Meaning;
+use super::norm_limit::NormLimit;
 use super::region::Region;
 use super::schedule::Schedule;
+use super::system_row::SystemRow;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::interval::Interval;
-use crate::model::{Affine, Row, Variable};
+use crate::model::{Affine, ConicRow, Row, Variable};
 
 /// The coefficients of an affine expression.
 pub(crate) struct Coefficients {
@@ -178,16 +180,27 @@ impl HybridSystem {
     }
 
     /// A region of states, as rows: `[x.equals(0.0), v.within(-1.0, 1.0)]`. Rows may combine states,
-    /// and modes are stated as `on.equals(1.0)`, or `(on + starting).equals(1.0)` for either of them.
+    /// and modes are stated as `on.equals(1.0)`, or `(on + starting).equals(1.0)` for either of them. Discs
+    /// are stated as `norm([x - 4.0, y - 1.0]).le(0.5)`; [`SystemRow`] is either of both.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::Misplaced`] for rows of anything else, [`ErrorKind::ForeignHandle`] for handles
     /// of another system, [`ErrorKind::CrossedBounds`] for rows that contradict each other.
-    pub fn region(&self, rows: impl IntoIterator<Item = Row>) -> Result<Region, Error> {
+    pub fn region<R: Into<SystemRow>>(
+        &self,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<Region, Error> {
         const PLACE: &str = "a region of states";
         let mut region = Region::from(vec![Interval::REALS; self.states.len()]);
         for row in rows {
+            let row = match row.into() {
+                SystemRow::Row(row) => row,
+                SystemRow::Conic(row) => {
+                    region.norms.push(self.disc(&row, PLACE)?);
+                    continue;
+                }
+            };
             let all = self.coefficients(row.expression(), PLACE)?;
             if !all.modes.is_empty() {
                 let allowed = self.modes_of(&row, all, PLACE)?;
@@ -220,6 +233,17 @@ impl HybridSystem {
             }
         }
         Ok(region)
+    }
+
+    /// A disc of a region.
+    fn disc(&self, row: &ConicRow, place: &str) -> Result<NormLimit, Error> {
+        let (moment, disc) = self.norm_limit(None, row, place)?;
+        if moment == Moment::Prediction || disc.bound.factors.len() != self.states.len() {
+            let (name, place) = (format!("the row `{}`", disc.name), place.to_owned());
+            let help = "a region is stated with states and modes";
+            return Err(ErrorKind::Misplaced { name, place, help }.into());
+        }
+        Ok(disc)
     }
 
     /// Allows a region only those of its modes that a row allows too.

@@ -3,12 +3,14 @@
 #[cfg(doc)]
 use super::TransitionMut;
 use super::check::check_name;
+use super::coefficients::Moment;
 use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
+use super::system_row::SystemRow;
 use super::{HybridSystem, Schedule};
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::interval::Interval;
-use crate::model::{Affine, Row, Variable};
+use crate::model::{Affine, Variable};
 
 impl HybridSystem {
     /// Declares a state with its domain, in the state's unit: at every sample the state lies in it.
@@ -116,16 +118,35 @@ impl HybridSystem {
     }
 
     /// Adds a limit on the states at every sample, or on states and inputs in every step. It could be
-    /// dropped: explanations name it, and say whether dropping it would help.
+    /// dropped: explanations name it, and say whether dropping it would help. The row may limit a
+    /// length:
+    ///
+    /// ```
+    /// use carom::model::norm;
+    /// use carom::prelude::*;
+    ///
+    /// let mut puck = HybridSystem::new(1.0); // s
+    /// let x = puck.state("x", 0.0, 9.0)?; // m
+    /// let y = puck.state("y", 0.0, 9.0)?; // m
+    /// let vx = puck.input("vx", -9.0, 9.0)?; // m/s
+    /// let vy = puck.input("vy", -9.0, 9.0)?; // m/s
+    /// puck.limit("speed", norm([vx, vy]).le(2.5))?;
+    /// puck.mode("slide")?.next([x.is(x + vx), y.is(y + vy)])?;
+    /// // 3 m and 4 m away: 5 m at 2.5 m/s.
+    /// let (start, goal) = ([x.equals(0.0), y.equals(0.0)], [x.equals(3.0), y.equals(4.0)]);
+    /// let found = puck.shortest(start, goal, &mut BranchAndBound::default())?;
+    /// assert_eq!(found.steps, Some(2));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
     ///
     /// # Errors
     ///
     /// [`ErrorKind::Misplaced`] for a row that is not of states, inputs and series;
     /// [`ErrorKind::ForeignHandle`], [`ErrorKind::EmptyRow`], [`ErrorKind::UnlimitedRow`],
-    /// [`ErrorKind::InvalidName`].
-    pub fn limit(&mut self, name: &str, row: Row) -> Result<(), Error> {
+    /// [`ErrorKind::InvalidName`]. For norms and squares also those of [`Model::add`](crate::model::Model::add).
+    pub fn limit(&mut self, name: &str, row: impl Into<SystemRow>) -> Result<(), Error> {
         check_name(name)?;
-        self.add_limit(Some((name, true)), &row)
+        self.add_limit(Some((name, true)), &row.into())
     }
 
     /// Adds a row that holds at every sample, or in every step, by the nature of the system:
@@ -134,19 +155,34 @@ impl HybridSystem {
     /// # Errors
     ///
     /// As for [`limit`](HybridSystem::limit).
-    pub fn invariant(&mut self, row: Row) -> Result<(), Error> {
-        self.add_limit(None, &row)
+    pub fn invariant(&mut self, row: impl Into<SystemRow>) -> Result<(), Error> {
+        self.add_limit(None, &row.into())
     }
 
-    fn add_limit(&mut self, name: Option<(&str, bool)>, row: &Row) -> Result<(), Error> {
+    fn add_limit(&mut self, name: Option<(&str, bool)>, row: &SystemRow) -> Result<(), Error> {
         const PLACE: &str = "a limit of the system";
-        let (moment, halves) = self.halfspaces(name, row, PLACE)?;
-        if moment == super::coefficients::Moment::Prediction {
-            let name = format!("the prediction in `{}`", self.row_text(row));
+        let (moment, text) = match row {
+            SystemRow::Row(row) => {
+                let (moment, halves) = self.halfspaces(name, row, PLACE)?;
+                if moment == Moment::Start {
+                    self.limits.extend(halves);
+                }
+                (moment, self.row_text(row))
+            }
+            SystemRow::Conic(row) => {
+                let (moment, limit) = self.norm_limit(name, row, PLACE)?;
+                let text = limit.name.clone();
+                if moment == Moment::Start {
+                    self.norms.push(limit);
+                }
+                (moment, text)
+            }
+        };
+        if moment == Moment::Prediction {
+            let name = format!("the prediction in `{text}`");
             let help = "limits hold at every sample; use the state itself";
             return Err(ErrorKind::Misplaced { name, place: PLACE.to_owned(), help }.into());
         }
-        self.limits.extend(halves);
         Ok(())
     }
 
@@ -222,7 +258,8 @@ impl HybridSystem {
     /// Refuses names that are taken, and declarations of states and inputs when the shape of flows and
     /// limits is settled.
     fn check_declaration(&self, name: &str) -> Result<(), Error> {
-        if self.flow.is_some() || !self.limits.is_empty() || !self.choices.is_empty() {
+        let is_limited = !self.limits.is_empty() || !self.norms.is_empty();
+        if self.flow.is_some() || is_limited || !self.choices.is_empty() {
             let (name, place) =
                 (format!("`{name}`"), "a statement after a limit, a mode or a flow".into());
             let help = "declare all states and inputs first";

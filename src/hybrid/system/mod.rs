@@ -10,6 +10,7 @@
 //! | a transition that is being stated | `system/transition_mut.rs` |
 //! | rates and next values | `system/flow.rs`, `system/flow_rows.rs` |
 //! | expressions and rows as coefficients | `system/coefficients.rs` |
+//! | rows of norms and squares | `system/system_row.rs`, `system/norm_rows.rs` |
 //!
 //! | part as numbers | file |
 //! | --- | --- |
@@ -17,6 +18,7 @@
 //! | a choice among transitions, modes, dwell times | `system/choice.rs` |
 //! | a transition: flow, guards, reset, outputs | `system/transition.rs` |
 //! | a half-space | `system/halfspace.rs` |
+//! | a norm limit; its polygons | `system/norm_limit.rs`; `system/polygons.rs` |
 //! | values by step | `system/schedule.rs` |
 //! | building it from numbers | `system/matrices.rs` |
 //! | ranges of inputs under several choices | `system/input_range.rs` |
@@ -45,11 +47,15 @@ mod mixed_logical_dynamical;
 mod mixed_logical_rows;
 mod modes;
 mod named;
+mod norm_limit;
+mod norm_rows;
 mod piecewise_affine;
+mod polygons;
 mod region;
 mod schedule;
 #[cfg(feature = "serde")]
 mod serialized;
+mod system_row;
 mod text;
 mod transition;
 mod transition_mut;
@@ -62,9 +68,12 @@ pub use into_region::IntoRegion;
 pub(crate) use into_region::StatedRegion;
 pub use linear_complementarity::LinearComplementarity;
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
+pub(crate) use norm_limit::NormLimit;
+pub(crate) use polygons::Bracket;
 pub use region::Region;
 pub(crate) use region::check_cut;
 pub use schedule::Schedule;
+pub use system_row::SystemRow;
 pub use transition::Transition;
 pub use transition_mut::TransitionMut;
 
@@ -128,6 +137,8 @@ pub struct HybridSystem {
     /// start of every step.
     #[doc(hidden)]
     pub limits: Vec<Halfspace>,
+    /// Limits of lengths, as the limits.
+    pub(crate) norms: Vec<NormLimit>,
     /// The common flow, to which the choices add; needed with two choices or more.
     #[doc(hidden)]
     pub flow: Option<LinearSystem>,
@@ -156,6 +167,7 @@ impl PartialEq for HybridSystem {
             && self.states == other.states
             && self.inputs == other.inputs
             && self.limits == other.limits
+            && self.norms == other.norms
             && self.flow == other.flow
             && self.choices == other.choices
             && self.disturbance == other.disturbance
@@ -174,6 +186,7 @@ impl HybridSystem {
             states: Vec::new(),
             inputs: Vec::new(),
             limits: Vec::new(),
+            norms: Vec::new(),
             flow: None,
             choices: Vec::new(),
             most_events: None,
@@ -207,6 +220,8 @@ impl HybridSystem {
         let mut values: Vec<f64> = ranges.flat_map(|r| [r.lower, r.upper]).collect();
         let guards = self.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
         values.extend(self.limits.iter().chain(guards).map(|h| h.limit_at(step)));
+        let norms = self.all_norms().flat_map(NormLimit::parts);
+        values.extend(norms.map(|part| part.constant_at(step)));
         let resets = self.transitions().filter_map(|t| t.reset.as_ref());
         values.extend(resets.filter_map(|r| r.offset.get(step)).flatten());
         let outputs = self.transitions().flat_map(|t| &t.outputs);
@@ -223,6 +238,7 @@ impl HybridSystem {
         let limits = self.limits.iter().chain(guards).map(|h| h.limit.settles());
         let outputs = self.transitions().flat_map(|t| &t.outputs);
         let limits = limits.chain(outputs.map(|output| output.constant.settles()));
+        let limits = limits.chain(self.all_norms().map(NormLimit::settles));
         ranges.chain(limits).chain(resets.map(|r| r.offset.settles())).max().unwrap_or(0)
     }
 }

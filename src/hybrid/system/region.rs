@@ -3,11 +3,12 @@
 use std::ops::RangeInclusive;
 
 use super::HybridSystem;
-use super::check::check_halfspace;
+use super::check::{check_halfspace, check_norm};
 use super::halfspace::Halfspace;
+use super::norm_limit::NormLimit;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::interval::Interval;
-use crate::model::{Affine, Constraint, Model, Row};
+use crate::model::{Affine, ConicRow, Constraint, Model, Row};
 use crate::tolerance::INFINITE;
 
 /// A region of states, for a start or a goal: a box, cut by half-spaces, in given modes. Made by
@@ -34,6 +35,9 @@ pub struct Region {
     /// Half-spaces of the states, the same at every step.
     #[doc(hidden)]
     pub halfspaces: Vec<Halfspace>,
+    /// Discs of the states, the same at every step.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) norms: Vec<NormLimit>,
     /// Choices and modes. A choice that is named several times may be in any of those modes; a
     /// choice that is not named may be in any mode.
     #[doc(hidden)]
@@ -42,7 +46,7 @@ pub struct Region {
 
 impl From<Vec<Interval>> for Region {
     fn from(ranges: Vec<Interval>) -> Self {
-        Region { ranges, halfspaces: Vec::new(), modes: Vec::new() }
+        Region { ranges, halfspaces: Vec::new(), norms: Vec::new(), modes: Vec::new() }
     }
 }
 
@@ -116,7 +120,7 @@ impl Region {
         named.peek().is_none() || named.any(|(_, allowed)| allowed == mode)
     }
 
-    /// Whether a state lies in the region, up to `tolerance` in each range and half-space. Modes
+    /// Whether a state lies in the region, up to `tolerance` in each range, half-space and disc. Modes
     /// are not looked at.
     ///
     /// # Errors
@@ -133,11 +137,14 @@ impl Region {
             let value: f64 = h.normal.iter().zip(state).map(|(n, x)| n * x).sum();
             value - h.limit_at(0)
         };
-        Ok(inside && self.halfspaces.iter().all(|h| excess(h) <= tolerance))
+        let in_disc = |disc: &NormLimit| disc.slack(state, 0).0 >= -tolerance;
+        Ok(inside
+            && self.halfspaces.iter().all(|h| excess(h) <= tolerance)
+            && self.norms.iter().all(in_disc))
     }
 
-    /// Adds rows to a model of your own that keep a sample in the region: `name[0]`, `name[1]`, ... Modes are left to the
-    /// caller.
+    /// Adds rows to a model of your own that keep a sample in the region: `name[0]`, `name[1]`, ..., and
+    /// `name_disc[0]`, ... for its discs, which are not returned. Modes are left to the caller.
     ///
     /// # Arguments
     ///
@@ -156,11 +163,33 @@ impl Region {
     where
         for<'a> Affine: From<&'a X>,
     {
-        let rows = self.rows(states)?.into_iter().enumerate();
-        rows.map(|(k, row)| model.add((name, k), row)).collect()
+        let (rows, discs) = (self.rows(states)?, self.discs(states)?);
+        model.all_or_nothing(|model| {
+            for (k, disc) in discs.into_iter().enumerate() {
+                model.add((format!("{name}_disc"), k), disc)?;
+            }
+            rows.into_iter().enumerate().map(|(k, row)| model.add((name, k), row)).collect()
+        })
     }
 
-    /// The rows that state that a sample is in the region, without modes.
+    /// The conic rows that state that a sample is in the region's discs.
+    pub(crate) fn discs<X>(&self, states: &[X]) -> Result<Vec<ConicRow>, Error>
+    where
+        for<'a> Affine: From<&'a X>,
+    {
+        check_length("the sample's states", states.len(), self.ranges.len())?;
+        let disc = |disc: &NormLimit| {
+            check_norm(disc, states.len(), 0)?;
+            Ok(disc.row(0, |factors, constant| {
+                let terms = factors.iter().zip(states).filter(|(n, _)| **n != 0.0);
+                let sum: Affine = terms.map(|(n, state)| *n * Affine::from(state)).sum();
+                sum + constant
+            }))
+        };
+        self.norms.iter().map(disc).collect()
+    }
+
+    /// The rows that state that a sample is in the region, without modes and discs.
     pub(crate) fn rows<X>(&self, states: &[X]) -> Result<Vec<Row>, Error>
     where
         for<'a> Affine: From<&'a X>,
@@ -208,6 +237,14 @@ impl Region {
             if !halfspace.limit.is_constant() {
                 let what = format!("the number of limits of `{}` in {what}", halfspace.name);
                 let count = halfspace.limit.values().count() as f64;
+                return Err(Error::out_of_range(what, count, "1, the same at every step"));
+            }
+        }
+        for disc in &self.norms {
+            check_norm(disc, system.states.len(), 0)?;
+            if disc.settles() > 0 {
+                let what = format!("the number of values of `{}` in {what}", disc.name);
+                let count = (disc.settles() + 1) as f64;
                 return Err(Error::out_of_range(what, count, "1, the same at every step"));
             }
         }

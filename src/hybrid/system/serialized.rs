@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::HybridSystem;
 use super::choice::Choice;
 use super::halfspace::Halfspace;
+use super::norm_limit::NormLimit;
 use super::schedule::Schedule;
 use super::transition::Reset;
 use crate::error::{Error, ErrorKind};
@@ -20,6 +21,8 @@ pub(super) struct StoredSystem {
     inputs: Vec<(String, Schedule<Interval>)>,
     #[serde(default)]
     limits: Vec<Halfspace>,
+    #[serde(default)]
+    norms: Vec<NormLimit>,
     #[serde(default)]
     flow: Option<LinearSystem>,
     choices: Vec<Choice>,
@@ -36,6 +39,7 @@ impl From<HybridSystem> for StoredSystem {
             states: system.states,
             inputs: system.inputs,
             limits: system.limits,
+            norms: system.norms,
             flow: system.flow,
             choices: system.choices,
             most_events: system.most_events,
@@ -56,7 +60,8 @@ impl TryFrom<StoredSystem> for HybridSystem {
             system = system.with_input(name, range);
         }
         system = stored.choices.into_iter().fold(system, HybridSystem::with_choice);
-        (system.limits, system.flow) = (stored.limits, stored.flow);
+        (system.limits, system.norms) = (stored.limits, stored.norms);
+        system.flow = stored.flow;
         (system.most_events, system.disturbance) = (stored.most_events, stored.disturbance);
         system.check()?;
         Ok(system)

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Write};
 use super::HybridSystem;
 use super::choice::{Choice, Dwell};
 use super::halfspace::Halfspace;
+use super::norm_limit::{NormEntry, NormLimit};
 use super::schedule::Schedule;
 use super::transition::Transition;
 use crate::hybrid::linear::LinearSystem;
@@ -42,6 +43,9 @@ impl Display for HybridSystem {
         }
         for limit in &self.limits {
             writeln!(f, "always {}", names.halfspace(limit, ""))?;
+        }
+        for limit in &self.norms {
+            writeln!(f, "always {}", names.norm(limit, ""))?;
         }
         if let Some(most) = self.most_events {
             writeln!(f, "at most {most} events")?;
@@ -147,6 +151,21 @@ impl<'a> Names<'a> {
         format!("{sum} <= {limit} ({}{kind})", halfspace.name)
     }
 
+    /// `|(vx, vy)| <= 3 (speed)`.
+    fn norm(&self, limit: &NormLimit, mark: &str) -> String {
+        let text = |part: &NormEntry| {
+            let text = |constant: &f64| self.sum(&part.factors, mark, *constant);
+            ByStep(&part.constant, text).to_string()
+        };
+        let entries: Vec<String> = limit.entries.iter().map(text).collect();
+        let stated = format!("|({})| <= {}", entries.join(", "), text(&limit.bound));
+        let kind = if limit.is_limit { "; a limit" } else { "" };
+        match stated == limit.name {
+            true => stated,
+            false => format!("{stated} ({}{kind})", limit.name),
+        }
+    }
+
     fn flow(&self, f: &mut fmt::Formatter<'_>, flow: &LinearSystem, mark: &str) -> fmt::Result {
         let names = self.states.iter().zip(flow.c()).enumerate();
         for (i, (name, &constant)) in names.take(flow.states()) {
@@ -186,12 +205,18 @@ impl<'a> Names<'a> {
         for guard in &transition.guards {
             writeln!(f, "    if {}", self.halfspace(guard, ""))?;
         }
+        for guard in &transition.norms {
+            writeln!(f, "    if {}", self.norm(guard, ""))?;
+        }
         for (input, range) in &transition.inputs {
             writeln!(f, "    {input} in {}", ByStep(range, Range::text))?;
         }
         self.flow(f, &transition.flow, mark)?;
         for guard in &transition.prediction_guards {
             writeln!(f, "    if {}", self.halfspace(guard, mark))?;
+        }
+        for guard in &transition.prediction_norms {
+            writeln!(f, "    if {}", self.norm(guard, mark))?;
         }
         if let Some(reset) = &transition.reset {
             for (i, name) in self.states.iter().enumerate().take(reset.matrix.nrows()) {

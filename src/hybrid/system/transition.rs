@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use super::halfspace::Halfspace;
+use super::norm_limit::NormLimit;
 use super::schedule::Schedule;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
@@ -50,6 +51,12 @@ pub struct Transition {
     /// On the start of the step.
     pub guards: Vec<Halfspace>,
     pub prediction_guards: Vec<Halfspace>,
+    /// Limits of lengths on the start of the step.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) norms: Vec<NormLimit>,
+    /// Limits of lengths on the prediction.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) prediction_norms: Vec<NormLimit>,
     /// Ranges of inputs, by their names, that replace those of the system.
     pub inputs: Vec<(String, Schedule<Interval>)>,
     /// The mode that it leaves and the one that it enters, in a choice with memory.
@@ -67,6 +74,8 @@ impl Transition {
             flow,
             guards: Vec::new(),
             prediction_guards: Vec::new(),
+            norms: Vec::new(),
+            prediction_norms: Vec::new(),
             inputs: Vec::new(),
             modes: None,
             reset: None,

@@ -6,11 +6,12 @@ use super::coefficients::Moment;
 use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
 use super::schedule::Schedule;
+use super::system_row::SystemRow;
 use super::transition::{Reset, Transition, TransitionOutput};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
-use crate::model::{Affine, Row, Variable};
+use crate::model::{Affine, ConicRow, Row, Variable};
 
 /// A transition of a [`HybridSystem`] that is being stated, made by
 /// [`mode`](HybridSystem::mode), [`event`](HybridSystem::event), [`stay`](HybridSystem::stay) and
@@ -142,14 +143,15 @@ impl<'a> TransitionMut<'a> {
 
     /// Adds a guard: a row on the start of the step, of states, inputs and series, or a row on
     /// [predictions](State::predicted) and series. A guard on one input alone is its range in this
-    /// transition.
+    /// transition. The row may limit a length, such as a thrust within a disc, `norm([ux, uy]).le(2.0)`,
+    /// or where the transition is possible.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::Misplaced`] for a row of both, or of anything else;
     /// [`ErrorKind::ForeignHandle`], [`ErrorKind::EmptyRow`], [`ErrorKind::UnlimitedRow`].
-    pub fn guard(self, row: Row) -> Result<Self, Error> {
-        self.add(None, &row)
+    pub fn guard(self, row: impl Into<SystemRow>) -> Result<Self, Error> {
+        self.add(None, &row.into())
     }
 
     /// Adds a row of states and series that holds at both ends of the step: a guard on the start and the
@@ -158,8 +160,23 @@ impl<'a> TransitionMut<'a> {
     /// # Errors
     ///
     /// As for [`guard`](TransitionMut::guard); [`ErrorKind::Misplaced`] for inputs and predictions.
-    pub fn invariant(self, row: Row) -> Result<Self, Error> {
+    pub fn invariant(mut self, row: impl Into<SystemRow>) -> Result<Self, Error> {
         let place = self.place("an invariant");
+        let row = match row.into() {
+            SystemRow::Row(row) => row,
+            SystemRow::Conic(row) => {
+                let (moment, norm) = self.system.norm_limit(None, &row, &place)?;
+                let states = self.system.states.len();
+                if moment == Moment::Prediction || norm.bound.factors.len() != states {
+                    let name = format!("the row `{}`", norm.name);
+                    let help = "an invariant is about states; use `guard` for inputs";
+                    return Err(ErrorKind::Misplaced { name, place, help }.into());
+                }
+                self.own().norms.push(norm.clone());
+                self.own().prediction_norms.push(norm);
+                return Ok(self);
+            }
+        };
         let mut predicted = Affine::constant(row.expression().offset());
         for (variable, factor) in row.expression().terms() {
             match *self.system.meaning(variable, &place)? {
@@ -184,12 +201,29 @@ impl<'a> TransitionMut<'a> {
     /// # Errors
     ///
     /// As for [`guard`](TransitionMut::guard); [`ErrorKind::InvalidName`].
-    pub fn limit(self, name: &str, row: Row) -> Result<Self, Error> {
+    pub fn limit(self, name: &str, row: impl Into<SystemRow>) -> Result<Self, Error> {
         check_name(name)?;
-        self.add(Some((name, true)), &row)
+        self.add(Some((name, true)), &row.into())
     }
 
-    fn add(mut self, name: Option<(&str, bool)>, row: &Row) -> Result<Self, Error> {
+    fn add(self, name: Option<(&str, bool)>, row: &SystemRow) -> Result<Self, Error> {
+        match row {
+            SystemRow::Row(row) => self.add_row(name, row),
+            SystemRow::Conic(row) => self.add_norm(name, row),
+        }
+    }
+
+    fn add_norm(mut self, name: Option<(&str, bool)>, row: &ConicRow) -> Result<Self, Error> {
+        let place = self.place("a guard");
+        let (moment, norm) = self.system.norm_limit(name, row, &place)?;
+        match moment {
+            Moment::Start => self.own().norms.push(norm),
+            Moment::Prediction => self.own().prediction_norms.push(norm),
+        }
+        Ok(self)
+    }
+
+    fn add_row(mut self, name: Option<(&str, bool)>, row: &Row) -> Result<Self, Error> {
         let place = self.place("a guard");
         let (moment, halves) = self.system.halfspaces(name, row, &place)?;
         // A range has no name by which it could be dropped.

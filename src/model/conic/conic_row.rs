@@ -7,6 +7,7 @@ use crate::model::checks::finite;
 use crate::model::ids::ConicConstraint;
 use crate::model::logic::Logic;
 use crate::model::name::Name;
+use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
 use crate::model::statement::{SealedStatement, Statement};
 use crate::model::store::{ConicData, Model, StatementKind};
@@ -42,6 +43,28 @@ impl ConicRow {
 
     pub(super) fn refused(self, why: Refused) -> Self {
         ConicRow { refused: Some(why), ..self }
+    }
+
+    /// The row with other expressions: each affine one is changed, and the products with their
+    /// factors.
+    pub(crate) fn try_map(
+        &self,
+        change: &mut dyn FnMut(&Affine) -> Result<Affine, Error>,
+    ) -> Result<ConicRow, Error> {
+        let conic = match &self.conic {
+            StoredConic::Norm { entries, bound } => {
+                let entries = entries.iter().map(&mut *change).collect::<Result<_, _>>()?;
+                StoredConic::Norm { entries, bound: change(bound)? }
+            }
+            StoredConic::Quadratic { expression } => {
+                let mut sum = Quadratic::from(change(expression.affine())?);
+                for (first, second, factor) in expression.products() {
+                    sum += factor * (change(&first.into())? * change(&second.into())?);
+                }
+                StoredConic::Quadratic { expression: sum }
+            }
+        };
+        Ok(ConicRow { conic, refused: self.refused })
     }
 
     /// Checks the row against a model and brings it into stored form.

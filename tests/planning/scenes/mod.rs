@@ -1,5 +1,6 @@
 //! Scenes: bodies among obstacles, in one to three axes.
 
+mod balls;
 mod broken;
 mod corners;
 mod edges;

@@ -7,6 +7,7 @@ mod flaws;
 mod handles;
 mod input_ranges;
 mod literature;
+mod norms;
 mod random;
 #[cfg(feature = "serde")]
 mod serde;

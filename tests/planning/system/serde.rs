@@ -1,8 +1,9 @@
 //! Hybrid systems from and to `serde`.
 
-use carom::hybrid::HybridSystem;
+use carom::hybrid::{HybridSystem, Region};
 use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
+use carom::model::norm;
 use proptest::prelude::*;
 
 use super::random::{system, wishes};
@@ -25,6 +26,28 @@ proptest! {
         let text = serde_json::to_string(&run).unwrap();
         prop_assert_eq!(serde_json::from_str::<carom::hybrid::Simulation>(&text).unwrap(), run);
     }
+}
+
+#[test]
+fn norms_come_back_and_are_checked() {
+    let mut cart = HybridSystem::new(1.0);
+    let (x, y) = (cart.state("x", -9.0, 9.0).unwrap(), cart.state("y", -9.0, 9.0).unwrap());
+    let u = cart.input("u", -1.0, 1.0).unwrap();
+    cart.limit("round", norm([x, y]).le(5.0)).unwrap();
+    let roll = cart.mode("roll").unwrap().next([x.is(x + u)]).unwrap();
+    let roll = roll.guard(norm([u - 0.5, x - y]).le(4.0)).unwrap();
+    roll.guard(norm([x.predicted(), y.predicted()]).le(4.5)).unwrap();
+    let region = cart.region([norm([x - 0.5, y - 1.0]).le(2.0)]).unwrap();
+    let text = serde_json::to_string(&cart).unwrap();
+    let back: HybridSystem = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, cart);
+    assert_eq!(back.to_string(), cart.to_string());
+    let stated = serde_json::to_string(&region).unwrap();
+    assert_eq!(serde_json::from_str::<Region>(&stated).unwrap(), region);
+    let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    value["norms"][0]["entries"][0]["factors"] = serde_json::json!([1.0]);
+    let error = serde_json::from_value::<HybridSystem>(value).unwrap_err().to_string();
+    assert!(error.contains("the number of factors of the norm `round`"), "{error}");
 }
 
 #[test]

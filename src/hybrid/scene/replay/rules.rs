@@ -131,6 +131,10 @@ impl Played<'_> {
                     let excess = beyond(sample.v[b][i], -body.max_speed, body.max_speed);
                     self.refuse(t, &format!("{name}: is too fast (m/s)"), excess, MISS)?;
                 }
+                if body.is_speed_ball {
+                    let excess = beyond(length(&sample.v[b]), 0.0, body.max_speed);
+                    self.refuse(t, &format!("{name}: is too fast (m/s)"), excess, MISS)?;
+                }
             }
             for (t, input) in self.inputs.iter().enumerate() {
                 for (i, range) in body.acceleration.iter().enumerate() {
@@ -140,6 +144,11 @@ impl Played<'_> {
                     }
                     let excess = beyond(input[b][i], lower, upper);
                     let what = format!("{name}: pushes beyond its range (m/s²)");
+                    self.refuse(t, &what, excess, MISS)?;
+                }
+                if let Some(most) = body.acceleration_ball {
+                    let excess = beyond(length(&input[b]), 0.0, most);
+                    let what = format!("{name}: pushes beyond its largest acceleration (m/s²)");
                     self.refuse(t, &what, excess, MISS)?;
                 }
             }
@@ -163,12 +172,21 @@ impl Played<'_> {
                     let limit = side.limit_at(0);
                     (terms().sum::<f64>() - limit) / margin_scale(size, limit)
                 });
-                let excess = misses.chain(sides).fold(f64::NEG_INFINITY, f64::max);
+                let discs = region.norms.iter().map(|disc| {
+                    let (slack, size) = disc.slack(&state, 0);
+                    -slack / margin_scale(size, 0.0)
+                });
+                let excess = misses.chain(sides).chain(discs).fold(f64::NEG_INFINITY, f64::max);
                 self.refuse(t, &format!("{name}: misses its {end} (m, m/s)"), excess, MISS)?;
             }
         }
         Ok(())
     }
+}
+
+/// The length of a vector.
+fn length(vector: &[f64]) -> f64 {
+    vector.iter().fold(0.0_f64, |length, entry| length.hypot(*entry))
 }
 
 /// By how much a value is outside a range, relative to its size.

@@ -1,0 +1,27 @@
+//! Rows of a system's handles: affine ones, and those of norms and squares.
+
+use crate::model::{ConicRow, Row};
+
+/// A row of a system's handles: a [`Row`], or the [`ConicRow`] of a norm or a square.
+///
+/// Methods take `impl Into<SystemRow>`, so both can be given as they are.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum SystemRow {
+    /// An affine row.
+    Row(Row),
+    /// A row of a norm or of squares, which is a second-order cone.
+    Conic(ConicRow),
+}
+
+impl From<Row> for SystemRow {
+    fn from(row: Row) -> Self {
+        SystemRow::Row(row)
+    }
+}
+
+impl From<ConicRow> for SystemRow {
+    fn from(row: ConicRow) -> Self {
+        SystemRow::Conic(row)
+    }
+}
