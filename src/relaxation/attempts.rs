@@ -10,6 +10,9 @@ pub enum Purpose {
     /// A child on trial, or a step of a dive: a rough answer will do. Its bound is a proved one like
     /// any other, if not the best.
     Trial,
+    /// A round of cuts of cones at a node, which the dual simplex method solves, or nothing: the program with
+    /// its cones is then the better one to solve.
+    Round,
     /// A leaf, whose point may become the answer: digits cost an iteration or two.
     Leaf,
     /// A point to cut off.
@@ -58,6 +61,7 @@ pub(super) const fn attempts(purpose: Purpose) -> &'static [MethodAttempt] {
     use Rung::{Cold, Fallback, Warm};
     match purpose {
         Purpose::Trial => const { &[attempt(Warm, 500, 1e-9, 1), attempt(Cold, 30, 1e-5, 1)] },
+        Purpose::Round => const { &[attempt(Warm, 500, 1e-9, 1)] },
         Purpose::Root | Purpose::Node => {
             const {
                 &[

@@ -215,7 +215,8 @@ impl Ladder {
         question: &RelaxationQuestion<'_>,
     ) -> Option<WarmMethod> {
         self.warm.as_ref()?;
-        let is_cold_start = matches!(question.purpose, Purpose::Root | Purpose::Leaf);
+        let is_cold_start =
+            matches!(question.purpose, Purpose::Root | Purpose::Round | Purpose::Leaf);
         if ActiveSet::suits(program) {
             return Some(WarmMethod::ActiveSet);
         }

@@ -84,19 +84,26 @@ fn relax_cut_off(
     let is_warm = ctx.node.warm.is_some();
     let verdict = match method {
         ConeMethod::Cuts => relax_in_rounds(ctx, reduced, purpose),
-        ConeMethod::Conic => {
-            if let Some(cuts) = &ctx.program().cone_cuts {
-                reduced.drop_rows(cuts);
-            }
-            reduced.is_cut_off = false;
-            relax_as_is(ctx, reduced, purpose)
-        }
+        ConeMethod::Conic => relax_with_cones(ctx, reduced, purpose),
     };
     // The first node of a turn has no basis to begin with.
     if purpose != Purpose::Trial && (is_warm || method == ConeMethod::Conic) {
         ctx.cone_record.note(method, began.elapsed());
     }
     verdict
+}
+
+/// Solves a reduced program with its cones in place of their cuts.
+fn relax_with_cones(
+    ctx: &mut Context<'_>,
+    reduced: &mut Reduced,
+    purpose: Purpose,
+) -> RelaxationVerdict {
+    if let Some(cuts) = &ctx.program().cone_cuts {
+        reduced.drop_rows(cuts);
+    }
+    reduced.is_cut_off = false;
+    relax_as_is(ctx, reduced, purpose)
 }
 
 /// Solves a reduced program as it is, and keeps the cuts that the multipliers of its cones are.
@@ -142,15 +149,27 @@ fn relax_in_rounds(
     purpose: Purpose,
 ) -> RelaxationVerdict {
     let (place, rows) = (reduced.places(), ctx.program().row_count());
+    let own = reduced.rows.len();
     ctx.cone_pool.append_to(reduced, &place, rows);
     let mut warm = ctx.node.warm.clone();
-    let mut verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
-    let mut idle = 0;
-    let most = if purpose == Purpose::Trial { 0 } else { MAX_CONE_ROUNDS };
-    for _ in 0..most {
-        let RelaxationVerdict::Relaxed { bound, x, warm: state, .. } = &verdict else { break };
-        let (before, cutoff) = (*bound, ctx.tree.cutoff());
-        if before >= cutoff || ctx.token.is_over() {
+    let mut round = if purpose == Purpose::Node { Purpose::Round } else { purpose };
+    let mut verdict = relax_once(ctx, reduced, round, warm.as_ref());
+    let (mut idle, mut last) = (0, f64::NEG_INFINITY);
+    for _ in 0..MAX_CONE_ROUNDS {
+        let RelaxationVerdict::Relaxed { bound, x, warm: state, converged, .. } = &verdict else {
+            break;
+        };
+        let (bound, cutoff) = (*bound, ctx.tree.cutoff());
+        if purpose == Purpose::Trial || bound >= cutoff || ctx.token.is_over() {
+            break;
+        }
+        if round == Purpose::Round && !converged {
+            reduced.truncate_rows(own);
+            return relax_with_cones(ctx, reduced, purpose);
+        }
+        let room = if cutoff.is_finite() { cutoff - last } else { last.abs().max(1.0) };
+        idle = if last.is_infinite() || bound - last > CONE_LIFT * room { 0 } else { idle + 1 };
+        if idle >= MAX_IDLE_CONE_ROUNDS {
             break;
         }
         let cuts = separate_cones(reduced, x);
@@ -161,14 +180,9 @@ fn relax_in_rounds(
         for cut in cuts {
             ctx.cone_pool.add(cut, reduced, &place, rows);
         }
-        let next = relax_once(ctx, reduced, purpose, warm.as_ref());
+        (round, last) = (Purpose::Round, bound);
+        let next = relax_once(ctx, reduced, round, warm.as_ref());
         ctx.ladder.reuse(std::mem::replace(&mut verdict, next));
-        let RelaxationVerdict::Relaxed { bound, .. } = &verdict else { break };
-        let room = if cutoff.is_finite() { cutoff - before } else { before.abs().max(1.0) };
-        idle = if bound - before > CONE_LIFT * room { 0 } else { idle + 1 };
-        if idle >= MAX_IDLE_CONE_ROUNDS {
-            break;
-        }
     }
     if let RelaxationVerdict::Relaxed { y, .. } = &verdict {
         ctx.cone_pool.note(reduced, y, rows);
