@@ -61,6 +61,11 @@ impl Entries {
         self.lower.len() - 1
     }
 
+    /// The bounds of a column.
+    pub(super) fn bounds(&self, column: usize) -> [f64; 2] {
+        [self.lower[column], self.upper[column]]
+    }
+
     /// Adds a row.
     pub(super) fn row(
         &mut self,

@@ -5,6 +5,9 @@ use super::cone::{Cone, ConeRole, ConeShape, LONGEST_TAIL};
 use crate::error::Error;
 use crate::model::{Affine, Model};
 
+/// The factors of a rotated cone may differ by this factor, squared; as a power of two.
+const MOST_UNBALANCED: f64 = 3.0;
+
 /// Adds the cones of a model to the entries of its program. Expressions that are not single variables,
 /// each once in a cone, become columns with a row.
 pub(super) fn assemble_cones(model: &Model, entries: &mut Entries) -> Result<Vec<Cone>, Error> {
@@ -14,13 +17,41 @@ pub(super) fn assemble_cones(model: &Model, entries: &mut Entries) -> Result<Vec
         let shape = if standard.head.len() == 1 { ConeShape::Norm } else { ConeShape::Rotated };
         let mut columns: Vec<usize> = Vec::with_capacity(standard.head.len() + standard.tail.len());
         let heads = standard.head.len();
-        for (k, expression) in standard.head.iter().chain(&standard.tail).enumerate() {
+        let head = balanced(standard.head, entries);
+        for (k, expression) in head.iter().chain(&standard.tail).enumerate() {
             let column = column(expression, k < heads, &columns, entries);
             columns.push(column);
         }
         add(shape, columns, entries, &mut cones);
     }
     Ok(cones)
+}
+
+/// The factors of a rotated cone with the same product, about equally large if one of them is far larger:
+/// methods measure what they miss by the sum of both. Powers of two do not round.
+fn balanced(mut head: Vec<Affine>, entries: &Entries) -> Vec<Affine> {
+    let is_column = |e: &Affine| e.offset() == 0.0 && matches!(e.terms()[..], [(_, 1.0)]);
+    if let [first, second] = &mut head[..]
+        && !is_column(first)
+        && !is_column(second)
+    {
+        let power = 0.5 * (size(first, entries) / size(second, entries)).log2();
+        if power.abs() > MOST_UNBALANCED && power.is_finite() {
+            let factor = power.round().exp2();
+            first.scale(1.0 / factor);
+            second.scale(factor);
+        }
+    }
+    head
+}
+
+/// The largest number of an expression, with columns between narrow bounds for no more than these.
+fn size(expression: &Affine, entries: &Entries) -> f64 {
+    let terms = expression.terms().into_iter().map(|(v, a)| {
+        let [lower, upper] = entries.bounds(v.index());
+        a.abs() * lower.abs().max(upper.abs()).min(1.0)
+    });
+    terms.fold(expression.offset().abs(), f64::max)
 }
 
 /// The column of an expression: that of the variable that it is, or a further one.

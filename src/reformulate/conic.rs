@@ -6,7 +6,7 @@
 //! with a constant limit, because a norm is tighter between 0 and 1. M is rounded outward.
 
 use super::big_m::{Need, choose, open_guard};
-use super::linear_program::tidy;
+use super::linear_program::tidy_up;
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
@@ -94,7 +94,7 @@ pub(super) fn apply_unless(
                 (need.value, need.by_program) = (tighter.value, true);
             }
         }
-        need.value = tidy(need.value).max(0.0);
+        need.value = tidy_up(need.value).max(0.0);
         need.largest = match &entry.largest {
             Some(name) => Some(lowering.model.variable_by_name(name.clone())?),
             None => None,

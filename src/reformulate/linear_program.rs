@@ -30,6 +30,12 @@ pub(super) fn tidy(m: f64) -> f64 {
     if m.abs() <= NEGLIGIBLE_BIG_M { 0.0 } else { m }
 }
 
+/// As [`tidy`] for a conic row, rounded up: without its M, such a row would hold where it should not, and
+/// its curvature makes much of a little.
+pub(super) fn tidy_up(m: f64) -> f64 {
+    if m > 0.0 { m.max(NEGLIGIBLE_BIG_M) } else { tidy(m) }
+}
+
 /// Maximises expressions over one set of rows, bounds and integrality conditions.
 pub(super) struct Maximizer<'a> {
     /// Once it is over, nothing is solved any more.

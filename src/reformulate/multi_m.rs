@@ -12,7 +12,7 @@ use std::borrow::Cow;
 use super::conic::Raised;
 use super::conic_rows::implied_rows;
 use super::disjunction::{nested_name, row_name, value};
-use super::linear_program::{Maximizer, tidy};
+use super::linear_program::{Maximizer, tidy, tidy_up};
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
@@ -154,7 +154,7 @@ fn add_conic(
         if let Some((variable, bound)) = need.unbounded {
             return Err(lowering.unbounded_function(variable, bound));
         }
-        let m = tidy(need.value.min(from_bounds.value));
+        let m = tidy_up(need.value.min(from_bounds.value));
         entry.value = entry.value.max(m);
         raise += m * value(other.selector);
     }

@@ -61,6 +61,7 @@ impl ClarabelRelaxation {
     ) -> (RelaxationResult, Vec<Vec<f64>>) {
         let conic = ConicProgram::of(program, cones);
         let n = program.columns.len();
+        let unit = conic.unit(cones);
         // The library's own time limit ignores the time before its first iteration.
         let token = effort.token;
         let run = || {
@@ -73,13 +74,14 @@ impl ClarabelRelaxation {
                 n,
                 quadratic.start.clone(),
                 quadratic.index.clone(),
-                quadratic.value.clone(),
+                quadratic.value.iter().map(|p| p * unit).collect(),
             );
+            let right: Vec<f64> = conic.right.iter().map(|limit| limit / unit).collect();
             let mut solver = DefaultSolver::new(
                 &p,
                 &program.linear,
                 &conic.matrix,
-                &conic.right,
+                &right,
                 &conic.cones,
                 settings(effort, !cones.is_empty()),
             )
@@ -89,7 +91,8 @@ impl ClarabelRelaxation {
                 effort.cutoff + CONIC_CUTOFF_MARGIN * effort.cutoff.abs().max(1.0) - program.offset;
             let stop = token.clone();
             solver.set_termination_callback(move |info| {
-                let promised = info.cost_dual > enough && info.res_dual < CONIC_CUTOFF_MARGIN;
+                let promised =
+                    info.cost_dual * unit > enough && info.res_dual < CONIC_CUTOFF_MARGIN;
                 promised || stop.is_over()
             });
             solver.solve();
@@ -109,7 +112,7 @@ impl ClarabelRelaxation {
                         _ => RelaxationClaim::Unknown,
                     },
                     y: conic.row_multipliers(&solution.z, program.rows.len()),
-                    x: solution.x,
+                    x: solution.x.iter().map(|x| x * unit).collect(),
                     iterations: u64::from(solution.iterations),
                     warm: None,
                 };
@@ -126,6 +129,9 @@ impl ClarabelRelaxation {
 /// The relative margin by which a dual objective must exceed the cutoff, and the largest dual
 /// residual at which it is considered.
 const CONIC_CUTOFF_MARGIN: f64 = 1e-5;
+
+/// Limits below this have a unit of their own (in the units of their rows).
+const SMALL_LIMITS: f64 = 0.25;
 
 /// Measured on relaxations of wall programs: a static regularisation of 1e-10 and a single
 /// refinement step left no anomaly in 2,398 nodes, where the defaults left up to 26; presolve is
@@ -212,6 +218,15 @@ impl ConicProgram {
         }
         let matrix = conic_matrix(program, cones, &sources, &factors);
         ConicProgram { matrix, right, cones: kinds, sources, factors, first }
+    }
+
+    /// The unit of columns, a power of two, in which the limits of a program with cones are not all small:
+    /// Clarabel's tolerances are absolute where numbers are less than 1. Cones have no unit, and multipliers
+    /// stay the same if the objective has the unit of the columns.
+    fn unit(&self, cones: &[ReducedCone]) -> f64 {
+        let largest = self.right.iter().fold(0.0_f64, |most, limit| most.max(limit.abs()));
+        let is_small = !cones.is_empty() && largest > 0.0 && largest < SMALL_LIMITS;
+        if is_small { largest.log2().ceil().exp2() } else { 1.0 }
     }
 
     /// Multipliers of the program's rows from conic ones, clipped to their cone.

@@ -196,6 +196,35 @@ pub(super) fn relax_and_keep(
     (verdict, multipliers)
 }
 
+/// A bound of the leaf of the domain among the points that are better than the best one. Columns of cones
+/// often have bounds only there, and a bound is as rough as the columns of its multipliers are wide.
+pub(super) fn bound_below_cutoff(ctx: &mut Context<'_>) -> f64 {
+    let activity = ctx.clock.switch(Activity::Propagation);
+    let (program, mark) = (ctx.program(), ctx.node.domain.mark());
+    let cutoff = ctx.propagator.set_cutoff(program, ctx.tree.cutoff());
+    let result = ctx.propagator.propagate_all(program, &mut ctx.node.domain);
+    ctx.clock.switch(activity);
+    let mut bound = f64::NEG_INFINITY;
+    if cutoff.is_finite() && (result.is_err() || ctx.node.domain.mark() > mark) {
+        bound = match result.is_ok().then(|| reduce_node(ctx)).flatten() {
+            None => ctx.tree.strengthen(cutoff),
+            Some(mut reduced) => {
+                let verdict = relax(ctx, &mut reduced, Purpose::Node);
+                let found = match &verdict {
+                    RelaxationVerdict::Refuted(_) => cutoff,
+                    RelaxationVerdict::Relaxed { bound, .. } => bound.min(cutoff),
+                    _ => f64::NEG_INFINITY,
+                };
+                ctx.ladder.reuse(verdict);
+                ctx.ladder.reducer().reuse(reduced);
+                ctx.tree.strengthen(found)
+            }
+        };
+    }
+    ctx.node.domain.undo_to(mark);
+    bound
+}
+
 /// The relaxation of the exact program at the node of the domain.
 pub(super) struct ExactRelaxation {
     /// A proved bound; infinite if there is no point.

@@ -10,7 +10,8 @@ use super::leaf::offer_leaf;
 use super::node::{Decision, KnownRelaxation, Node};
 use super::node_probing::NodeProbing;
 use super::node_relaxation::{
-    ExactRelaxation, project_reduced, reduce_node, relax_and_keep, relax_exactly,
+    ExactRelaxation, bound_below_cutoff, project_reduced, reduce_node, relax_and_keep,
+    relax_exactly,
 };
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
@@ -292,7 +293,11 @@ fn close_leaf(
 ) {
     ctx.tree.count(|s| s.leaves += 1);
     let before = ctx.tree.begin(Heuristic::Leaf);
+    let mut bound = bound;
     if offer_leaf(ctx, reduced, x, y) {
+        if bound < ctx.tree.cutoff() && !reduced.cones.is_empty() {
+            bound = bound.max(bound_below_cutoff(ctx));
+        }
         ctx.tree.close(bound);
     } else {
         ctx.tree.stall(bound);

@@ -10,6 +10,7 @@ mod torture;
 mod benchmark_programs;
 mod borderline;
 mod branching_rules;
+mod cones;
 mod conformance;
 mod convexity;
 mod dependent_rows;

@@ -360,6 +360,12 @@ fn cost(r: &mut Random, space: &Space, at: &[f64]) -> (Vec<f64>, Vec<Square>) {
 }
 
 impl ConicCase {
+    /// Whether models take it: all but cones with a head of unknown sign.
+    pub(crate) fn is_taken(&self) -> bool {
+        let refused = |error: Error| matches!(error.kind(), ErrorKind::UnknownSign { .. });
+        !self.build().is_err_and(refused)
+    }
+
     /// Drops the cones that models refuse: without variables, or with a head of unknown sign. Norms whose
     /// head may be negative are not written with squares, which would say something else.
     pub(super) fn drop_refused(&mut self) {

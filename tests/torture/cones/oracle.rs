@@ -200,3 +200,13 @@ fn checked(
     }
     Ok(if borderline { Verdict::Borderline } else { Verdict::Right })
 }
+
+/// Whether a program has no answer within the digits of doubles: cones that only touch have no multipliers,
+/// so that a bound near the optimum has no proof, and what is feasible or best there depends on the last
+/// digits of every row.
+pub(crate) fn is_ill_posed(case: &ConicCase, truth: &ConicTruth) -> bool {
+    let (Some((value, point)), false) = (&truth.least, truth.unknown) else { return true };
+    let tight = self::truth(case, TIGHTER);
+    let allowed = margin(case, (*value, point)) + 10.0 * TIGHTER * case.cost_size(point);
+    tight.least.is_none_or(|(tight, _)| tight - value > allowed)
+}
