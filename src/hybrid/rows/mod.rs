@@ -11,12 +11,14 @@
 //! | which rows hold in every transition, which are left out | `rows/switch.rs` |
 //! | bounds of linear functions without a solver | `rows/bound.rs` |
 //! | the statements of a step | `rows/statements.rs` |
+//! | lengths that are constant | `rows/lengths.rs` |
 //! | modes with memory, dwell times | `rows/modes.rs` |
 //! | names | `rows/names.rs` |
 
 mod bound;
 mod change;
 mod extreme;
+mod lengths;
 mod modes;
 mod names;
 mod program;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
+use super::lengths::telling;
 use super::modes;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
@@ -307,13 +308,16 @@ impl Writer<'_> {
         for limit in &self.system.norms {
             let family = self.names.family(&[&limit.name]);
             let last = if limit.is_joint(n) { steps } else { steps + 1 };
+            let mut any = false;
             for t in 0..last {
                 let row = limit.row(t, |factors, constant| {
                     expression(self.program, &Map { factors: factors.to_vec(), constant }, t)
                 });
+                let Some(row) = telling(self.program, row, t) else { continue };
                 self.model.add((family.as_str(), t), row)?;
+                any = true;
             }
-            if !limit.is_limit {
+            if any && !limit.is_limit {
                 self.background.insert(family);
             }
         }

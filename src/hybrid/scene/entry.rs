@@ -3,7 +3,7 @@
 use super::contact::{ContactFace, at};
 use super::law::{Writer, at_end, at_start};
 use crate::hybrid::damage::ImpactEstimate;
-use crate::hybrid::system::{Halfspace, Transition};
+use crate::hybrid::system::{Halfspace, NormLimit, Transition};
 
 /// How much deeper behind a sharp neighbour a step must start to end the same distance in front of it
 /// (no unit).
@@ -66,6 +66,17 @@ impl Writer<'_> {
         let (factors, constant) = self.through(&guard.normal);
         let limit = guard.limit.map(|limit| limit - constant);
         Halfspace { normal: factors, limit, ..guard.clone() }
+    }
+
+    /// A norm limit of the end of free flight as one of the start and the input.
+    pub(super) fn norm_before(&self, norm: &NormLimit) -> NormLimit {
+        let mut before = norm.clone();
+        for part in before.entries.iter_mut().chain([&mut before.bound]) {
+            let (factors, constant) = self.through(&part.factors);
+            part.factors = factors;
+            part.constant = part.constant.map(|own| own + constant);
+        }
+        before
     }
 
     /// A function of the end of free flight as one of the start and the input: its factors and its

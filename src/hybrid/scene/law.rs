@@ -239,8 +239,17 @@ impl Writer<'_> {
                     hit = hit.with_guard(start);
                 }
             }
-            if let Some(slope) = rule.incidence_slope(self.axes()) {
-                for (k, tangent) in around(&own.normal, rule.incidence_directions()).enumerate() {
+            if let (Some(slope), 3) = (rule.incidence_slope(self.axes()), self.axes()) {
+                let at_end = self.incidence(&own.normal, slope, is_sound, &rule.name);
+                let at_start = at_end.clone().map(|limit| NormLimit {
+                    name: format!("{} incidence at the start", rule.name),
+                    ..limit
+                });
+                // Directions within the limit are a cone, so that all in between are.
+                hit.norms.extend(at_start.filter(|_| is_sound));
+                hit.prediction_norms.extend(at_end);
+            } else if let Some(slope) = rule.incidence_slope(self.axes()) {
+                for (k, tangent) in around(&own.normal, 2).enumerate() {
                     // d . r + slope n . r <= 0.
                     let factors: Vec<f64> =
                         tangent.iter().zip(&own.normal).map(|(d, n)| d + slope * n).collect();
@@ -259,6 +268,28 @@ impl Writer<'_> {
             }
         }
         hit
+    }
+
+    /// The approach is within a cone around the normal, in space.
+    fn incidence(
+        &self,
+        normal: &[f64],
+        slope: f64,
+        is_sound: bool,
+        rule: &str,
+    ) -> Option<NormLimit> {
+        let dt = self.scene.time_step;
+        let tangents = tangents(normal);
+        let along = tangents.iter().map(|t| self.jerk(t)).fold(0.0_f64, f64::hypot);
+        let most = along + slope * self.jerk(normal);
+        let margin = if is_sound { most * dt * dt / 8.0 } else { 0.0 };
+        let part = |factors: &[f64], margin: f64| {
+            let limit = self.speed(factors).map(|s| s + margin);
+            Halfspace::new(format!("{rule} incidence"), self.velocity(factors), limit)
+        };
+        let back: Vec<f64> = normal.iter().map(|n| -slope * n).collect();
+        let parts = tangents.iter().map(|t| part(t, 0.0)).chain([part(&back, margin)]);
+        norm_of(parts).map(|limit| NormLimit { is_limit: true, ..limit })
     }
 
     /// The reset of a hit: a matrix and an offset by step. The position moves by the gap times

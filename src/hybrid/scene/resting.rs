@@ -61,6 +61,8 @@ impl Writer<'_> {
         // the prediction is said of the start and the input.
         let predicted = std::mem::take(&mut contact.prediction_guards);
         contact.guards.extend(predicted.iter().map(|guard| self.before(guard)));
+        let predicted = std::mem::take(&mut contact.prediction_norms);
+        contact.norms.extend(predicted.iter().map(|norm| self.norm_before(norm)));
         let stepped = |guard: &Guard| {
             let (end, start) = (self.before(&self.guard(guard)), self.velocity(&guard.at_start));
             let limit = self.speed(&guard.at_start);
@@ -79,6 +81,7 @@ impl Writer<'_> {
         if kind == Kind::Rest {
             // Rules are about hits.
             contact.guards.retain(|guard| !guard.is_limit);
+            contact.norms.retain(|norm| !norm.is_limit);
             contact.is_event = false;
         }
         let (matrix, offset) = self.reset(own, 0.0, law);

@@ -205,16 +205,9 @@ impl DamageRule {
         self.total.is_some() || self.price != 0.0
     }
 
-    /// The tangent of the largest incidence; in space, inscribed.
+    /// The tangent of the largest incidence, where there is one.
     pub(super) fn incidence_slope(&self, axes: usize) -> Option<f64> {
-        let slope = self.incidence?.tan();
-        let inside = (std::f64::consts::PI / self.incidence_directions() as f64).cos();
-        (axes > 1).then_some(if axes == 2 { slope } else { slope * inside })
-    }
-
-    /// Number of directions of an incidence in space.
-    pub(super) fn incidence_directions(&self) -> usize {
-        16
+        self.incidence.filter(|_| axes > 1).map(f64::tan)
     }
 
     /// Refuses handles of other scenes and faces that the obstacle does not have.

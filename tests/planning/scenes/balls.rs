@@ -170,3 +170,28 @@ fn bodies_stick_within_the_true_cone() {
         assert!((0.5..1.5).contains(&left), "{angle}: {left}");
     }
 }
+
+#[test]
+fn balls_of_nothing_and_of_wrong_sizes() {
+    let scene = |speed: f64, most: f64| {
+        let drone = Body::new("drone", [-9.0..=9.0, -9.0..=9.0, -9.0..=9.0], 1.0, 1.0)
+            .with_speed_ball(speed)
+            .with_acceleration_ball(most)
+            .with_start([0.0, 0.0, 0.0, 0.6, 0.0, 0.8]);
+        Scene::new(0.5).with_body(drone)
+    };
+    // Without thrust it flies on, at its largest speed.
+    let plan = least_fuel(&scene(1.0, 0.0), 3);
+    let end = &plan.bodies[0].position[3];
+    assert!((end[0] - 0.9).abs() < 1e-5 && (end[2] - 1.2).abs() < 1e-5, "{end:?}");
+    for (speed, most, text) in [
+        (0.99, 1.0, "`drone` starts with the speed 1, outside its largest speed, 0 to 0.99 m/s"),
+        (-1.0, 1.0, "the largest speed (m/s) of `drone` is -1"),
+        (f64::NAN, 1.0, "the largest speed (m/s) of `drone`"),
+        (1.0, -1.0, "drone"),
+        (1.0, f64::NAN, "drone"),
+    ] {
+        let error = scene(speed, most).program(2).unwrap_err().to_string();
+        assert!(error.contains(text), "{error}");
+    }
+}

@@ -91,6 +91,43 @@ fn incidence_is_limited_where_the_impact_is() {
     assert!(end(ImpactEstimate::EndOfStep) >= end(ImpactEstimate::Sound) - 1e-6);
 }
 
+/// Thrown at a floor in space, in a direction: the largest speed along it that a rule lets hit.
+fn slanted(turn: f64, angle: f64, rests: bool) -> f64 {
+    let (sin, cos) = turn.sin_cos();
+    let room = [Interval::new(-4.0, 4.0), Interval::new(-4.0, 4.0), Interval::new(0.0, 2.0)];
+    let body = Body::new("p", room, 6.0, 0.0).with_start(Region::from([
+        Interval::point(0.0),
+        Interval::point(0.0),
+        Interval::point(0.2),
+        Interval::new(-6.0, 6.0),
+        Interval::new(-6.0, 6.0),
+        Interval::point(-3.0),
+    ]));
+    let surface = if rests { bounce(0.5).with_rest() } else { bounce(0.5) };
+    let floor = Solid::halfspace("floor", [0.0, 0.0, 1.0], 0.0, surface);
+    let rule = DamageRule::new("r", DamageMeasure::ImpactSpeed).with_incidence(angle);
+    let scene = Scene::new(0.1).with_body(body).with_obstacle(floor).with_rule(rule);
+    let mut program = scene.program(1).unwrap();
+    let hits = program.hits();
+    program.add("once", hits.equals(1.0)).unwrap();
+    let handle = scene.body_named("p").unwrap();
+    let along = program.at(cos * handle.velocity(0) + sin * handle.velocity(1), 0).unwrap();
+    program.maximize(along).unwrap();
+    let plan = solved(&program).unwrap();
+    let v = &plan.bodies[0].velocity[0];
+    cos * v[0] + sin * v[1]
+}
+
+#[test]
+fn incidence_in_space_is_a_cone() {
+    for rests in [false, true] {
+        for turn in [0.0, 0.1, 0.2, 1.3] {
+            let found = slanted(turn, 0.6, rests);
+            assert!((found - 3.0 * 0.6_f64.tan()).abs() < 1e-4, "{turn}: {found}");
+        }
+    }
+}
+
 #[test]
 fn rules_of_one_face_leave_others_alone() {
     // A pillar to be hit from the left alone.

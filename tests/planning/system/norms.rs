@@ -385,6 +385,52 @@ fn soft_limits_of_lengths_cost_what_is_beyond() {
 }
 
 #[test]
+fn constant_lengths_hold_always_or_never() {
+    let mut own = HybridSystem::new(1.0);
+    let x = own.state("x", -9.0, 9.0).unwrap();
+    let u = own.input("u", -1.0, 1.0).unwrap();
+    // A jump to 3 is never within 2 of the origin, and one to 1 always is.
+    for (name, to) in [("far", 3.0), ("near", 1.0)] {
+        let jump = own.event(name).unwrap().next([x.is(Affine::constant(to))]).unwrap();
+        jump.guard(norm([x.predicted()]).le(2.0)).unwrap();
+    }
+    own.mode("roll").unwrap().next([x.is(x + u)]).unwrap();
+    let mut program = own.program(1).unwrap();
+    program.start([x.equals(0.0)]).unwrap();
+    program.maximize(program.end(x).unwrap()).unwrap();
+    let plan = program.solve(&mut BranchAndBound::default()).unwrap();
+    assert!((plan.solution.objective().unwrap() - 1.0).abs() < 1e-6);
+    let run = own.simulate(&[5.0], &[[0.5]]).unwrap();
+    assert_eq!(run.steps[0].taken, ["near"]);
+}
+
+#[test]
+fn balls_of_one_and_three_entries_are_inside_their_polygons() {
+    let mut own = HybridSystem::new(1.0);
+    let v = ["a", "b", "c"].map(|name| own.state(name, -9.0, 9.0).unwrap());
+    own.limit("ball", norm(v).le(1.0)).unwrap();
+    own.limit("slab", norm([v[0]]).le(0.9)).unwrap();
+    own.mode("stay").unwrap().next([v[0].is(v[0])]).unwrap();
+    let all = own.region([v[0].ge(-9.0)]).unwrap();
+    let mut sets = ReachSets::new(&own, &all, &all, SetOptions::default()).unwrap();
+    let excess = 1.5_f64.sqrt() / (TAU / 32.0).cos() - 1.0;
+    assert!((sets.norm_excess() - excess).abs() < 1e-12);
+    let held = sets.forward(0).unwrap();
+    let is_in = |state: &[f64]| held.iter().flatten().any(|set| set.contains(state).unwrap());
+    for k in 0..200 {
+        let (height, turn) = (f64::from(k) / 100.0 - 1.0, 2.4 * f64::from(k));
+        let radius = (1.0 - height * height).max(0.0).sqrt();
+        let point = [0.9 * height, radius * turn.cos(), radius * turn.sin()];
+        assert!(is_in(&point), "{point:?}");
+    }
+    assert!(!is_in(&[0.0, 0.9, 0.9]) && !is_in(&[0.95, 0.0, 0.0]));
+    let mut program = own.program(1).unwrap();
+    program.maximize(program.end(v[0] + v[1] + v[2]).unwrap()).unwrap();
+    let plan = program.solve(&mut BranchAndBound::default()).unwrap();
+    assert!((plan.solution.objective().unwrap() - 3.0_f64.sqrt()).abs() < 1e-4);
+}
+
+#[test]
 fn refusals_name_the_row_and_the_way_out() {
     fn text<T>(result: Result<T, Error>) -> String {
         match result {
