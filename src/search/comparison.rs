@@ -70,10 +70,11 @@ fn is_excluded(exact: &Program, x: &[f64]) -> bool {
             || exact.cones.iter().any(|cone| is_cone_missed(cone, x)))
 }
 
-/// Whether a point misses a cone.
+/// Whether a point misses a cone by so much that bounds from it may be missed: by the root of what the head
+/// is missed by, times twice its size.
 fn is_cone_missed(cone: &Cone, x: &[f64]) -> bool {
     let size = cone.columns.iter().fold(1.0_f64, |size, &j| size.max(x[j].abs()));
-    cone.miss(x) > COEFFICIENT_MISS * size
+    8.0 * cone.miss(x) * size > COEFFICIENT_MISS * COEFFICIENT_MISS
 }
 
 /// Whether a point misses a row.
