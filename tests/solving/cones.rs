@@ -85,7 +85,7 @@ fn known_programs_are_not_answered_wrongly() {
 /// gives to the columns of a cone (1438, 2485), led to stalls.
 #[test]
 fn known_programs_do_not_stall() {
-    for seed in [1403, 1472, 1438, 2485] {
+    for seed in [1403, 1472, 1438, 2382, 2485] {
         let verdicts = verdicts(&program(seed), &[Options::default()]);
         assert_eq!(verdicts, [Verdict::Right], "seed {seed}");
     }
