@@ -16,6 +16,14 @@ fn plan(steps: usize, octagon: bool) -> Result<(f64, usize), Error> {
     let (v, w) = (drone.state("v", -1.8, 1.8)?, drone.state("w", -1.8, 1.8)?);
     let (a, b) = (drone.input("a", -4.0, 4.0)?, drone.input("b", -4.0, 4.0)?);
     drone.rates([x.is(v), y.is(w), v.is(a), w.is(b)])?; // at most 1.8 m/s and 4 m/s²
+    drone.limit("speed", norm([v, w]).le(1.8))?;
+    drone.limit("thrust", norm([a, b]).le(4.0))?;
+    for side in (0..8).filter(|_| octagon) {
+        let (sin, cos) = (f64::from(side) * FRAC_PI_4).sin_cos();
+        let share = FRAC_PI_8.cos();
+        drone.limit(&format!("speed side {side}"), (cos * v + sin * w).le(1.8 * share))?;
+        drone.limit(&format!("thrust side {side}"), (cos * a + sin * b).le(4.0 * share))?;
+    }
     // The wall is at 3.4 m and gives back 0.8 of the speed.
     drone.mode("fly")?.guard(x.predicted().le(3.4))?;
     let back = [x.is(3.4 - 0.8 * (x.predicted() - 3.4)), v.is(-0.8 * v.predicted())];
@@ -24,25 +32,14 @@ fn plan(steps: usize, octagon: bool) -> Result<(f64, usize), Error> {
     let mut program = drone.program(steps)?;
     program.start([x.equals(0.0), y.equals(0.3), v.equals(0.0), w.equals(0.0)])?;
     program.goal([x.equals(3.2), y.equals(0.3), v.equals(0.0), w.equals(0.0)])?;
-    let mut fuel = Affine::zero();
     for k in 0..steps {
         let (x, y) = (program.at(x, k)?, program.at(y, k)?);
-        let speed = [program.at(v, k)?, program.at(w, k)?];
-        let thrust = [program.at(a, k)?, program.at(b, k)?];
-        for (name, vector, most) in [("v", &speed, 1.8), ("u", &thrust, 4.0)] {
-            program.add((format!("|{name}|"), k), norm(vector).le(most))?;
-            for side in (0..8).filter(|_| octagon) {
-                let (sin, cos) = (f64::from(side) * FRAC_PI_4).sin_cos();
-                let row = (cos * &vector[0] + sin * &vector[1]).le(most * FRAC_PI_8.cos());
-                program.add((format!("{name} side {side}"), k), row)?;
-            }
-        }
         for (post, [left, right, low, high]) in POSTS.into_iter().enumerate() {
             let beside = either(x.le(left)).or(x.ge(right)).or(y.le(low)).or(y.ge(high));
             program.add((format!("post {post}"), k), beside)?;
         }
-        fuel += 0.25 * program.model_mut().norm(("fuel", k), thrust)?;
     }
+    let fuel = 0.25 * program.sum_norm("fuel", [a, b])?;
     program.minimize(&fuel)?;
     let plan = program.solve(&mut BranchAndBound::default())?;
     Ok((plan.solution.value(&fuel)?, plan.count(bounce)?))

@@ -189,14 +189,14 @@ impl<'a> Beginnings<'a> {
                 }
                 for (k, own) in said.costs.iter().enumerate() {
                     let name = name.suffixed(&format!(" cost {k}"));
-                    cost = cost + copies.add_cost(&mut model, &graph.frame, &name, own)?;
+                    cost += copies.add_cost(&mut model, &graph.frame, &name, own)?;
                 }
             }
         }
         if let (Some(&last), Some(shifts)) = (stops.last(), shifts.last())
             && last != self.potentials.ends[1]
         {
-            cost = cost - self.potentials.at(last, shifts);
+            cost -= self.potentials.at(last, shifts);
         }
         model.minimize(cost)?;
         Ok(BeginningProgram { model, shifts })

@@ -102,7 +102,7 @@ impl PathProgram {
                 return Err(no_path(solution.termination()));
             }
             let (path, rest) = self.taken(&solution)?;
-            let cost = solution.value(&self.cost_of(&rest))?;
+            let cost = solution.value(self.cost_of(&rest))?;
             let objective = solution.objective().unwrap_or_default();
             let is_harmless = !self.is_changed && cost >= -SLIGHT * objective.abs().max(1.0);
             if rest.is_empty() || is_harmless {
@@ -164,7 +164,7 @@ impl PathProgram {
             }
             stop(edge, 1)?;
         }
-        let cost = solution.value(&self.cost_of(path))?;
+        let cost = solution.value(self.cost_of(path))?;
         Ok(ShortestPath {
             stops,
             edges: path.iter().map(|&index| GraphEdge { index, tag }).collect(),

@@ -162,7 +162,7 @@ impl GraphOfSets {
             }
             for (k, own) in said.costs.iter().enumerate().filter(|_| pays) {
                 let name = data.name.suffixed(&format!("{word} cost {k}"));
-                cost = cost + copies.add_cost(model, &self.frame, &name, own)?;
+                cost += copies.add_cost(model, &self.frame, &name, own)?;
             }
         }
         Ok(UsedEdge { flow, shifts, cost })

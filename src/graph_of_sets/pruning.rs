@@ -98,8 +98,10 @@ impl GraphOfSets {
         for (edge, is_used) in is_used.iter_mut().enumerate() {
             let [a, b] = self.edges[edge].ends;
             let least = before[a] + prices[edge] + after[b] + potentials.refund;
-            // Not a number where a price is not bounded, which excludes nothing.
-            *is_used &= !(least > cost);
+            // It is not a number where a price is not bounded, which excludes nothing.
+            if least > cost {
+                *is_used = false;
+            }
         }
         let refund = potentials.refund;
         Ok(Prices { prices, after, refund })

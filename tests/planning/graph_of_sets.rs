@@ -131,7 +131,7 @@ fn cost_along(case: &Case, edges: &[usize]) -> Option<f64> {
         if let Some(conic) = conic {
             model.add(("disc", k), conic).unwrap();
         }
-        cost = cost + Quadratic::from(0.1 * (x - c[0]) + 0.05);
+        cost += Quadratic::from(0.1 * (x - c[0]) + 0.05);
         points.push([x, y]);
     }
     for (k, &edge) in edges.iter().enumerate() {
@@ -141,10 +141,10 @@ fn cost_along(case: &Case, edges: &[usize]) -> Option<f64> {
             Cost::Distance => {
                 let length = model.continuous(("length", k), 0.0, 100.0).unwrap();
                 model.add(("length", k), norm(d).le(length)).unwrap();
-                cost = cost + Quadratic::from(length);
+                cost += Quadratic::from(length);
             }
-            Cost::SquaredDistance => cost = cost + d[0].square() + d[1].square(),
-            Cost::Slope(slope) => cost = cost + Quadratic::from(slope * &d[0]),
+            Cost::SquaredDistance => cost += d[0].square() + d[1].square(),
+            Cost::Slope(slope) => cost += Quadratic::from(slope * &d[0]),
         }
     }
     model.minimize(cost).unwrap();
@@ -242,12 +242,15 @@ fn cycles_that_pay_are_no_part_of_a_path() {
         (graph.edge(v[0], ring[0]).unwrap(), graph.edge(ring[1], v[2]).unwrap());
     graph.add_cost(inward, 10.0).unwrap();
     graph.add_cost(outward, 10.0).unwrap();
-    let path = graph.shortest_path(v[0], v[2], &mut solver()).unwrap();
-    // From 0.5 to 2.
-    assert!((path.cost - 1.5).abs() < 1e-5, "{}", path.cost);
-    assert!(path.bound <= path.cost && path.bound > 1.5 - 1e-3);
-    let stops: Vec<GraphVertex> = path.stops.iter().map(|stop| stop.vertex).collect();
-    assert_eq!(stops, v);
+    let searched = graph.shortest_path(v[0], v[2], &mut solver()).unwrap();
+    let plain = graph.program(v[0], v[2]).unwrap().solve(&mut solver()).unwrap();
+    for path in [searched, plain] {
+        // From 0.5 to 2.
+        assert!((path.cost - 1.5).abs() < 1e-5, "{}", path.cost);
+        assert!(path.bound <= path.cost && path.bound > 1.5 - 1e-3, "{}", path.bound);
+        let stops: Vec<GraphVertex> = path.stops.iter().map(|stop| stop.vertex).collect();
+        assert_eq!(stops, v);
+    }
 }
 
 #[test]

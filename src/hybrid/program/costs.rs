@@ -4,7 +4,8 @@ use std::iter::Sum;
 
 use super::{AtSample, HybridProgram, Members};
 use crate::error::{Error, ErrorKind, check_finite};
-use crate::model::{Affine, Model, Quadratic, Row};
+use crate::hybrid::system::SystemRow;
+use crate::model::{Affine, ConicRow, Model, Quadratic, StoredConic};
 
 /// A limit that a plan may exceed, made by [`HybridProgram::soften`].
 #[derive(Debug, Clone)]
@@ -186,18 +187,18 @@ impl HybridProgram {
     /// # Arguments
     ///
     /// * `row`: of states, modes, series, inputs, transitions and outputs; not a limit of the system,
-    ///   which holds without exception.
+    ///   which holds without exception. The row may limit a length: `norm([vx, vy]).le(1.0)`.
     /// * `linear`, `quadratic`: cost per unit of the excess, and per unit squared; at least 0.
     ///
     /// # Errors
     ///
     /// Those of [`at`](HybridProgram::at); those of [`Model::add`](crate::model::Model::add) for the row;
-    /// [`ErrorKind::NotFinite`], and [`ErrorKind::OutOfRange`] for a negative price and if both are 0. The
-    /// model then stays as it was.
+    /// [`ErrorKind::NotFinite`], and [`ErrorKind::OutOfRange`] for a negative price and if both are 0;
+    /// [`ErrorKind::Misplaced`] for squares. The model then stays as it was.
     pub fn soften(
         &mut self,
         name: &str,
-        row: Row,
+        row: impl Into<SystemRow>,
         linear: f64,
         quadratic: f64,
     ) -> Result<SoftLimit, Error> {
@@ -207,6 +208,10 @@ impl HybridProgram {
             let range = "at least 0, and one of the two prices above 0";
             return Err(Error::out_of_range(format!("a price of `{name}`"), lower, range));
         }
+        let row = match row.into() {
+            SystemRow::Row(row) => row,
+            SystemRow::Conic(row) => return self.soften_norm(name, &row, linear, quadratic),
+        };
         if row.expression().terms().is_empty() {
             return Err(ErrorKind::EmptyRow { name: name.to_owned() }.into());
         }
@@ -237,6 +242,47 @@ impl HybridProgram {
                         model.add((name, sample), (value - excess).le(row.upper()))?;
                     }
                 }
+                soft.cost += linear * excess + quadratic * excess.square();
+                soft.excess += excess;
+            }
+            Ok(soft)
+        })
+    }
+}
+
+impl HybridProgram {
+    /// A limit of a length that may be exceeded.
+    fn soften_norm(
+        &mut self,
+        name: &str,
+        row: &ConicRow,
+        linear: f64,
+        quadratic: f64,
+    ) -> Result<SoftLimit, Error> {
+        let members = self.members.clone();
+        let StoredConic::Norm { entries, bound } = &row.conic else {
+            let (name, place) = (format!("the row `{name}` of squares"), "a soft limit".to_owned());
+            let help = "state it as a norm, so that the excess is a length";
+            return Err(ErrorKind::Misplaced { name, place, help }.into());
+        };
+        let samples = entries.iter().chain([bound]).map(|part| members.samples(part));
+        let samples = samples.min().unwrap_or(0);
+        self.model.all_or_nothing(|model| {
+            let mut soft = SoftLimit { cost: Quadratic::zero(), excess: Affine::zero() };
+            for sample in 0..samples {
+                let mut row = row.at_sample(&members, sample)?;
+                let StoredConic::Norm { entries, bound } = &mut row.conic else { continue };
+                let mut longest = 0.0_f64;
+                for entry in entries {
+                    longest = longest.hypot(model.range(entry)?.magnitude());
+                }
+                let over = longest.next_up() - model.range(bound)?.lower;
+                if over <= 0.0 {
+                    continue;
+                }
+                let excess = model.continuous((format!("{name}_excess"), sample), 0.0, over)?;
+                *bound += excess;
+                model.add((name, sample), row)?;
                 soft.cost += linear * excess + quadratic * excess.square();
                 soft.excess += excess;
             }

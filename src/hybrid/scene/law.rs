@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Halfspace, Schedule, Transition};
+use crate::hybrid::system::{Halfspace, NormEntry, NormLimit, Schedule, Transition};
 
 /// A linear function of the relative velocity that must be at most 0: its factors, and a name.
 pub(super) struct Guard {
@@ -37,6 +37,8 @@ pub(super) struct Law {
     /// The factors of the relative velocity at the start of the step in the change; 0 in mirrored hits.
     pub(super) at_start: Vec<Vec<f64>>,
     pub(super) guards: Vec<Guard>,
+    /// Functions of which the length of the first ones is at most the last one; empty if there is no cone.
+    pub(super) cone: Vec<Guard>,
 }
 
 /// Writes the transitions of one contact.
@@ -123,6 +125,8 @@ impl Writer<'_> {
                 for guard in &law.guards {
                     hit = hit.with_prediction_guard(self.guard(guard));
                 }
+                let cone = law.cone.iter().map(|part| self.guard(part));
+                hit.prediction_norms.extend(norm_of(cone));
                 let (matrix, offset) = self.reset(own, e, &law);
                 let transition = hit.with_reset_by_step(matrix, offset);
                 modes.push(Mode { name: transition.name.clone(), face, is_hit: true });
@@ -306,6 +310,18 @@ impl Writer<'_> {
     }
 }
 
+/// The norm limit of half-spaces: the length of the excesses of the first ones is at most that of the last.
+pub(super) fn norm_of(parts: impl Iterator<Item = Halfspace>) -> Option<NormLimit> {
+    let mut name = String::new();
+    let part = |part: Halfspace| {
+        name = part.name;
+        NormEntry { factors: part.normal, constant: part.limit.map(|limit| 0.0 - limit) }
+    };
+    let mut entries: Vec<NormEntry> = parts.map(part).collect();
+    let bound = entries.pop()?;
+    Some(NormLimit { name, entries, bound, is_limit: false })
+}
+
 /// By how much the approach within a step may exceed that at its ends, in m/s: `J Δt²/8`.
 pub(super) fn sound_margin(face: &ContactFace, time_step: f64) -> f64 {
     face.jerk * time_step * time_step / 8.0
@@ -349,6 +365,7 @@ pub(super) fn laws(face: &ContactFace, e: f64, start: f64) -> Vec<Law> {
         rebound: rebound(n, e),
         at_start: rebound(n, start),
         guards: Vec::new(),
+        cone: Vec::new(),
     };
     let tangents = tangents(n);
     match face.surface.tangential {
@@ -379,8 +396,20 @@ pub(super) fn laws(face: &ContactFace, e: f64, start: f64) -> Vec<Law> {
                 let at_start = n.iter().map(|n| sign * bound * start * n);
                 Guard { name, factors: factors.collect(), at_start: at_start.collect() }
             };
-            let guards = ways.iter().map(|d| exceeds("sticks", d, 1.0));
-            stick.guards = guards.collect();
+            match in_plane {
+                true => stick.guards = ways.iter().map(|d| exceeds("sticks", d, 1.0)).collect(),
+                // In space the cone itself.
+                false => {
+                    let along = |d: &Vec<f64>| Guard {
+                        name: "sticks",
+                        factors: d.clone(),
+                        at_start: vec![0.0; n.len()],
+                    };
+                    let most = |share: f64| n.iter().map(|n| -coefficient * share * n).collect();
+                    let bound = Guard { name: "sticks", factors: most(end), at_start: most(start) };
+                    stick.cone = tangents.iter().map(along).chain([bound]).collect();
+                }
+            }
             let mut laws = vec![stick];
             for (k, d) in ways.iter().enumerate() {
                 let name = match (in_plane, k) {

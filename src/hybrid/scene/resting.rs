@@ -17,7 +17,7 @@ use faer::Mat;
 
 use super::contact::ContactFace;
 use super::entry::plus;
-use super::law::{Law, Writer, at_start, laws};
+use super::law::{Guard, Law, Writer, at_start, laws, norm_of};
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, Transition};
@@ -61,11 +61,13 @@ impl Writer<'_> {
         // the prediction is said of the start and the input.
         let predicted = std::mem::take(&mut contact.prediction_guards);
         contact.guards.extend(predicted.iter().map(|guard| self.before(guard)));
-        for guard in &law.guards {
+        let stepped = |guard: &Guard| {
             let (end, start) = (self.before(&self.guard(guard)), self.velocity(&guard.at_start));
             let limit = self.speed(&guard.at_start);
-            contact = contact.with_guard(plus(end, 1.0, &Halfspace::new("", start, limit)));
-        }
+            plus(end, 1.0, &Halfspace::new("", start, limit))
+        };
+        contact = contact.with_guards(law.guards.iter().map(stepped));
+        contact.norms.extend(norm_of(law.cone.iter().map(stepped)));
         contact = self.starting(contact, kind, own);
         for output in std::mem::take(&mut contact.outputs) {
             let (factors, constant) = self.through(&output.factors);

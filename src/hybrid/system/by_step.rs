@@ -59,7 +59,7 @@ impl HybridSystem {
         system.handles.begin_at(step);
         system.inputs.iter_mut().for_each(|(_, range)| *range = range.from_step(step));
         system.limits.iter_mut().for_each(|limit| *limit = limit.from_step(step));
-        system.norms.iter_mut().for_each(|limit| *limit = limit.from_step(step));
+        system.norms.iter_mut().for_each(|limit| *limit = limit.since_step(step));
         let choices = system.choices.iter_mut();
         choices.flat_map(|choice| &mut choice.transitions).for_each(|t| t.begin_at(step));
         system
@@ -107,7 +107,7 @@ impl Transition {
         let guards = self.guards.iter_mut().chain(&mut self.prediction_guards);
         guards.for_each(|guard| *guard = guard.from_step(step));
         let norms = self.norms.iter_mut().chain(&mut self.prediction_norms);
-        norms.for_each(|norm| *norm = norm.from_step(step));
+        norms.for_each(|norm| *norm = norm.since_step(step));
         self.inputs.iter_mut().for_each(|(_, range)| *range = range.from_step(step));
         if let Some(reset) = &mut self.reset {
             reset.offset = reset.offset.from_step(step);

@@ -68,7 +68,7 @@ pub use into_region::IntoRegion;
 pub(crate) use into_region::StatedRegion;
 pub use linear_complementarity::LinearComplementarity;
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
-pub(crate) use norm_limit::NormLimit;
+pub(crate) use norm_limit::{NormEntry, NormLimit};
 pub(crate) use polygons::Bracket;
 pub use region::Region;
 pub(crate) use region::check_cut;

@@ -69,7 +69,7 @@ impl NormLimit {
     }
 
     /// The limit from a step on.
-    pub(crate) fn from_step(&self, step: usize) -> Self {
+    pub(crate) fn since_step(&self, step: usize) -> Self {
         let mut later = self.clone();
         for part in later.entries.iter_mut().chain([&mut later.bound]) {
             part.constant = part.constant.from_step(step);

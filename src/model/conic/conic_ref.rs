@@ -59,7 +59,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::UnknownName`].
+    /// [`UnknownName`](crate::ErrorKind::UnknownName).
     pub fn conic_constraint_by_name(
         &self,
         name: impl Into<Name>,

@@ -138,3 +138,35 @@ fn replays_refuse_what_only_the_box_allows() {
     let text = first.program(1).unwrap_err().to_string();
     assert!(text.contains("the length of the first acceleration of `puck`"), "{text}");
 }
+
+#[test]
+fn bodies_stick_within_the_true_cone() {
+    // A ball that falls on a floor with the friction 0.5 and no rebound at 4 m/s, and slides at some
+    // share of what 2 m/s of impulse stop. Four directions: their pyramid has 0.71 of the cone.
+    let floor = Surface::bounce(Restitution::new(0.0).unwrap()).with_friction_along(0.5, 4);
+    let end = |angle: f64, share: f64| -> Result<f64, Error> {
+        let (sin, cos) = angle.sin_cos();
+        let slide = [2.0 * share * cos, 2.0 * share * sin];
+        let ball = Body::new("ball", [-9.0..=9.0, -9.0..=9.0, 0.0..=9.0], 9.0, 0.0)
+            .with_start([0.0, 0.0, 0.2, slide[0], slide[1], -4.0]);
+        let floor = Solid::halfspace("floor", [0.0, 0.0, 1.0], 0.0, floor);
+        let scene = Scene::new(0.1).with_body(ball).with_obstacle(floor);
+        let mut program = scene.program(1)?;
+        let ball = scene.body_named("ball")?;
+        let speed = [ball.velocity(0), ball.velocity(1)];
+        let speed = program.norm("end", speed, 1)?;
+        program.minimize(speed)?;
+        let plan = program.solve(&mut BranchAndBound::default())?;
+        assert_eq!(plan.hits.len(), 1);
+        assert!(plan.certificate.cone_excess < 2e-6, "{:?}", plan.certificate);
+        Ok(length(&plan.bodies[0].velocity[1][..2]))
+    };
+    for angle in [0.0, 0.4, 0.25 * std::f64::consts::PI, 2.0] {
+        for share in [0.5, 0.9, 0.99] {
+            assert!(end(angle, share).unwrap() < 1e-5, "{angle}, {share}");
+        }
+        // It slips: the pyramid takes at most 1.42 m/s.
+        let left = end(angle, 1.01).unwrap();
+        assert!((0.5..1.5).contains(&left), "{angle}: {left}");
+    }
+}

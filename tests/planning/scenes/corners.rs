@@ -64,7 +64,8 @@ fn changes(wall: &Wall, r: &[f64]) -> Vec<Vec<f64>> {
     let largest = shares.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let slack = 3e-6;
     let mut all = Vec::new();
-    if largest <= most + slack {
+    let along = dot(&sliding, &sliding).sqrt();
+    if along <= wall.friction * (1.0 + wall.restitution) * f + slack {
         all.push(with(&|i| -sliding[i]));
     }
     for (d, share) in ways.iter().zip(&shares) {

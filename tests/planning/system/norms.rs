@@ -4,7 +4,10 @@ use std::f64::consts::TAU;
 
 use carom::Error;
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{HybridProgram, HybridRun, HybridSystem, State};
+use carom::hybrid::{
+    HybridProgram, HybridRun, HybridSystem, LinearSystem, Lqr, Matrix, State, TerminalOptions,
+    TerminalSet,
+};
 use carom::model::{Method, Reformulation, norm};
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -282,6 +285,103 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn explanations_flaws_and_terminal_sets_know_lengths() {
+    // Too slow, in the plane but not along an axis.
+    let mut own = puck(1.0);
+    own.system.limit("speed", norm(own.v).le(1.0)).unwrap();
+    own.system.mode("slide").unwrap();
+    let at = |at: f64| [own.x[0].equals(at), own.x[1].equals(at)];
+    let options = SetOptions::default().with_direction([1.0, 1.0, -0.5, -0.5]);
+    let mut sets = ReachSets::new(&own.system, at(0.0), at(5.0), options).unwrap();
+    assert!(sets.explain(8).unwrap().is_none());
+    let explanation = sets.explain(6).unwrap().unwrap();
+    assert!(explanation.remedies.contains(&"without speed".to_owned()), "{explanation}");
+    let program = |steps: usize| {
+        let mut program = own.system.program(steps).unwrap();
+        program.start(at(0.0)).unwrap();
+        program.goal(at(5.0)).unwrap();
+        program.solve(&mut BranchAndBound::default())
+    };
+    assert!(program(7).is_err() && program(8).is_ok());
+
+    // Nothing is said beyond the disc.
+    let mut gap = puck(1.0);
+    gap.system.mode("slow").unwrap().guard(norm(gap.v).le(2.0)).unwrap();
+    let flaws = gap.system.flaws(&mut BranchAndBound::default()).unwrap();
+    assert!(flaws.iter().any(|flaw| flaw.to_string().starts_with("gap in `mode`")), "{flaws:?}");
+
+    // A feedback that brakes within its disc for ever.
+    let mut brake = puck(0.5);
+    brake.system.limit("thrust", norm(brake.u).le(1.0)).unwrap();
+    brake.system.limit("speed", norm(brake.v).le(2.0)).unwrap();
+    brake.system.mode("slide").unwrap();
+    let flow = LinearSystem::new(
+        Matrix::from_fn(4, 4, |i, j| {
+            if i == j {
+                1.0
+            } else if j == i + 2 {
+                0.5
+            } else {
+                0.0
+            }
+        }),
+        Matrix::from_fn(4, 2, |i, j| {
+            if i == j {
+                0.125
+            } else if i == j + 2 {
+                0.5
+            } else {
+                0.0
+            }
+        }),
+        [0.0; 4],
+    )
+    .unwrap();
+    let weight = |size: usize| Matrix::from_fn(size, size, |i, j| f64::from(i == j));
+    let lqr = Lqr::new(&flow, weight(4), weight(2)).unwrap();
+    let (options, solver) = (TerminalOptions::default(), &mut BranchAndBound::default());
+    let set = TerminalSet::new(&brake.system, &["slide"], &lqr, &[0.0; 4], &options, solver);
+    let set = set.unwrap();
+    assert!(set.region.contains(&[0.3, 0.3, 0.0, 0.0], 0.0).unwrap());
+    for k in 0..40 {
+        // On the boundary along a ray.
+        let (sin, cos) = (TAU * f64::from(k) / 40.0).sin_cos();
+        let ray = |length: f64| vec![length * cos, length * sin, -0.5 * length * sin, 0.3 * length];
+        let mut length = 4.0;
+        while !set.region.contains(&ray(length), 0.0).unwrap() {
+            length -= 0.01;
+        }
+        let mut state = ray(length);
+        for _ in 0..30 {
+            let u = set.feedback(&state).unwrap();
+            assert!(u[0].hypot(u[1]) <= 1.0 + 1e-9 && state[2].hypot(state[3]) <= 2.0 + 1e-9);
+            state = flow.step(&state, &u).unwrap();
+        }
+    }
+}
+
+#[test]
+fn soft_limits_of_lengths_cost_what_is_beyond() {
+    let mut own = puck(1.0);
+    own.system.mode("slide").unwrap();
+    let mut program = own.system.program(3).unwrap();
+    program.start(own.v.map(|v| v.equals(0.0))).unwrap();
+    program.require("fast", [own.v[0].equals(1.8), own.v[1].equals(2.4)], When::At(3)).unwrap();
+    let soft = program.soften("speed", norm(own.v).le(2.0), 10.0, 0.0).unwrap();
+    program.minimize(soft.cost).unwrap();
+    let plan = program.solve(&mut BranchAndBound::default()).unwrap();
+    assert!((plan.value(soft.excess, 0).unwrap() - 1.0).abs() < 1e-5);
+    let squares = (own.v[0].square() + own.v[1].square()).le(4.0);
+    assert_eq!(
+        program.soften("squares", squares, 1.0, 0.0).unwrap_err().to_string(),
+        "the row `squares` of squares cannot stand in a soft limit; state it as a norm, so that the \
+         excess is a length",
+    );
+    let far = program.soften("far", norm(own.v).ge(4.0), 1.0, 0.0).unwrap_err().to_string();
+    assert!(far.starts_with("the row `far[0]` says that a norm is at least"), "{far}");
 }
 
 #[test]

@@ -259,6 +259,7 @@ impl World<'_> {
                     let part = if speed > most { most / speed } else { 1.0 };
                     return vec![with(-part, &sliding)];
                 }
+                let sticks = most;
                 let most = most * (std::f64::consts::PI / directions as f64).cos();
                 let ways = directions_along(n, directions);
                 let shares: Vec<f64> = ways.iter().map(|d| dot(d, r)).collect();
@@ -269,7 +270,7 @@ impl World<'_> {
                 let nearest = 2.0 * (std::f64::consts::PI / directions as f64).sin();
                 let sector = slack / nearest.min(1.0);
                 let mut all = Vec::new();
-                if largest <= most + slack {
+                if speed <= sticks + slack {
                     all.push(with(-1.0, &sliding));
                 }
                 for (way, share) in ways.iter().zip(&shares) {
