@@ -69,8 +69,21 @@ fn no_wrong_answer_in_unusual_ways() {
 /// (20009255).
 #[test]
 fn known_programs_are_not_answered_wrongly() {
-    for seed in [1469, 1684, 1994, 2268, 4551, 5026, 5984, 6821, 7873, 8588, 20_009_255, 60_003_236]
-    {
+    for seed in [
+        1469,
+        1684,
+        1994,
+        2268,
+        4551,
+        5026,
+        5984,
+        6821,
+        7873,
+        8588,
+        20_009_255,
+        60_003_236,
+        440_005_869,
+    ] {
         let case = program(seed);
         let verdicts = verdicts(&case, &[Options::default(), Path::WithoutCuts.options()]);
         assert!(!verdicts.iter().any(is_wrong), "seed {seed}: {verdicts:?}");
