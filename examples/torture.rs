@@ -130,6 +130,9 @@ fn run(arguments: Arguments) -> Result<bool, Box<dyn Error>> {
     Ok(counts.wrong + counts.not_finished == 0)
 }
 
+/// Judges a solution that was found with some options.
+type Judge = dyn Fn(&Options, &Solution) -> Verdict;
+
 /// A program that is to be solved.
 struct Posed {
     name: String,
@@ -137,7 +140,7 @@ struct Posed {
     is_infeasible: bool,
     is_unbounded: bool,
     may_stall: Box<dyn Fn() -> bool>,
-    judge: Box<dyn Fn(&Options, &Solution) -> Verdict>,
+    judge: Box<Judge>,
 }
 
 /// The program of a seed; with cones also the same program in other coordinates.

@@ -1,5 +1,5 @@
 //! The data that a prepared model keeps from solve to solve: the integers of the best point, and the
-//! tree with the proofs that closed its ends.
+//! tree with the proofs that closed its ends, and the cuts of cones that it began with.
 //!
 //! The integers are a start for the next solve: fixed, completed and verified like any other point.
 //! The tree is gone through again, and the bounds of the multipliers are proved anew. Nothing is
@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::model::Name;
+use crate::relaxation::ConeCut;
 use crate::search::{Fork, Proof, Proofs, SearchResult, Start};
 use crate::solution::Termination;
 
@@ -30,6 +31,8 @@ pub(super) struct LastSolve {
     integers: Vec<(usize, f64)>,
     proofs: Vec<Proof>,
     forks: Vec<Fork>,
+    /// The cuts of cones that the search began with: they hold for all values of the parameters.
+    cone_cuts: Vec<ConeCut>,
     /// By column, where the same variable of the next step is, or the column itself.
     next: Vec<usize>,
     /// Solves until cuts are tried again.
@@ -50,6 +53,11 @@ impl LastSolve {
     pub(super) fn start(&self) -> Start {
         let proofs = Some(Arc::new(Proofs::new(&self.proofs, &self.forks)));
         Start { integers: self.integers.clone(), proofs, ..Start::default() }
+    }
+
+    /// The cuts of cones to begin with.
+    pub(super) fn cone_cuts(&self) -> &[ConeCut] {
+        &self.cone_cuts
     }
 
     /// Whether cuts are not worth their time.
@@ -81,6 +89,9 @@ impl LastSolve {
         if ended || !found.forks.is_empty() {
             self.proofs = std::mem::take(&mut found.proofs);
             self.forks = std::mem::take(&mut found.forks);
+        }
+        if !found.cone_cuts.is_empty() {
+            self.cone_cuts = std::mem::take(&mut found.cone_cuts);
         }
         self.without_cuts = match found.strengthened {
             Some(closed) if closed >= LEAST_CLOSED => 0,

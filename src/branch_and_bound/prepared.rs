@@ -213,6 +213,7 @@ impl ReducedProgram {
             is_presolved: true,
             tightened: last.expects_few_nodes().then_some(tightened),
             start: Some(&start),
+            cone_cuts: last.cone_cuts(),
             skips_cuts: last.skips_cuts(),
             ..known
         };

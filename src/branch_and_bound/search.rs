@@ -47,12 +47,14 @@ pub(super) fn search_once(
         None => Tightened::new(exact, options, token),
     };
     let Tightened { program, mut root } = tightened;
-    let mut program = program;
+    let (mut program, mut cone_cuts) = (program, Vec::new());
     if !program.cones.is_empty() {
         let mut ladder = task.ladders.take();
-        let cut_off = approximate_cones(&program, &root, options, token, &mut ladder);
+        let cut_off =
+            approximate_cones(&program, &root, options, token, &mut ladder, known.cone_cuts);
         task.ladders.give_back(ladder);
-        if let Some(cut_off) = cut_off {
+        if let Some((cut_off, cuts)) = cut_off {
+            cone_cuts = cuts;
             root.carry_over(&cut_off, token);
             program = Cow::Owned(cut_off);
         }
@@ -68,6 +70,7 @@ pub(super) fn search_once(
         found = search_unstrengthened(task, found, control);
     }
     cut.add_to(&mut found);
+    found.cone_cuts = cone_cuts;
     let value = |x: &Vec<f64>| program.objective(x);
     let best = found.points.first().map_or(f64::INFINITY, value);
     let is_judged = cuts && found.statistics.contradictions == 0;

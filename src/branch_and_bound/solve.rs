@@ -6,7 +6,7 @@ use super::refusals::Refusals;
 use super::row_judge::RowJudge;
 use super::tighten::Tightened;
 use crate::model::Model;
-use crate::relaxation::LadderPool;
+use crate::relaxation::{ConeCut, LadderPool};
 use crate::search::{SearchResult, Start};
 use crate::solver::{Options, StopToken};
 
@@ -33,6 +33,8 @@ pub(super) struct EarlierResults<'a> {
     pub(super) tightened: Option<&'a Tightened<'static>>,
     /// The start of the search, in columns of the program at hand.
     pub(super) start: Option<&'a Start>,
+    /// The cuts of cones that an earlier solve began with, in columns of the program at hand.
+    pub(super) cone_cuts: &'a [ConeCut],
     /// Whether cuts are not worth their time.
     pub(super) skips_cuts: bool,
 }

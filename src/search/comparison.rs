@@ -17,6 +17,9 @@ use crate::program::{Cone, Program};
 const COEFFICIENT_MISS: f64 = 1e-4;
 const TERMS_MISS: f64 = 1e-8;
 
+/// The same for rows of a program with cones, which make the root of a miss.
+const ROOTED_MISS: [f64; 2] = [0.125 * COEFFICIENT_MISS * COEFFICIENT_MISS, 1e-13];
+
 /// By how much a value of the objective may be off, relative to the sum of its terms (no unit).
 const OBJECTIVE_ROUNDING: f64 = 1e-9;
 
@@ -47,7 +50,9 @@ pub(super) fn contradiction(
     if std::ptr::eq(exact, program) {
         return None;
     }
-    if let Some(row) = (0..program.row_count()).find(|&row| is_missed(program, row, x)) {
+    if let Some(row) = (0..program.row_count())
+        .find(|&row| is_missed(program, row, x, [COEFFICIENT_MISS, TERMS_MISS]))
+    {
         return (!is_excluded(exact, x)).then_some(Contradiction::Row(row));
     }
     is_dearer(program, exact, x, task.options.feasibility).then_some(Contradiction::Objective)
@@ -66,18 +71,24 @@ fn is_excluded(exact: &Program, x: &[f64]) -> bool {
     let is_outside = |j| is_outside(exact.integral[j], [exact.lower[j], exact.upper[j]], x[j]);
     !exact.cones.is_empty()
         && ((0..x.len()).any(is_outside)
-            || (0..exact.row_count()).any(|row| is_missed(exact, row, x))
+            || (0..exact.row_count()).any(|row| is_missed(exact, row, x, ROOTED_MISS))
             || exact.cones.iter().any(|cone| is_cone_missed(cone, x)))
 }
 
-/// Whether a point misses a cone.
+/// Whether a point misses a cone by so much that bounds from it may be missed: by the root of what the head
+/// is missed by, times twice its size.
 fn is_cone_missed(cone: &Cone, x: &[f64]) -> bool {
     let size = cone.columns.iter().fold(1.0_f64, |size, &j| size.max(x[j].abs()));
-    cone.miss(x) > COEFFICIENT_MISS * size
+    8.0 * cone.miss(x) * size > COEFFICIENT_MISS * COEFFICIENT_MISS
 }
 
 /// Whether a point misses a row.
-fn is_missed(program: &Program, row: usize, x: &[f64]) -> bool {
+fn is_missed(
+    program: &Program,
+    row: usize,
+    x: &[f64],
+    [of_coefficient, of_terms]: [f64; 2],
+) -> bool {
     let (columns, values) = program.row(row);
     let (mut sum, mut size, mut largest) = (0.0, 0.0, 0.0_f64);
     for (&j, &a) in columns.iter().zip(values) {
@@ -89,7 +100,7 @@ fn is_missed(program: &Program, row: usize, x: &[f64]) -> bool {
     let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
     let limit = if lower - sum > sum - upper { lower } else { upper };
     let miss = (lower - sum).max(sum - upper);
-    miss > COEFFICIENT_MISS * largest + TERMS_MISS * (size + limit.abs())
+    miss > of_coefficient * largest + of_terms * (size + limit.abs())
 }
 
 /// Whether the strengthened objective is above the exact one by more than the point's violations and

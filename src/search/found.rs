@@ -4,6 +4,7 @@ use super::comparison::Contradiction;
 use super::node::{Decision, Path};
 use super::proofs::{Fork, Proof};
 use super::start::Completion;
+use crate::relaxation::ConeCut;
 use crate::solution::{Heuristic, Statistics, Termination};
 
 /// The result of a search. Objective values are those of the minimised program.
@@ -36,6 +37,8 @@ pub struct SearchResult {
     /// The part of the gap between the relaxed root and the best point that cuts and tighter costs have
     /// closed, if they were tried.
     pub(crate) strengthened: Option<f64>,
+    /// The cuts of cones that the program began with.
+    pub(crate) cone_cuts: Vec<ConeCut>,
     /// The outcome of completing the integers of a start, if that was tried.
     pub completion: Option<Completion>,
 }
@@ -81,6 +84,7 @@ impl SearchResult {
             proofs: Vec::new(),
             forks: Vec::new(),
             strengthened: None,
+            cone_cuts: Vec::new(),
             completion: None,
         }
     }

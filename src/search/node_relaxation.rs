@@ -216,7 +216,7 @@ pub(super) fn bound_below_cutoff(ctx: &mut Context<'_>) -> f64 {
     let activity = ctx.clock.switch(Activity::Propagation);
     let (program, mark) = (ctx.program(), ctx.node.domain.mark());
     let cutoff = ctx.propagator.set_cutoff(program, ctx.tree.cutoff());
-    let result = ctx.propagator.propagate_all(program, &mut ctx.node.domain);
+    let result = ctx.propagator.propagate_since(program, &mut ctx.node.domain, mark);
     ctx.clock.switch(activity);
     let mut bound = f64::NEG_INFINITY;
     if cutoff.is_finite() && (result.is_err() || ctx.node.domain.mark() > mark) {

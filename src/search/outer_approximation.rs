@@ -24,19 +24,27 @@ const CLOSE_ENOUGH: f64 = 1e-3;
 const TIME_RATIO: f64 = 20.0;
 const SHORT: f64 = 0.5;
 
+/// Most rounds that begin with the cuts of an earlier solve, and most of these.
+const MAX_KEPT_ROUNDS: usize = 12;
+const MAX_KEPT_CUTS: usize = 2000;
+
 /// The program whose relaxations cut off the cones, with the cuts of the root; `None` if its relaxations
-/// are better solved with the cones.
+/// are better solved with the cones. Also returns these cuts.
+///
+/// # Arguments
+///
+/// * `kept`: the cuts of an earlier solve of the program with other values of its parameters.
 pub(crate) fn approximate_cones(
     program: &Program,
     root: &Root,
     options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
-) -> Option<Program> {
+    kept: &[ConeCut],
+) -> Option<(Program, Vec<ConeCut>)> {
     if root.conflict.is_some() || program.integers.is_empty() {
         return None;
     }
-    let mut reduced = ladder.reducer().reduce(program, &root.domain)?;
     let question = RelaxationQuestion {
         purpose: Purpose::Node,
         cutoff: f64::INFINITY,
@@ -46,6 +54,10 @@ pub(crate) fn approximate_cones(
         token,
         warm: None,
     };
+    if let Some(approximated) = approximate_from(kept, program, root, &question, ladder) {
+        return Some(approximated);
+    }
+    let mut reduced = ladder.reducer().reduce(program, &root.domain)?;
     let rows = reduced.rows.len();
     let began = Instant::now();
     let RelaxationVerdict::Relaxed { bound: conic, x, .. } = ladder.solve(&mut reduced, &question)
@@ -88,7 +100,43 @@ pub(crate) fn approximate_cones(
     if conic - last > CLOSE_ENOUGH * scale {
         return None;
     }
-    rounds.program(program, &active)
+    rounds.program(program, &active, 0)
+}
+
+/// The program with the cuts of an earlier solve, which hold for all values of its parameters and are as
+/// they were, and what few further rounds add; `None` if these are not enough.
+fn approximate_from(
+    kept: &[ConeCut],
+    program: &Program,
+    root: &Root,
+    question: &RelaxationQuestion<'_>,
+    ladder: &mut Ladder,
+) -> Option<(Program, Vec<ConeCut>)> {
+    if kept.is_empty() || kept.len() > MAX_KEPT_CUTS {
+        return None;
+    }
+    let mut reduced = ladder.reducer().reduce(program, &root.domain)?;
+    let (place, rows) = (reduced.places(), reduced.rows.len());
+    let mut rounds = Rounds { cuts: kept.to_vec(), place, rows };
+    reduced.is_cut_off = true;
+    rounds.append(&mut reduced, 0);
+    let (mut warm, mut last) = (None, f64::NEG_INFINITY);
+    for _ in 0..MAX_KEPT_ROUNDS {
+        let question = RelaxationQuestion { warm: warm.as_ref(), ..*question };
+        let verdict = ladder.solve(&mut reduced, &question);
+        let RelaxationVerdict::Relaxed { x, warm: state, y, converged: true, .. } = verdict else {
+            return None;
+        };
+        let (value, found) = (reduced.objective(&x), separate_cones(&reduced, &x));
+        if found.is_empty() || value - last <= CLOSE * value.abs().max(1.0) {
+            return rounds.program(program, &y, kept.len());
+        }
+        let known = rounds.cuts.len();
+        rounds.cuts.extend(found);
+        rounds.append(&mut reduced, known);
+        (warm, last) = (state, value);
+    }
+    None
 }
 
 /// The cuts of all rounds, which are the rows of the reduced program from `rows` on.
@@ -110,17 +158,24 @@ impl Rounds {
         }
     }
 
-    /// The program with the cuts that are active.
-    fn program(&self, program: &Program, y: &[f64]) -> Option<Program> {
-        let is_active =
-            |k: &usize| y.get(self.rows + k).is_none_or(|multiplier| *multiplier != 0.0);
-        let cuts = (0..self.cuts.len()).filter(is_active).map(|k| &self.cuts[k]);
+    /// The program with the first cuts, so many, and those of the others that are active; and these cuts.
+    fn program(
+        &self,
+        program: &Program,
+        y: &[f64],
+        first: usize,
+    ) -> Option<(Program, Vec<ConeCut>)> {
+        let is_active = |k: &usize| {
+            *k < first || y.get(self.rows + k).is_none_or(|multiplier| *multiplier != 0.0)
+        };
+        let cuts = (0..self.cuts.len()).filter(is_active).map(|k| self.cuts[k].clone());
+        let cuts: Vec<ConeCut> = cuts.collect();
         let row = |cut: &ConeCut| (cut.terms.clone(), [f64::NEG_INFINITY, 0.0]);
-        let rows: Vec<_> = cuts.map(row).collect();
+        let rows: Vec<_> = cuts.iter().map(row).collect();
         let mut approximated = program.clone();
-        let cuts = program.row_count()..program.row_count() + rows.len();
+        let range = program.row_count()..program.row_count() + rows.len();
         approximated.append(&[], &rows)?;
-        approximated.cone_cuts = Some(cuts);
-        Some(approximated)
+        approximated.cone_cuts = Some(range);
+        Some((approximated, cuts))
     }
 }

@@ -387,6 +387,7 @@ impl<'a> Tree<'a> {
             proofs: state.proofs,
             forks: state.forks,
             strengthened: None,
+            cone_cuts: Vec::new(),
             completion: state.completion,
         }
     }

@@ -69,18 +69,36 @@ fn no_wrong_answer_in_unusual_ways() {
 /// (20009255).
 #[test]
 fn known_programs_are_not_answered_wrongly() {
-    for seed in [1469, 1684, 1994, 2268, 4551, 5026, 5984, 6821, 7873, 8588, 20_009_255] {
+    for seed in [
+        1469,
+        1684,
+        1994,
+        2268,
+        4551,
+        5026,
+        5984,
+        6821,
+        7873,
+        8588,
+        20_009_255,
+        60_003_236,
+        440_005_869,
+    ] {
         let case = program(seed);
         let verdicts = verdicts(&case, &[Options::default(), Path::WithoutCuts.options()]);
         assert!(!verdicts.iter().any(is_wrong), "seed {seed}: {verdicts:?}");
     }
+    // A tail far outside what a head allows that is missed by little.
+    let moved = program(40_006_972).moved(40_006_972);
+    let verdicts = verdicts(&moved, &[Path::WithoutCuts.options()]);
+    assert!(!verdicts.iter().any(is_wrong), "{verdicts:?}");
 }
 
 /// Quadratic rows with large numbers beside a factor of 1 (1403, 1472), and bounds that only the best point
 /// gives to the columns of a cone (1438, 2485), led to stalls.
 #[test]
 fn known_programs_do_not_stall() {
-    for seed in [1403, 1472, 1438, 2485] {
+    for seed in [1403, 1472, 1438, 2382, 2485] {
         let verdicts = verdicts(&program(seed), &[Options::default()]);
         assert_eq!(verdicts, [Verdict::Right], "seed {seed}");
     }

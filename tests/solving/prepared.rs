@@ -403,3 +403,32 @@ fn norms_have_parameters() {
         assert!((found - best).abs() < 1e-5, "{found} instead of {best} for {value}");
     }
 }
+
+/// The cuts of cones hold for all values of the parameters: only the first solve needs the conic program of
+/// the root.
+#[test]
+fn cuts_of_cones_are_kept() {
+    let mut model = Model::new("hover");
+    let on = model.binary_family("on", 4).unwrap();
+    let thrust = model.continuous_family("thrust", 8, -2.0, 2.0).unwrap();
+    let wind = model.parameter("wind", 1.0, -2.0, 2.0).unwrap();
+    for k in 0..4 {
+        let pair = [thrust[2 * k], thrust[2 * k + 1]];
+        model.add(("most", k), norm(pair).le(1.5 * on[k])).unwrap();
+    }
+    let sum = |at: usize| (0..4).map(|k| thrust[2 * k + at]).sum::<Affine>();
+    let miss = model.norm("miss", [sum(0) - 1.5 * wind, sum(1) - 0.5 - 0.25 * wind]).unwrap();
+    model.minimize(2.0 * miss + 0.3 * on.iter().sum::<Affine>() + 0.1 * thrust[0]).unwrap();
+    let options = Options::default().with_deterministic(true);
+    let (mut solver, mut cold) = (BranchAndBound::new(options), BranchAndBound::default());
+    let mut prepared = solver.prepare(&model).unwrap();
+    let mut conic = Vec::new();
+    for value in [1.0, 1.0, 1.01, 0.98, 1.5, -1.0] {
+        let warm = prepared.solve(&[(wind, value)], &mut Control::default()).unwrap();
+        model.set_parameter(wind, value).unwrap();
+        agree(&cold.solve(&model).unwrap(), &warm);
+        conic.push(warm.statistics().relaxation_counts.clarabel);
+    }
+    // Leaves are solved as conic programs in any case.
+    assert!(conic[1].max(conic[2]) < conic[0], "{conic:?}");
+}

@@ -156,17 +156,20 @@ fn space(r: &mut Random) -> (Space, Vec<f64>) {
         let value = number(r, -4, 4) * 0.5 * unit;
         parameters.push(columns.len());
         columns.push(Column { kind: VariableKind::Continuous, lower: value, upper: value });
-        (units.push(unit), anchor.push(value));
+        units.push(unit);
+        anchor.push(value);
     }
     for _ in 0..r.below(5) {
         columns.push(Column { kind: VariableKind::Binary, lower: 0.0, upper: 1.0 });
-        (units.push(1.0), anchor.push(f64::from(r.within(0, 1))));
+        units.push(1.0);
+        anchor.push(f64::from(r.within(0, 1)));
     }
     if r.chance(0.3) {
         let value = number(r, -3, 3);
         let (lower, upper) = (value - number(r, 0, 2), value + number(r, 0, 2));
         columns.push(Column { kind: VariableKind::Integer, lower, upper });
-        (units.push(1.0), anchor.push(value));
+        units.push(1.0);
+        anchor.push(value);
     }
     let is_bounded = |column: &Column| column.lower.is_finite() && column.upper.is_finite();
     let bounded = columns.iter().map(is_bounded).collect();

@@ -91,6 +91,29 @@ fn margin(case: &ConicCase, (value, point): (f64, &[f64])) -> f64 {
     1e-7 + 2e-6 * value.abs() + 1e-9 * case.cost_size(point)
 }
 
+/// The cost of a solution's point, if it has one and holds.
+fn point_cost(
+    case: &ConicCase,
+    variables: &[Variable],
+    solution: &Solution,
+) -> Result<Option<f64>, String> {
+    let Some(point) = solution.point() else { return Ok(None) };
+    let x: Result<Vec<f64>, Error> = variables.iter().map(|&v| point.value(v)).collect();
+    let x = x.map_err(|error| error.to_string())?;
+    if let Some(violation) = case.violation(&x, FEASIBILITY) {
+        return Err(violation);
+    }
+    let own = case.cost(&x);
+    let theirs = solution.objective().map_or(f64::NAN, |objective| case.base.sign() * objective);
+    let rounding = 1e-9 * case.cost_size(&x).max(1.0);
+    let norms = case.norms.iter().map(|(weight, _)| FEASIBILITY * weight).sum::<f64>();
+    let is_lower = case.norms.is_empty() && own < theirs - rounding;
+    if theirs.is_nan() || own > theirs + norms + rounding || is_lower {
+        return Err(format!("the objective of its point is {own}, not {theirs}"));
+    }
+    Ok(Some(theirs))
+}
+
 fn checked(
     case: &ConicCase,
     variables: &[Variable],
@@ -102,25 +125,7 @@ fn checked(
     if solution.statistics().contradictions > 0 {
         return Err("a rewriting of the program was contradicted".to_owned());
     }
-    let mut cost = None;
-    if let Some(point) = solution.point() {
-        let x: Result<Vec<f64>, Error> = variables.iter().map(|&v| point.value(v)).collect();
-        let x = x.map_err(|error| error.to_string())?;
-        if let Some(violation) = case.violation(&x, FEASIBILITY) {
-            return Err(violation);
-        }
-        let own = case.cost(&x);
-        let theirs = solution.objective().map_or(f64::NAN, |objective| sign * objective);
-        let rounding = 1e-9 * case.cost_size(&x).max(1.0);
-        let norms = case.norms.iter().map(|(weight, _)| FEASIBILITY * weight).sum::<f64>();
-        if theirs.is_nan() || own > theirs + norms + rounding {
-            return Err(format!("the objective of its point is {own}, not {theirs}"));
-        }
-        if case.norms.is_empty() && own < theirs - rounding {
-            return Err(format!("the objective of its point is {own}, not {theirs}"));
-        }
-        cost = Some(theirs);
-    }
+    let cost = point_cost(case, variables, solution)?;
     let bound = sign * solution.bound();
     // Filled when it is needed.
     let tight = std::cell::OnceCell::new();
@@ -148,10 +153,8 @@ fn checked(
     if ended != Termination::Infeasible {
         borderline |= is_beyond(bound, 0.0)?;
     }
-    if truth.unbounded && bound > f64::NEG_INFINITY && ended != Termination::Infeasible {
-        if ended == Termination::Stalled {
-            return Ok(Verdict::Beyond);
-        }
+    let may_be_bounded = matches!(ended, Termination::Infeasible | Termination::Stalled);
+    if truth.unbounded && bound > f64::NEG_INFINITY && !may_be_bounded {
         return Err(format!("{ended} with bound {bound}"));
     }
     match ended {
