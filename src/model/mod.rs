@@ -77,4 +77,5 @@ pub(crate) use operators::{products, scaling, sums};
 pub(crate) use row::comparisons;
 pub(crate) use stored::{StoredRow, StoredTerm};
 pub(crate) use subset::{AnyStatement, statements, subset};
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use text::quadratic_rows::with_quadratic_rows;

@@ -5,6 +5,7 @@
 //! start of the round. Threads take workers in any order. The results are merged in the order of
 //! the workers once all are done, so nothing depends on which worker was faster.
 
+#[cfg(not(target_family = "wasm"))]
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
