@@ -6,7 +6,8 @@
 //! the workers once all are done, so nothing depends on which worker was faster.
 
 #[cfg(not(target_family = "wasm"))]
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::search::node::Node;
