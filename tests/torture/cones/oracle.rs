@@ -174,7 +174,8 @@ fn checked(
         Termination::Unbounded if truth.unknown => borderline = true,
         Termination::Unbounded => {
             // As points are, it may be missed by the tolerance.
-            if !self::truth(case, -LOOSER).unbounded {
+            let loose = self::truth(case, -LOOSER);
+            if !loose.unbounded && !loose.unknown {
                 return Err("unbounded".to_owned());
             }
             borderline = true;
