@@ -3,7 +3,8 @@
 //!
 //! Both give the same bound, so the quicker one is used. Which one that is depends on the program, and
 //! changes with the cuts that are known. So the favourite is used for long, and the other one is tried for
-//! a few nodes in a row, because a basis helps the next node only.
+//! a few nodes in a row, because a basis helps the next node only. Conic programs come first, because they
+//! take about the same time at all nodes.
 
 use web_time::Duration;
 
@@ -12,6 +13,9 @@ use web_time::Duration;
 const TRIAL_NODES: u32 = 12;
 const FIRST_TURN: u32 = 100;
 const LONGEST_TURN: u32 = 10_000;
+
+/// A trial ends early if it has taken this many times as long as the favourite would for all its nodes.
+const FAR_SLOWER: f64 = 4.0;
 
 /// The share of the last node in the average time of a way.
 const SHARE_OF_LAST: f64 = 0.1;
@@ -39,6 +43,8 @@ pub(super) struct ConeRecord {
     /// Whether the other way is on trial, and the nodes left of the turn.
     on_trial: bool,
     left: u32,
+    /// The time that the trial has taken (s).
+    trial: f64,
     /// The length of the favourite's next turn.
     turn: u32,
     /// By way, the nodes since its last trial began, and their average time (s).
@@ -49,9 +55,10 @@ pub(super) struct ConeRecord {
 impl Default for ConeRecord {
     fn default() -> Self {
         ConeRecord {
-            favourite: ConeMethod::Cuts,
+            favourite: ConeMethod::Conic,
             on_trial: false,
             left: TRIAL_NODES,
+            trial: 0.0,
             turn: FIRST_TURN,
             nodes: [0; 2],
             average: [0.0; 2],
@@ -65,7 +72,7 @@ impl ConeRecord {
         match (self.left, self.on_trial) {
             (0, true) => self.end_trial(),
             (0, false) => {
-                (self.on_trial, self.left) = (true, TRIAL_NODES);
+                (self.on_trial, self.left, self.trial) = (true, TRIAL_NODES, 0.0);
                 self.nodes[self.favourite.other() as usize] = 0;
             }
             _ => {}
@@ -82,15 +89,30 @@ impl ConeRecord {
     fn end_trial(&mut self) {
         let (old, new) = (self.favourite as usize, self.favourite.other() as usize);
         let is_quicker = self.nodes[old] == 0 || self.average[new] < self.average[old];
-        if self.nodes[new] > 0 && is_quicker {
+        if self.nodes[new] > 0 && is_quicker && !self.is_far_slower() {
             (self.favourite, self.turn) = (self.favourite.other(), FIRST_TURN);
         }
         (self.on_trial, self.left) = (false, self.turn);
         self.turn = (2 * self.turn).min(LONGEST_TURN);
     }
 
-    /// Takes note of the time of a node.
-    pub(super) fn note(&mut self, method: ConeMethod, time: Duration) {
+    /// Whether the trial has taken far too long.
+    fn is_far_slower(&self) -> bool {
+        let favourite = self.average[self.favourite as usize];
+        self.trial > FAR_SLOWER * f64::from(TRIAL_NODES) * favourite
+    }
+
+    /// Takes note of the time of a node; without a basis to begin with, it does not tell what others take.
+    pub(super) fn note(&mut self, method: ConeMethod, time: Duration, is_warm: bool) {
+        if self.on_trial && method != self.favourite {
+            self.trial += time.as_secs_f64();
+            if self.is_far_slower() {
+                self.left = 0;
+            }
+        }
+        if method == ConeMethod::Cuts && !is_warm {
+            return;
+        }
         let way = method as usize;
         let share = SHARE_OF_LAST.max(1.0 / f64::from(self.nodes[way] + 1));
         self.average[way] += share * (time.as_secs_f64() - self.average[way]);

@@ -86,9 +86,8 @@ fn relax_cut_off(
         ConeMethod::Cuts => relax_in_rounds(ctx, reduced, purpose),
         ConeMethod::Conic => relax_with_cones(ctx, reduced, purpose),
     };
-    // The first node of a turn has no basis to begin with.
-    if purpose != Purpose::Trial && (is_warm || method == ConeMethod::Conic) {
-        ctx.cone_record.note(method, began.elapsed());
+    if purpose != Purpose::Trial {
+        ctx.cone_record.note(method, began.elapsed(), is_warm);
     }
     verdict
 }
