@@ -82,7 +82,7 @@ fn conic_derivatives(
     })
 }
 
-/// What the rows that hold in the cones add to the reduced cost of each column.
+/// The part of the reduced cost of each column that the rows that hold in the cones add.
 fn pressures(cuts: &[(ConeCut, f64)], columns: usize) -> Vec<f64> {
     let mut pressure = vec![0.0; columns];
     for (cut, multiplier) in cuts {

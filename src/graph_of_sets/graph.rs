@@ -20,7 +20,7 @@ pub struct GraphOfSets {
     owners: Vec<usize>,
 }
 
-/// What is said of a vertex or an edge.
+/// The rows and costs of a vertex or an edge.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Said {
     pub(super) statements: Vec<ConvexStatement>,

@@ -31,7 +31,7 @@ pub(super) struct Prices {
     pub(super) prices: Vec<f64>,
     /// By vertex, at most the least sum of prices from it to the end.
     pub(super) after: Vec<f64>,
-    /// What the charges of a whole path give back.
+    /// The part of the charges that a whole path gives back.
     pub(super) refund: f64,
 }
 

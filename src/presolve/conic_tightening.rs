@@ -41,7 +41,7 @@ impl BoundedColumns<'_> {
         farthest * farthest * (1.0 + FEW_ROUNDINGS)
     }
 
-    /// What the squares of a column may miss the cone by: whole values must satisfy it as accepted points
+    /// The amount by which the squares of a column may miss the cone: whole values must satisfy it as accepted points
     /// do.
     fn margin(&self, column: usize) -> f64 {
         if self.integral[column] { tolerance::FEASIBILITY } else { CONTRADICTION }

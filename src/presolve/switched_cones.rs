@@ -10,7 +10,7 @@
 //! binaries of their own are split: `z_i^2 <= p_i (c b_i)` with `sum p <= s`. A norm `|z| <= c` is the case
 //! in which `s` is `c`, too.
 //!
-//! What a binary switches off is found by propagation on trial.
+//! Propagation on trial finds the columns that a binary switches off.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ const MOST_SWITCHES: usize = 3;
 /// A binary at a value: twice the column, plus the value.
 pub(super) type Literal = usize;
 
-/// What the trials have found.
+/// The findings of the trials.
 #[derive(Debug, Default)]
 struct Switches {
     /// By column, the literals that fix it at 0.
@@ -78,7 +78,7 @@ fn constant_head(program: &Program, group: &[Cone]) -> Option<(usize, f64)> {
     (is_constant && agrees).then_some((last, value))
 }
 
-/// What both values of the binaries switch off; `None` if there is a contradiction.
+/// The columns that both values of the binaries switch off; `None` if there is a contradiction.
 fn find_switches(program: &Program, wanted: &[bool], token: &StopToken) -> Option<Switches> {
     let mut switches = Switches::default();
     try_binaries(program, token, |domain, mark, literal| {

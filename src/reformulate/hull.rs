@@ -44,7 +44,7 @@ pub(super) fn apply(
     split(name, terms, &columns, &Inside::default(), lowering)
 }
 
-/// What holds in a term: its rows and conic rows, and those of the terms around it.
+/// The statements that hold in a term: its rows and conic rows, and those of the terms around it.
 #[derive(Default)]
 struct Inside<'a> {
     rows: Vec<&'a StoredRow>,

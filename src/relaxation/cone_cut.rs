@@ -57,8 +57,7 @@ impl ConeCut {
                 along.and_then(from).or_else(|| {
                     let all = (2.0 * size).hypot(a - b);
                     let lean = (a - b) / all;
-                    let cut = from([1.0 - lean, 1.0 + lean, 2.0 * size / all])?;
-                    Some(cut)
+                    from([1.0 - lean, 1.0 + lean, 2.0 * size / all])
                 })
             }
         }
@@ -76,22 +75,22 @@ impl ConeCut {
             return None;
         }
         let scaled = |v: &f64| -v / size;
-        let (cut, factor) = match cone.shape {
+        let cut = match cone.shape {
             ConeShape::Norm => {
                 let weights: Vec<f64> = z[1..].iter().map(scaled).collect();
                 if length(&weights) == 0.0 {
                     let terms = vec![(cone.entries[0].column, -1.0)];
                     return (z[0] > 0.0).then_some((ConeCut { terms }, z[0]));
                 }
-                (ConeCut::in_norm(cone, &weights)?, 1.0)
+                ConeCut::in_norm(cone, &weights)?
             }
             ConeShape::Rotated => {
                 let (p, q) = ((z[0] + z[1]) / size, (z[0] - z[1]) / size);
                 let weights = z[2..].iter().map(scaled).collect();
-                (ConeCut::in_rotated(cone, p.max(0.0), q.max(0.0), weights)?, 1.0)
+                ConeCut::in_rotated(cone, p.max(0.0), q.max(0.0), weights)?
             }
         };
-        Some((cut, factor * size))
+        Some((cut, size))
     }
 
     /// The cut `weights.tail <= |weights| head`, as large as the weights are.

@@ -8,7 +8,7 @@
 use super::cone_cut::ConeCut;
 use super::ladder::Ladder;
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
-use super::{Effort, Purpose, RelaxationClaim};
+use super::{Effort, Purpose, RelaxationClaim, RelaxationResult};
 use crate::presolve::{FIXED, Reduced};
 use crate::solver::StopToken;
 use crate::tolerance;
@@ -53,28 +53,13 @@ impl Ladder {
         let rows = program.rows.len();
         let place = program.places();
         let mut best: Option<Best> = None;
-        for &(iterations, tolerance, refinements) in conic_attempts(question.purpose) {
+        for &attempt in conic_attempts(question.purpose) {
             program.truncate_rows(rows);
-            let effort = Effort {
-                iterations,
-                tolerance,
-                refinements,
-                cutoff: question.cutoff,
-                token: question.token,
-                warm: None,
-            };
-            let began = Instant::now();
-            let (mut result, multipliers) = self.conic.solve_cones(program, &effort);
-            self.note_conic(result.iterations, began.elapsed());
+            let (cutoff, token) = (question.cutoff, question.token);
+            let (mut result, cuts) = self.attempt_conic(program, attempt, cutoff, token);
             if result.claim == RelaxationClaim::Unknown && question.token.is_over() {
                 return RelaxationVerdict::Stopped;
             }
-            let cuts: Vec<(ConeCut, f64)> = program
-                .cones
-                .iter()
-                .zip(&multipliers)
-                .filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z))
-                .collect();
             for (cut, multiplier) in &cuts {
                 program.append_row(&cut.terms, &place, FIXED);
                 result.y.push(*multiplier);
@@ -124,17 +109,29 @@ impl Ladder {
         token: &StopToken,
         mut accept: impl FnMut(ConicMultipliers) -> Option<T>,
     ) -> Option<T> {
-        MULTIPLIER_ATTEMPTS.iter().find_map(|&(iterations, tolerance, refinements)| {
-            let cutoff = f64::INFINITY;
-            let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm: None };
-            let began = Instant::now();
-            let (result, multipliers) = self.conic.solve_cones(program, &effort);
-            self.note_conic(result.iterations, began.elapsed());
-            let pairs = program.cones.iter().zip(&multipliers);
-            let cuts = pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
-            // What an attempt claims does not matter, since the multipliers are checked.
+        MULTIPLIER_ATTEMPTS.iter().find_map(|&attempt| {
+            let (result, cuts) = self.attempt_conic(program, attempt, f64::INFINITY, token);
+            // The claim of an attempt does not matter, because the multipliers are checked.
             accept((result.x, result.y, cuts))
         })
+    }
+
+    /// Solves a program with its cones once. Also returns the rows that the multipliers of its cones are,
+    /// with their own.
+    fn attempt_conic(
+        &mut self,
+        program: &Reduced,
+        (iterations, tolerance, refinements): ConicAttempt,
+        cutoff: f64,
+        token: &StopToken,
+    ) -> (RelaxationResult, Vec<(ConeCut, f64)>) {
+        let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm: None };
+        let began = Instant::now();
+        let (result, multipliers) = self.conic.solve_cones(program, &effort);
+        self.note_conic(result.iterations, began.elapsed());
+        let pairs = program.cones.iter().zip(&multipliers);
+        let cuts = pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
+        (result, cuts)
     }
 }
 

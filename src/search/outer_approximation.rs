@@ -83,7 +83,9 @@ pub(crate) fn approximate_cones(
         let RelaxationVerdict::Relaxed { x, warm: state, y, .. } = verdict else { break };
         last = reduced.objective(&x);
         active = y;
-        let late = began.elapsed().as_secs_f64() > (TIME_RATIO * time).max(SHORT);
+        // A deterministic search must not depend on the clock.
+        let late = !options.deterministic
+            && began.elapsed().as_secs_f64() > (TIME_RATIO * time).max(SHORT);
         if conic - last <= CLOSE * scale || late || token.is_over() || round + 1 == MAX_ROOT_ROUNDS
         {
             break;

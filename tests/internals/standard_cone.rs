@@ -192,5 +192,10 @@ fn cancelling_squares_leave_no_constant() {
         right: Right::Product(vec![2, 1, 3, 3, 0, 0], vec![3, 3, 0, 2, 0, 0]),
         scale: 1.0,
     };
-    standard_cone(&model, row(&case, &x).0).unwrap();
+    let (row, difference) = row(&case, &x);
+    let cone = standard_cone(&model, row).unwrap();
+    for value in [0.0, 1.0, 4.0] {
+        let by = difference.evaluate(|_| value);
+        assert_eq!(by > 0.0, miss(&cone, &|_| value).0 > 0.0, "{by} {cone:?}");
+    }
 }

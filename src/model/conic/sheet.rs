@@ -32,7 +32,7 @@ struct InSquares {
 }
 
 impl Model {
-    /// What an expression can be within the bounds, and within the ranges of parameters.
+    /// The values that an expression can have within the bounds, and within the ranges of parameters.
     pub(crate) fn range_of(&self, expression: &Affine) -> Interval {
         let mut range = Interval::point(expression.offset());
         for (v, a) in expression.terms() {

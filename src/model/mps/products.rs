@@ -20,7 +20,7 @@ pub(super) struct MpsMatrix<'a> {
     pub(super) place: Token<'a>,
 }
 
-/// What the entries of a matrix Q mean.
+/// The meaning of the entries of a matrix Q.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MatrixForm {
     /// `1/2 x'Qx`, each pair once.
