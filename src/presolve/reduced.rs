@@ -64,7 +64,7 @@ impl Compressed {
     }
 
     /// Drops all vectors, and has memory for so many vectors and entries.
-    pub(super) fn clear(&mut self, vectors: usize, entries: usize) {
+    pub(crate) fn clear(&mut self, vectors: usize, entries: usize) {
         self.start.clear();
         self.start.reserve(vectors + 1);
         self.start.push(0);

@@ -87,6 +87,19 @@ impl ReducedCone {
         largest * (tail + rest).sqrt()
     }
 
+    /// The terms of an entry of the cone as `|tail| <= head`: a rotated one is
+    /// `|(first - second, 2 tail)| <= first + second`.
+    pub fn conic_row(&self, entry: usize) -> impl Iterator<Item = (ConeEntry, f64)> {
+        let e = &self.entries;
+        let terms = match (self.shape, entry) {
+            (ConeShape::Norm, _) => [Some((e[entry], 1.0)), None],
+            (ConeShape::Rotated, 0) => [Some((e[0], 1.0)), Some((e[1], 1.0))],
+            (ConeShape::Rotated, 1) => [Some((e[0], 1.0)), Some((e[1], -1.0))],
+            (ConeShape::Rotated, _) => [Some((e[entry], 2.0)), None],
+        };
+        terms.into_iter().flatten()
+    }
+
     /// Whether all entries are fixed.
     pub fn is_fixed(&self) -> bool {
         self.entries.iter().all(ConeEntry::is_fixed)

@@ -9,9 +9,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
+use super::conic_form::{ConeRows, ConicForm};
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult};
-use crate::presolve::{ConeEntry, Reduced, ReducedCone};
-use crate::program::{ConeRole, ConeShape};
+use crate::presolve::Reduced;
 
 /// Clarabel's interior-point method with settings measured for branch and bound.
 #[derive(Debug, Clone, Default)]
@@ -32,36 +32,36 @@ enum ConicSource {
     Lower(usize),
     UpperBound(usize),
     LowerBound(usize),
-    /// An entry of the cone `|(first - second, 2 tail)| <= first + second`, or `|tail| <= head`.
-    Cone(usize, usize),
+    /// A row of a cone.
+    Cone(usize),
 }
 
 impl Relaxation for ClarabelRelaxation {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        self.solve_conic(program, effort, &[]).0
+        self.solve_conic(program, effort, &ConeRows::default()).0
     }
 }
 
 impl ClarabelRelaxation {
-    /// Solves a program with its cones. Also returns the multipliers of each cone, by entry (see
-    /// [`ConeCut::of_multipliers`](super::ConeCut::of_multipliers)); none for parts of other cones.
-    pub fn solve_cones(
+    /// Solves a program with its cones. Also returns the multipliers of the rows of the cones.
+    pub(super) fn solve_cones(
         &mut self,
-        program: &Reduced,
+        form: &ConicForm<'_>,
         effort: &Effort<'_>,
-    ) -> (RelaxationResult, Vec<Vec<f64>>) {
-        self.solve_conic(program, effort, &program.cones)
+    ) -> (RelaxationResult, Vec<f64>) {
+        self.solve_conic(&form.program, effort, &form.cones)
     }
 
     fn solve_conic(
         &mut self,
         program: &Reduced,
         effort: &Effort<'_>,
-        cones: &[ReducedCone],
-    ) -> (RelaxationResult, Vec<Vec<f64>>) {
+        cones: &ConeRows,
+    ) -> (RelaxationResult, Vec<f64>) {
         let conic = ConicProgram::of(program, cones);
         let n = program.columns.len();
-        let unit = conic.unit(cones);
+        let has_cones = cones.len() > 0;
+        let unit = conic.unit(has_cones);
         // The library's own time limit ignores the time before its first iteration.
         let token = effort.token;
         let run = || {
@@ -83,7 +83,7 @@ impl ClarabelRelaxation {
                 &conic.matrix,
                 &right,
                 &conic.cones,
-                settings(effort, !cones.is_empty()),
+                settings(effort, has_cones),
             )
             .ok()?;
             // The caller checks the bound; a margin makes it likely to hold.
@@ -100,7 +100,7 @@ impl ClarabelRelaxation {
         };
         match catch_unwind(AssertUnwindSafe(run)) {
             Ok(Some(solution)) => {
-                let multipliers = conic.cone_multipliers(&solution.z, cones);
+                let multipliers = solution.z[conic.first_of_cones..].to_vec();
                 let result = RelaxationResult {
                     claim: match solution.status {
                         SolverStatus::Solved => RelaxationClaim::Solved,
@@ -167,12 +167,12 @@ struct ConicProgram {
     sources: Vec<ConicSource>,
     /// The scale of each row of the program.
     factors: Vec<f64>,
-    /// By cone of the program, its first conic row; `None` if it is left out.
-    first: Vec<Option<usize>>,
+    /// The first conic row that is one of a cone.
+    first_of_cones: usize,
 }
 
 impl ConicProgram {
-    fn of(program: &Reduced, cones: &[ReducedCone]) -> Self {
+    fn of(program: &Reduced, cones: &ConeRows) -> Self {
         let (mut sources, mut right) = (Vec::new(), Vec::new());
         let mut push = |source, limit: f64| {
             if limit.is_finite() {
@@ -203,29 +203,23 @@ impl ConicProgram {
         if inequalities > 0 {
             kinds.push(SupportedConeT::NonnegativeConeT(inequalities));
         }
-        let mut first = Vec::with_capacity(cones.len());
-        for (k, cone) in cones.iter().enumerate() {
-            if cone.role == ConeRole::Part || cone.is_fixed() {
-                first.push(None);
-                continue;
-            }
-            first.push(Some(sources.len()));
-            kinds.push(SupportedConeT::SecondOrderConeT(cone.entries.len()));
-            for e in 0..cone.entries.len() {
-                sources.push(ConicSource::Cone(k, e));
-                right.push(entry_terms(cone, e).map(|(entry, a)| a * entry.value).sum());
-            }
+        let first_of_cones = sources.len();
+        for cone in 0..cones.len() {
+            let rows = cones.rows_of(cone);
+            kinds.push(SupportedConeT::SecondOrderConeT(rows.len()));
+            right.extend_from_slice(&cones.constant[rows.clone()]);
+            sources.extend(rows.map(ConicSource::Cone));
         }
         let matrix = conic_matrix(program, cones, &sources, &factors);
-        ConicProgram { matrix, right, cones: kinds, sources, factors, first }
+        ConicProgram { matrix, right, cones: kinds, sources, factors, first_of_cones }
     }
 
     /// The unit of columns, a power of two, in which the limits of a program with cones are not all small:
     /// Clarabel's tolerances are absolute where numbers are less than 1. Cones have no unit, and multipliers
     /// stay the same if the objective has the unit of the columns.
-    fn unit(&self, cones: &[ReducedCone]) -> f64 {
+    fn unit(&self, has_cones: bool) -> f64 {
         let largest = self.right.iter().fold(0.0_f64, |most, limit| most.max(limit.abs()));
-        let is_small = !cones.is_empty() && largest > 0.0 && largest < SMALL_LIMITS;
+        let is_small = has_cones && largest > 0.0 && largest < SMALL_LIMITS;
         if is_small { largest.log2().ceil().exp2() } else { 1.0 }
     }
 
@@ -243,33 +237,12 @@ impl ConicProgram {
         }
         y
     }
-
-    /// The multipliers of each cone, by entry.
-    fn cone_multipliers(&self, z: &[f64], cones: &[ReducedCone]) -> Vec<Vec<f64>> {
-        let of = |(cone, first): (&ReducedCone, &Option<usize>)| match first {
-            Some(first) => z[*first..first + cone.entries.len()].to_vec(),
-            None => vec![0.0; cone.entries.len()],
-        };
-        cones.iter().zip(&self.first).map(of).collect()
-    }
-}
-
-/// The terms of an entry of a conic row.
-fn entry_terms(cone: &ReducedCone, entry: usize) -> impl Iterator<Item = (ConeEntry, f64)> {
-    let e = &cone.entries;
-    let terms = match (cone.shape, entry) {
-        (ConeShape::Norm, _) => [Some((e[entry], 1.0)), None],
-        (ConeShape::Rotated, 0) => [Some((e[0], 1.0)), Some((e[1], 1.0))],
-        (ConeShape::Rotated, 1) => [Some((e[0], 1.0)), Some((e[1], -1.0))],
-        (ConeShape::Rotated, _) => [Some((e[entry], 2.0)), None],
-    };
-    terms.into_iter().flatten()
 }
 
 /// The conic matrix by columns; going through the conic rows in order keeps every column sorted.
 fn conic_matrix(
     program: &Reduced,
-    cones: &[ReducedCone],
+    cones: &ConeRows,
     sources: &[ConicSource],
     factors: &[f64],
 ) -> CscMatrix<f64> {
@@ -287,9 +260,9 @@ fn conic_matrix(
                 }
                 ConicSource::UpperBound(j) => visit(j, k, 1.0),
                 ConicSource::LowerBound(j) => visit(j, k, -1.0),
-                ConicSource::Cone(cone, entry) => entry_terms(&cones[cone], entry)
-                    .filter(|(entry, _)| !entry.is_fixed())
-                    .for_each(|(entry, a)| visit(entry.place, k, -a)),
+                ConicSource::Cone(row) => {
+                    cones.rows.entries(row).for_each(|(j, g)| visit(j, k, -g));
+                }
             }
         }
     };

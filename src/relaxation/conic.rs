@@ -6,7 +6,9 @@
 //! rows prove the bound of the conic program.
 
 use super::cone_cut::ConeCut;
-use super::ladder::Ladder;
+use super::conic_form::ConicForm;
+use super::interior::InteriorPoint;
+use super::ladder::{CONIC_RECORD, Ladder};
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
 use super::{Effort, Purpose, RelaxationClaim, RelaxationResult};
 use crate::presolve::{FIXED, Reduced};
@@ -14,20 +16,35 @@ use crate::solver::StopToken;
 use crate::tolerance;
 use web_time::Instant;
 
-/// Iterations, tolerance and steps of refinement of an attempt.
-type ConicAttempt = (u32, f64, u32);
+/// A method for programs with cones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ConicMethod {
+    /// The crate's own, which is quicker, and gives up where a program has no interior.
+    InteriorPoint,
+    Clarabel,
+}
+
+/// A method, iterations, tolerance and steps of refinement of an attempt.
+type ConicAttempt = (ConicMethod, u32, f64, u32);
 
 /// The attempts of a purpose, in their order.
 const fn conic_attempts(purpose: Purpose) -> &'static [ConicAttempt] {
+    use ConicMethod::{Clarabel, InteriorPoint};
     match purpose {
-        Purpose::Trial => &[(60, 1e-6, 1)],
-        Purpose::Leaf => &[(100, 1e-9, 4), (300, 1e-11, 10), (300, 1e-7, 10)],
-        _ => &[(100, 1e-8, 2), (300, 1e-9, 10)],
+        Purpose::Trial => &[(InteriorPoint, 60, 1e-7, 1), (Clarabel, 60, 1e-6, 1)],
+        Purpose::Leaf => &[
+            (InteriorPoint, 60, 1e-9, 1),
+            (Clarabel, 100, 1e-9, 4),
+            (Clarabel, 300, 1e-11, 10),
+            (Clarabel, 300, 1e-7, 10),
+        ],
+        _ => &[(InteriorPoint, 60, 1e-8, 1), (Clarabel, 100, 1e-8, 2), (Clarabel, 300, 1e-9, 10)],
     }
 }
 
 /// The attempts at multipliers for the user.
-const MULTIPLIER_ATTEMPTS: [ConicAttempt; 2] = [(100, 1e-8, 2), (300, 1e-6, 10)];
+const MULTIPLIER_ATTEMPTS: [ConicAttempt; 2] =
+    [(ConicMethod::Clarabel, 100, 1e-8, 2), (ConicMethod::Clarabel, 300, 1e-6, 10)];
 
 /// The best result so far.
 struct Best {
@@ -53,7 +70,15 @@ impl Ladder {
         let rows = program.rows.len();
         let place = program.places();
         let mut best: Option<Best> = None;
+        // Threads of a deterministic search must not differ in what they have seen.
+        let learns = !question.options.deterministic;
+        let suits = self.mixes_methods() && InteriorPoint::suits_cones(program);
+        let is_asked = suits && (!learns || self.records[CONIC_RECORD].asks());
         for &attempt in conic_attempts(question.purpose) {
+            let is_own = attempt.0 == ConicMethod::InteriorPoint;
+            if is_own && !is_asked {
+                continue;
+            }
             program.truncate_rows(rows);
             let (cutoff, token) = (question.cutoff, question.token);
             let (mut result, cuts) = self.attempt_conic(program, attempt, cutoff, token);
@@ -68,20 +93,22 @@ impl Ladder {
             let own = RelaxationQuestion { cutoff, ..*question };
             let mut findings = Findings::new(program, &own);
             let outcome = findings.verify(result, self.prover());
-            let is_last = match outcome {
-                AttemptOutcome::Decided(verdict) => {
-                    self.cone_cuts = cuts;
-                    return verdict;
-                }
-                AttemptOutcome::Sufficient => true,
-                _ => false,
-            };
+            let is_enough =
+                matches!(outcome, AttemptOutcome::Sufficient | AttemptOutcome::Decided(_))
+                    || findings.bound >= question.cutoff
+                    || question.purpose == Purpose::Trial && findings.converged;
+            if is_own && learns {
+                self.records[CONIC_RECORD].note(!is_enough);
+            }
+            if let AttemptOutcome::Decided(verdict) = outcome {
+                self.cone_cuts = cuts;
+                return verdict;
+            }
             let Findings { bound, x, y, converged, .. } = findings;
-            let enough = is_last || bound >= question.cutoff;
-            if best.as_ref().is_none_or(|best| bound > best.bound || enough) && !x.is_empty() {
+            if best.as_ref().is_none_or(|best| bound > best.bound || is_enough) && !x.is_empty() {
                 best = Some(Best { bound, x, y, converged, cuts });
             }
-            if enough {
+            if is_enough {
                 break;
             }
         }
@@ -121,14 +148,19 @@ impl Ladder {
     fn attempt_conic(
         &mut self,
         program: &Reduced,
-        (iterations, tolerance, refinements): ConicAttempt,
+        (method, iterations, tolerance, refinements): ConicAttempt,
         cutoff: f64,
         token: &StopToken,
     ) -> (RelaxationResult, Vec<(ConeCut, f64)>) {
         let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm: None };
         let began = Instant::now();
-        let (result, multipliers) = self.conic.solve_cones(program, &effort);
-        self.note_conic(result.iterations, began.elapsed());
+        let form = ConicForm::new(program);
+        let (result, z) = match method {
+            ConicMethod::Clarabel => self.conic.0.solve_cones(&form, &effort),
+            ConicMethod::InteriorPoint => self.conic.1.solve_cones(&form, &effort),
+        };
+        self.note_conic(method, result.iterations, began.elapsed());
+        let (result, multipliers) = form.lift(result, &z);
         let pairs = program.cones.iter().zip(&multipliers);
         let cuts = pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
         (result, cuts)

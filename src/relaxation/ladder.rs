@@ -11,6 +11,7 @@ use super::attempts::{MethodAttempt, Purpose, Rung, VERTEX, attempts};
 use super::borderline::{Doubt, WIDENINGS, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::cone_cut::ConeCut;
+use super::conic::ConicMethod;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
 use super::record::Record;
@@ -30,8 +31,10 @@ enum WarmMethod {
     Simplex,
 }
 
-/// The position of the cold method's record, behind those of the warm methods.
+/// The positions of the records of the cold method, and of the same method for programs with cones, behind
+/// those of the warm methods.
 const COLD_RECORD: usize = 2;
+pub(super) const CONIC_RECORD: usize = 3;
 
 /// The part of a solve that is the same for all attempts.
 struct Request<'a> {
@@ -105,13 +108,13 @@ pub struct Ladder {
     cold: LadderMethod,
     /// `None` if the cold method is alone.
     fallback: Option<LadderMethod>,
-    /// The records of the warm methods, and of the cold one.
-    records: [Record; 3],
+    /// The records of the warm methods, of the cold one, and of that for cones.
+    pub(super) records: [Record; 4],
     spent: Spent,
     prover: Prover,
     reducer: Reducer,
-    /// Solves programs with cones.
-    pub(super) conic: ClarabelRelaxation,
+    /// Solve programs with cones.
+    pub(super) conic: (ClarabelRelaxation, InteriorPoint),
     /// The cuts that the multipliers of the last program with cones are, with their multipliers.
     pub(super) cone_cuts: Vec<(ConeCut, f64)>,
 }
@@ -186,9 +189,17 @@ impl Ladder {
         self.cone_cuts.drain(..).map(|(cut, _)| cut).collect()
     }
 
-    pub(super) fn note_conic(&mut self, iterations: u64, time: Duration) {
+    /// Whether other methods take over where one gives up.
+    pub(super) fn mixes_methods(&self) -> bool {
+        self.fallback.is_some()
+    }
+
+    pub(super) fn note_conic(&mut self, method: ConicMethod, iterations: u64, time: Duration) {
         self.spent.time += time;
-        self.spent.counts.clarabel += 1;
+        match method {
+            ConicMethod::Clarabel => self.spent.counts.clarabel += 1,
+            ConicMethod::InteriorPoint => self.spent.counts.interior_point += 1,
+        }
         self.spent.iterations += iterations;
     }
 

@@ -14,6 +14,7 @@ mod bound;
 mod clarabel;
 mod cone_cut;
 mod conic;
+mod conic_form;
 mod correction;
 mod extended;
 mod interior;

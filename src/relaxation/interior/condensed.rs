@@ -13,7 +13,7 @@ pub(super) struct CondensedTerm {
 }
 
 /// The upper triangle of the system by columns: first the columns of the program, then equalities
-/// and long rows.
+/// and long rows, then the entries of cones.
 #[derive(Debug, Default)]
 pub(super) struct Condensed {
     pub(super) start: Vec<usize>,
@@ -24,6 +24,8 @@ pub(super) struct Condensed {
     pub(super) diagonal: Vec<usize>,
     /// The terms of short rows, each added times the weight of its row.
     pub(super) terms: Vec<CondensedTerm>,
+    /// The positions of the entries of the blocks of cones: by cone, column by column of an upper triangle.
+    pub(super) blocks: Vec<usize>,
     /// Rows with an unknown of their own, after the equalities.
     pub(super) long: Vec<usize>,
     kinds: Vec<CondensedRow>,
@@ -45,11 +47,18 @@ impl Condensed {
         self.constant.clear();
         self.diagonal.clear();
         self.terms.clear();
+        self.blocks.clear();
         self.long.clear();
         let rows = 0..program.rows.len();
         self.long.extend(rows.filter(|&i| self.kinds[i] == CondensedRow::Long));
         self.add_columns(program);
         self.add_rows(program);
+        self.add_cones(program);
+    }
+
+    /// The number of unknowns.
+    pub(super) fn size(&self) -> usize {
+        self.start.len() - 1
     }
 
     /// The block of the columns: curvature, regularisation, and the products of short rows.
@@ -108,6 +117,30 @@ impl Condensed {
             self.constant.push(-REGULARISATION);
             self.diagonal.push(self.index.len() - 1);
             self.start.push(self.index.len());
+        }
+    }
+
+    /// The columns of the entries of cones.
+    fn add_cones(&mut self, program: &ScaledProgram) {
+        let (cones, before) = (&program.cones, self.diagonal.len());
+        for cone in 0..cones.len() {
+            let entries = cones.entries(cone);
+            for e in entries.clone() {
+                let (columns, values) = cones.rows.vector(e);
+                self.sorted.clear();
+                self.sorted.extend(columns.iter().copied().zip(values.iter().copied()));
+                self.sorted.sort_unstable_by_key(|entry| entry.0);
+                for &(j, g) in &self.sorted {
+                    self.index.push(j);
+                    self.constant.push(g);
+                }
+                for other in entries.start..=e {
+                    self.blocks.push(self.index.len());
+                    self.index.push(before + other);
+                    self.constant.push(if other == e { -REGULARISATION } else { 0.0 });
+                }
+                self.start.push(self.index.len());
+            }
         }
     }
 }

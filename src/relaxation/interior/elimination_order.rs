@@ -10,16 +10,18 @@ use crate::presolve::{Reduced, refill};
 /// The name of an unknown that has none, and the place of one that is not ordered.
 const UNNAMED: usize = usize::MAX;
 
-/// The unknowns of a system by the names that they have in the program: its columns, then rows.
+/// The unknowns of a system by the names that they have in the program: its columns, then rows, then entries
+/// of cones.
 #[derive(Debug, Clone, Default)]
 struct Unknowns {
     columns: Vec<usize>,
     rows: Vec<usize>,
+    entries: Vec<usize>,
 }
 
 impl Unknowns {
     fn len(&self) -> usize {
-        self.columns.len() + self.rows.len()
+        self.columns.len() + self.rows.len() + self.entries.len()
     }
 }
 
@@ -37,22 +39,23 @@ pub(super) struct KeptOrders {
 
 #[derive(Debug, Clone, Default)]
 struct KeptOrder {
-    /// By column and by row of the program, when its unknown is eliminated.
+    /// By column, by row and by entry of a cone of the program, when its unknown is eliminated.
     columns: Vec<usize>,
     rows: Vec<usize>,
+    entries: Vec<usize>,
     size: usize,
     /// Entries of the factor for each of the system's.
     fill: f64,
 }
 
 impl KeptOrders {
-    /// Notes the unknowns of a system: the columns of a reduced program, and some of its rows. If a kept
+    /// Notes the unknowns of a system: the columns of a reduced program, and some of its rows and entries. If a kept
     /// order has most of them and few others, writes by unknown when it is eliminated, and returns the
     /// largest fill that is acceptable: with other rows, such as cuts, a kept order may be bad.
     pub(super) fn write_part(
         &mut self,
         program: &Reduced,
-        rows: impl Iterator<Item = usize>,
+        (rows, entries): (impl Iterator<Item = usize>, impl Iterator<Item = usize>),
         order: &mut Vec<usize>,
     ) -> Option<f64> {
         let KeptOrders { kept, unknowns, at, .. } = self;
@@ -60,6 +63,8 @@ impl KeptOrders {
         let name = |row: usize| program.origin.get(row).copied().unwrap_or(UNNAMED);
         unknowns.rows.clear();
         unknowns.rows.extend(rows.map(name));
+        unknowns.entries.clear();
+        unknowns.entries.extend(entries);
         let k = kept.iter().position(|kept| kept.write_part(unknowns, at, order).is_some())?;
         kept[..=k].rotate_right(1);
         Some(MAX_FILL_RATIO * kept[0].fill)
@@ -87,9 +92,11 @@ impl KeptOrders {
         let KeptOrders { kept: all, unknowns, .. } = self;
         let mut kept =
             if all.len() < MAX_KEPT_ORDERS { None } else { all.pop() }.unwrap_or_default();
-        let (of_columns, of_rows) = order.split_at(unknowns.columns.len());
+        let (of_columns, others) = order.split_at(unknowns.columns.len());
+        let (of_rows, of_entries) = others.split_at(unknowns.rows.len());
         place(&mut kept.columns, &unknowns.columns, of_columns);
         place(&mut kept.rows, &unknowns.rows, of_rows);
+        place(&mut kept.entries, &unknowns.entries, of_entries);
         (kept.size, kept.fill) = (order.len(), fill);
         all.insert(0, kept);
     }
@@ -109,7 +116,8 @@ impl KeptOrder {
         refill(at, self.size, UNNAMED);
         let columns = unknowns.columns.iter().map(|&name| self.columns.get(name));
         let rows = unknowns.rows.iter().map(|&name| self.rows.get(name));
-        for (unknown, place) in columns.chain(rows).enumerate() {
+        let entries = unknowns.entries.iter().map(|&name| self.entries.get(name));
+        for (unknown, place) in columns.chain(rows).chain(entries).enumerate() {
             match place.copied().filter(|&place| place < whole) {
                 Some(place) if at[place] == UNNAMED => at[place] = unknown,
                 None if at.len() < whole + MAX_EXTRA_UNKNOWNS => at.push(unknown),

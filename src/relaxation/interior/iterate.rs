@@ -1,5 +1,6 @@
 //! The iterates of the interior-point method: what they prove, and the next one.
 
+use super::cone_iterate::ConeIterate;
 use super::kkt::Kkt;
 use super::parameters::{
     CERTIFICATE_MARGIN, CLOSED_COMPLEMENTARITY, MAX_PREDICTOR_REFINEMENTS, MAX_REFINEMENTS,
@@ -16,10 +17,11 @@ pub(super) struct Iterate {
     pub(super) multipliers: Vec<f64>,
     pub(super) slack: Vec<f64>,
     pub(super) dual: Vec<f64>,
+    pub(super) cones: ConeIterate,
     // Results of `measure`.
     pub(super) activity: Vec<f64>,
     pub(super) curvature: Vec<f64>,
-    /// `A'y`.
+    /// `A'y`, without `G'z` of cones.
     pub(super) pressed: Vec<f64>,
     pub(super) dual_residual: Vec<f64>,
     pub(super) equality_residual: Vec<f64>,
@@ -53,6 +55,7 @@ impl Iterate {
         }
         self.pressed.fill(0.0);
         program.add_transposed(&self.multipliers, &mut self.pressed);
+        let of_cones = self.cones.measure(&program.cones, &self.x, &mut self.pressed);
         for j in 0..self.x.len() {
             self.dual_residual[j] = self.curvature[j] + program.linear[j] + self.pressed[j];
         }
@@ -70,7 +73,8 @@ impl Iterate {
         for ((residual, side), slack) in of_columns.iter_mut().zip(columns).zip(slacks) {
             *residual = room((side, self.x[side.of], slack));
         }
-        self.barrier = self.slack.iter().zip(&self.dual).map(|(s, z)| s * z).sum();
+        let of_sides: f64 = self.slack.iter().zip(&self.dual).map(|(s, z)| s * z).sum();
+        self.barrier = of_sides + of_cones;
         for (residual, &(i, limit)) in self.equality_residual.iter_mut().zip(&program.equalities) {
             *residual = self.activity[i] - limit;
         }
@@ -86,7 +90,7 @@ impl Iterate {
         let sides = sides.map(|((side, r), s)| -(r + s) / side.limit.abs().max(1.0));
         let equalities = program.equalities.iter().zip(&self.equality_residual);
         let equalities = equalities.map(|((_, limit), r)| r.abs() / limit.abs().max(1.0));
-        sides.chain(equalities).fold(0.0, f64::max)
+        sides.chain(equalities).fold(self.cones.violation(&program.cones), f64::max)
     }
 
     /// Objective, scaled, without the constant.
@@ -101,6 +105,24 @@ impl Iterate {
         let bent: f64 = self.x.iter().zip(&self.curvature).map(|(x, p)| -0.5 * x * p).sum();
         let gradient = |j: usize| self.curvature[j] + program.linear[j] + self.pressed[j];
         bent - self.limits(program).0 + self.corner(program, &gradient).0
+    }
+
+    /// The bound that the multipliers would prove if the gradients of columns without bounds were 0, scaled,
+    /// and the largest of these gradients.
+    pub(super) fn promised_value(&self, program: &ScaledProgram) -> (f64, f64) {
+        let bent: f64 = self.x.iter().zip(&self.curvature).map(|(x, p)| -0.5 * x * p).sum();
+        let largest = std::cell::Cell::new(0.0_f64);
+        let gradient = |j: usize| {
+            let g = self.curvature[j] + program.linear[j] + self.pressed[j];
+            let bound = if g > 0.0 { program.lower[j] } else { program.upper[j] };
+            if bound.is_finite() {
+                return g;
+            }
+            largest.set(largest.get().max(g.abs()));
+            0.0
+        };
+        let corner = self.corner(program, &gradient).0;
+        (bent - self.limits(program).0 + corner, largest.get())
     }
 
     /// The largest sum of complementarity and dual residuals, scaled: the gap if columns without
@@ -130,7 +152,7 @@ impl Iterate {
     /// The sum of multipliers times their active limits, and the sum of the magnitudes of its
     /// terms.
     fn limits(&self, program: &ScaledProgram) -> (f64, f64) {
-        let (mut sum, mut size) = (0.0, 0.0);
+        let (mut sum, mut size) = self.cones.limits(&program.cones);
         for &(i, limit) in &program.equalities {
             sum += self.multipliers[i] * limit;
             size += self.multipliers[i].abs() * limit.abs().max(1.0);
@@ -166,34 +188,44 @@ impl Iterate {
         token: &StopToken,
     ) -> Option<f64> {
         let sides = program.sides.len();
-        self.invert();
-        self.weigh(program);
-        if !kkt.factorise(&self.column_weight, &self.row_weight) || token.is_over() {
+        let cones = &program.cones;
+        if !self.cones.scale(cones) {
             return None;
         }
-        let mean = self.barrier / sides.max(1) as f64;
+        self.invert();
+        self.weigh(program);
+        if !kkt.factorise(&self.column_weight, &self.row_weight, (cones, &self.cones))
+            || token.is_over()
+        {
+            return None;
+        }
+        let count = sides + cones.len();
+        let mean = self.barrier / count.max(1) as f64;
         for k in 0..sides {
             self.centre[k] = self.slack[k] * self.dual[k];
         }
+        self.cones.aim_at_boundary();
         let accurate = RESIDUAL_TOLERANCE.max(RESIDUAL_FRACTION * mean);
         self.solve(program, kkt, (MAX_PREDICTOR_REFINEMENTS, accurate));
-        let mut length = self.longest();
-        if sides > 0 {
+        let mut length = self.longest(program);
+        if count > 0 {
             let ahead: f64 = (0..sides)
                 .map(|k| {
                     let s = self.slack[k] + length * self.slack_move[k];
                     s * (self.dual[k] + length * self.dual_move[k])
                 })
                 .sum();
+            let ahead = ahead + self.cones.ahead(length);
             let target = (ahead / self.barrier).clamp(0.0, 1.0).powi(3) * mean;
             for k in 0..sides {
                 self.centre[k] += self.slack_move[k] * self.dual_move[k] - target;
             }
+            self.cones.aim_at(cones, target);
             if token.is_over() {
                 return None;
             }
             self.solve(program, kkt, (MAX_REFINEMENTS, accurate));
-            length = (STEP_FRACTION * self.longest()).min(1.0);
+            length = (STEP_FRACTION * self.longest(program)).min(1.0);
         }
         // The point stays where it is if the system was too bad.
         if !self.right.iter().all(|step| step.is_finite()) {
@@ -210,6 +242,7 @@ impl Iterate {
             self.slack[k] += length * self.slack_move[k];
             self.dual[k] += length * self.dual_move[k];
         }
+        self.cones.step(length);
         Some(length)
     }
 
@@ -240,6 +273,7 @@ impl Iterate {
             self.right[side.of] -= side.sign * pull;
         }
         program.add_transposed(&self.row_term, &mut self.right[..n]);
+        self.cones.write_right(&mut self.right);
         self.target.clear();
         self.target.extend_from_slice(&self.right);
         kkt.solve(&mut self.right);
@@ -266,6 +300,9 @@ impl Iterate {
             self.slack_move[k] = step;
             self.dual_move[k] = -(self.centre[k] + self.dual[k] * step) * self.slack_inverse[k];
         }
+        let (step, others) = self.right.split_at(n);
+        let along = &others[program.equalities.len() + kkt.long().len()..];
+        self.cones.follow(&program.cones, step, along);
     }
 
     /// Writes the residual of `right` in the system with the right side `target` into `residual`.
@@ -274,7 +311,8 @@ impl Iterate {
         self.residual.clear();
         self.residual.extend_from_slice(&self.target);
         let (columns, rest) = self.residual.split_at_mut(n);
-        let (equalities, long) = rest.split_at_mut(e);
+        let (equalities, rest) = rest.split_at_mut(e);
+        let (long, entries) = rest.split_at_mut(kkt.long().len());
         program.curvature(&self.right[..n], &mut self.scratch);
         let weighted = self.column_weight.iter().zip(&self.right);
         for ((column, bent), (w, step)) in columns.iter_mut().zip(&self.scratch).zip(weighted) {
@@ -292,6 +330,9 @@ impl Iterate {
             self.row_term[i] = -self.right[n + e + k];
         }
         program.add_transposed(&self.row_term, columns);
+        let (step, others) = self.right.split_at(n);
+        let along = &others[e + kkt.long().len()..];
+        self.cones.subtract_product(&program.cones, (step, along), columns, entries);
     }
 
     /// Inverts slacks and duals, which a step divides by several times.
@@ -316,14 +357,15 @@ impl Iterate {
         }
     }
 
-    /// The largest step, at most 1, that keeps slacks and duals positive.
-    fn longest(&self) -> f64 {
+    /// The largest step, at most 1, that keeps slacks and duals positive, and inside their cones.
+    fn longest(&self, program: &ScaledProgram) -> f64 {
         let fastest = |moves: &[f64], inverse: &[f64]| {
             let falls = moves.iter().zip(inverse).map(|(step, inverse)| -step * inverse);
             falls.fold(0.0_f64, |most, fall| if fall > most { fall } else { most })
         };
         let fastest = fastest(&self.slack_move, &self.slack_inverse)
-            .max(fastest(&self.dual_move, &self.dual_inverse));
+            .max(fastest(&self.dual_move, &self.dual_inverse))
+            .max(self.cones.fastest(&program.cones));
         1.0 / fastest.max(1.0)
     }
 }

@@ -3,9 +3,13 @@
 //! With weights `w` of the sides, an inequality row adds `w a a'` to the block of the columns, so
 //! only equalities (and rows so long that `a a'` would fill the block) have unknowns:
 //!
-//! `[ P + D + A_s' W A_s + δ   A_e'   A_l'      ]`
-//! `[ A_e                      -δ               ]`
-//! `[ A_l                             -1/w_l - δ ]`
+//! `[ P + D + A_s' W A_s + δ   A_e'   A_l'         G'       ]`
+//! `[ A_e                      -δ                           ]`
+//! `[ A_l                             -1/w_l - δ            ]`
+//! `[ G                                            -W^2 - δ ]`
+//!
+//! The entries of cones have unknowns, too, because the inverse of `W^2` is far less accurate near the
+//! boundary of a cone.
 
 use super::parameters::{ASSUMED_RATE, LARGE_FACTORISATION, MAX_KEPT_SYSTEMS, SUPERNODAL_RATIO};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -20,8 +24,10 @@ use faer::{Conj, MatMut, Par};
 use web_time::{Duration, Instant};
 
 use super::condensed::Condensed;
+use super::cone_iterate::ConeIterate;
 use super::elimination_order::{KeptOrders, stack};
 use super::scaled::ScaledProgram;
+use super::scaled_cones::ScaledCones;
 use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
 
@@ -81,15 +87,16 @@ impl Kkt {
             return false;
         }
         self.token = token.clone();
-        let (n, size) = (program.column.len(), self.condensed.diagonal.len());
+        let (n, size) = (program.column.len(), self.condensed.size());
         refill(&mut self.signs, size, 1);
         ordered.order[n..].iter().for_each(|&k| self.signs[k] = -1);
-        let Condensed { constant, terms, diagonal, .. } = &mut self.condensed;
+        let Condensed { constant, terms, blocks, diagonal, .. } = &mut self.condensed;
         refill(&mut self.constant, constant.len(), 0.0);
         for (&k, v) in ordered.moved.iter().zip(&*constant) {
             self.constant[k] = *v;
         }
         terms.iter_mut().for_each(|term| term.position = ordered.moved[term.position]);
+        blocks.iter_mut().for_each(|k| *k = ordered.moved[*k]);
         diagonal.iter_mut().for_each(|k| *k = ordered.moved[*k]);
         refill(&mut self.factor, ordered.symbolic.len_val(), 0.0);
         refill(&mut self.right, size, 0.0);
@@ -108,7 +115,9 @@ impl Kkt {
             if self.ordered.len() >= MAX_KEPT_SYSTEMS {
                 memory = self.ordered.pop().map(Ordered::into_memory).unwrap_or_default();
             }
-            let part = self.orders.write_part(reduced, rows, &mut memory.order).and_then(|most| {
+            let entries = program.cones.names();
+            let names = (rows, entries);
+            let part = self.orders.write_part(reduced, names, &mut memory.order).and_then(|most| {
                 let part = Ordered::new(start, index, std::mem::take(&mut memory))?;
                 if part.fill() <= most {
                     return Some(part);
@@ -119,7 +128,7 @@ impl Kkt {
             let ordered = match part {
                 Some(part) => part,
                 None => {
-                    let size = self.condensed.diagonal.len();
+                    let size = self.condensed.size();
                     self.orders.write_minimum_degree(size, (start, index), &mut memory.order)?;
                     let ordered = Ordered::new(start, index, memory)?;
                     self.orders.keep(&ordered.order, ordered.fill());
@@ -140,10 +149,15 @@ impl Kkt {
         &self.condensed.long
     }
 
-    /// Factorises with the weights of columns and rows; `false` if that breaks down or would take longer
+    /// Factorises with the weights of columns and rows, and the scaling of cones; `false` if that breaks down or would take longer
     /// than what is left.
-    pub(super) fn factorise(&mut self, of_columns: &[f64], of_rows: &[f64]) -> bool {
-        let Condensed { diagonal, terms, long, .. } = &self.condensed;
+    pub(super) fn factorise(
+        &mut self,
+        of_columns: &[f64],
+        of_rows: &[f64],
+        cones: (&ScaledCones, &ConeIterate),
+    ) -> bool {
+        let Condensed { diagonal, terms, blocks, long, .. } = &self.condensed;
         let (Some(ordered), Some(memory)) = (self.ordered.first(), &mut self.memory) else {
             return false;
         };
@@ -157,6 +171,8 @@ impl Kkt {
         for term in terms {
             self.value[term.position] += of_rows[term.row] * term.product;
         }
+        let (cones, of_cones) = cones;
+        of_cones.for_each_block_entry(cones, blocks, |k, value| self.value[k] -= value);
         let owned = diagonal.len() - long.len();
         for (k, &row) in long.iter().enumerate() {
             self.value[diagonal[owned + k]] -= 1.0 / of_rows[row].max(1e-12);
@@ -187,7 +203,7 @@ impl Kkt {
         done
     }
 
-    /// Solves with the factors; `right` is columns, equalities, long rows.
+    /// Solves with the factors; `right` is columns, equalities, long rows, entries of cones.
     pub(super) fn solve(&mut self, right: &mut [f64]) {
         let (Some(ordered), Some(memory)) = (self.ordered.first(), &mut self.memory) else {
             return;

@@ -9,23 +9,27 @@
 //! The method gives up early, because the ladder has another one for the rest.
 
 mod condensed;
+mod cone_iterate;
 mod elimination_order;
 mod iterate;
 mod kkt;
 mod parameters;
 mod results;
 mod scaled;
+mod scaled_cones;
 mod start;
 mod warm_start;
 
 use parameters::{
-    COARSE_TOLERANCE, EARLY_ITERATIONS, MAX_SHORT_STEPS, MAX_WARM_RESIDUAL, SHORT_STEP,
-    WARM_ITERATIONS,
+    COARSE_TOLERANCE, EARLY_ITERATIONS, FREE_MARGIN, MAX_CONE_ENTRIES, MAX_SHORT_STEPS,
+    MAX_WARM_RESIDUAL, SHORT_STEP, WARM_ITERATIONS,
 };
 use std::fmt;
 
+use super::conic_form::{ConeRows, ConicForm};
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
-use crate::presolve::Reduced;
+use crate::presolve::{Reduced, ReducedCone};
+use crate::program::ConeRole;
 use iterate::Iterate;
 use kkt::Kkt;
 use results::ResultMemory;
@@ -61,15 +65,51 @@ impl InteriorPoint {
 
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
+        self.solve_with(program, effort, &ConeRows::default())
+    }
+
+    fn reuse(&mut self, result: RelaxationResult) {
+        self.results.take_back(result);
+    }
+}
+
+impl InteriorPoint {
+    /// Whether a program with cones is one for this method: their blocks are dense.
+    pub fn suits_cones(program: &Reduced) -> bool {
+        let is_short = |cone: &ReducedCone| {
+            cone.role == ConeRole::Part || cone.entries.len() <= MAX_CONE_ENTRIES
+        };
+        program.cones.iter().all(is_short)
+    }
+
+    /// Solves a program with its cones. Also returns the multipliers of the rows of the cones.
+    pub(super) fn solve_cones(
+        &mut self,
+        form: &ConicForm<'_>,
+        effort: &Effort<'_>,
+    ) -> (RelaxationResult, Vec<f64>) {
+        self.results.cone_dual.clear();
+        let result = self.solve_with(&form.program, effort, &form.cones);
+        let (scaled, dual) = (&self.scaled, &mut self.results.cone_dual);
+        dual.resize(scaled.cones.entry_count(), 0.0);
+        (result, scaled.cones.multipliers(dual, scaled.objective))
+    }
+
+    fn solve_with(
+        &mut self,
+        program: &Reduced,
+        effort: &Effort<'_>,
+        cones: &ConeRows,
+    ) -> RelaxationResult {
         let InteriorPoint { scaled, kkt, at, kept, resumed, results } = self;
-        scaled.load(program);
+        scaled.load(program, cones);
         let scaled = &*scaled;
         let run = InteriorRun { program, effort, scaled };
         if !kkt.load(program, scaled, effort.token) {
             return RelaxationResult::nothing(program);
         }
         at.start(scaled);
-        let linear = run.is_linear();
+        let linear = !run.keeps_state();
         let mut spent = 0;
         let parent = effort.warm.filter(|_| !linear).and_then(WarmState::get::<ParentIterate>);
         if let Some(parent) = parent {
@@ -100,10 +140,6 @@ impl Relaxation for InteriorPoint {
         }
         RelaxationResult { iterations: spent + result.iterations, ..result }
     }
-
-    fn reuse(&mut self, result: RelaxationResult) {
-        self.results.take_back(result);
-    }
 }
 
 /// One solve.
@@ -114,8 +150,9 @@ struct InteriorRun<'a> {
 }
 
 impl InteriorRun<'_> {
-    fn is_linear(&self) -> bool {
-        self.scaled.quadratic.index.is_empty()
+    /// Whether the children begin with an iterate: the program has curvature, and no cones.
+    fn keeps_state(&self) -> bool {
+        !self.scaled.quadratic.index.is_empty() && self.scaled.cones.len() == 0
     }
 
     /// An iterate as an answer.
@@ -130,6 +167,7 @@ impl InteriorRun<'_> {
         let x = results.vector(at.x.iter().zip(&scaled.column).map(|(x, d)| x * d));
         let unit = |(y, e): (&f64, &f64)| y * e / scaled.objective;
         let y = results.vector(at.multipliers.iter().zip(&scaled.row).map(unit));
+        results.cone_dual.clone_from(&at.cones.dual);
         RelaxationResult { claim, x, y, iterations: u64::from(iterations), warm: None }
     }
 
@@ -153,7 +191,7 @@ impl InteriorRun<'_> {
                 let iterations = u64::from(iterations);
                 return RelaxationResult { iterations, ..RelaxationResult::nothing(self.program) };
             }
-            if !self.is_linear() {
+            if self.keeps_state() {
                 kept.update(at);
             }
             match self.judge(at, iterations) {
@@ -186,7 +224,7 @@ impl InteriorRun<'_> {
         if self.program.is_feasibility_problem() {
             solved.y.fill(0.0);
         }
-        if !self.is_linear() {
+        if self.keeps_state() {
             let write = |state: &mut ParentIterate| kept.write(self.program, scaled, state);
             solved.warm = Some(results.state(write));
         }
@@ -212,13 +250,22 @@ impl InteriorRun<'_> {
         if !feasibility_problem && bound > enough {
             return Some((RelaxationClaim::Beyond, true));
         }
+        if bound == f64::NEG_INFINITY && self.scaled.cones.len() > 0 {
+            // The proof takes the gradients of free columns away.
+            let (promised, slope) = at.promised_value(scaled);
+            let margin = FREE_MARGIN * effort.cutoff.abs().max(1.0);
+            if slope < FREE_MARGIN && objective(promised) > effort.cutoff + margin {
+                return Some((RelaxationClaim::Beyond, true));
+            }
+        }
         let value = objective(at.value(scaled));
         let gap = 10.0 * effort.tolerance * value.abs().max(1.0);
         // Columns without bounds leave the bound infinite until their gradient is exactly zero.
-        let distance = if bound > f64::NEG_INFINITY {
-            value - bound
-        } else {
-            at.estimated_gap() / scaled.objective
+        let estimated = || at.estimated_gap() / scaled.objective;
+        let distance = match scaled.cones.len() {
+            0 if bound > f64::NEG_INFINITY => value - bound,
+            0 => estimated(),
+            _ => estimated().min((value - bound).abs()),
         };
         if feasible && distance <= gap {
             return Some((RelaxationClaim::Solved, true));

@@ -15,6 +15,13 @@ pub(super) const CLOSED_COMPLEMENTARITY: f64 = 1e-9;
 /// The tolerance at which a program counts as solved if the method cannot improve it.
 pub(super) const COARSE_TOLERANCE: f64 = 1e-8;
 
+/// The gradient of columns without bounds at which a dual value counts as a bound, scaled, and the relative
+/// margin that it then needs: proving it costs some of it.
+pub(super) const FREE_MARGIN: f64 = 1e-5;
+
+/// The largest number of entries of a cone, whose block of the system is dense.
+pub(super) const MAX_CONE_ENTRIES: usize = 300;
+
 /// The margin of a certificate of infeasibility, relative to its terms.
 pub(super) const CERTIFICATE_MARGIN: f64 = 1e-8;
 

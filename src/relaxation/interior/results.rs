@@ -7,6 +7,8 @@ use crate::relaxation::{RelaxationResult, WarmState};
 #[derive(Default)]
 pub(super) struct ResultMemory {
     vectors: Vec<Vec<f64>>,
+    /// The multipliers of cones that belong to the last result.
+    pub(super) cone_dual: Vec<f64>,
     /// States of iterates that are not shared.
     states: Vec<WarmState>,
 }

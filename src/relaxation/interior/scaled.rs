@@ -1,6 +1,8 @@
 //! The program in even units: rows, columns and objective scaled, bounds and row limits as sides.
 
+use super::scaled_cones::ScaledCones;
 use crate::presolve::{Compressed, Reduced};
+use crate::relaxation::conic_form::ConeRows;
 use crate::relaxation::scaling::{MAX_SCALE, write_factors};
 
 /// One finite limit of a column or of an inequality row: `sign * (value - limit) >= 0`.
@@ -31,13 +33,14 @@ pub(super) struct ScaledProgram {
     pub(super) row_sides: usize,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
+    pub(super) cones: ScaledCones,
     /// For the factors.
     room: Vec<f64>,
 }
 
 impl ScaledProgram {
-    /// Becomes another program, in the memory that it has.
-    pub(super) fn load(&mut self, program: &Reduced) {
+    /// Becomes another program with the rows of cones, in the memory that it has.
+    pub(super) fn load(&mut self, program: &Reduced, cones: &ConeRows) {
         let ScaledProgram {
             column,
             row,
@@ -92,6 +95,7 @@ impl ScaledProgram {
             scaled.clear();
             scaled.extend(bounds.iter().zip(&*column).map(|(bound, d)| bound / d));
         }
+        self.cones.load(cones, column);
         (self.objective, self.row_sides) = (objective, sides.len());
         (0..column.len()).for_each(|j| add(sides, j, lower[j], upper[j]));
     }

@@ -55,6 +55,7 @@ impl Iterate {
         ] {
             refill(vector, k, 0.0);
         }
+        self.cones.start(&program.cones, &self.x);
         refill(&mut self.equality_residual, program.equalities.len(), 0.0);
         self.barrier = 0.0;
     }
@@ -72,13 +73,19 @@ impl Iterate {
         self.multipliers.fill(0.0);
         self.slack.fill(0.0);
         self.dual.fill(0.0);
+        self.cones.centre(&program.cones, 0.0);
         self.measure(program);
         // With unit slacks and zero duals, the right-hand side of a side is its residual.
         self.slack.fill(1.0);
         self.dual.fill(1.0);
+        self.cones.centre(&program.cones, 1.0);
+        self.cones.aim_at_nothing();
         self.invert();
         self.weigh(program);
-        if !kkt.factorise(&self.column_weight, &self.row_weight) || token.is_over() {
+        let is_inside = self.cones.scale(&program.cones);
+        let cones = (&program.cones, &self.cones);
+        let done = is_inside && kkt.factorise(&self.column_weight, &self.row_weight, cones);
+        if !done || token.is_over() {
             return false;
         }
         self.centre.fill(0.0);
@@ -90,12 +97,15 @@ impl Iterate {
         // The move of a slack is its value; the multiplier is its negative.
         let least = self.slack_move.iter().fold(f64::INFINITY, |m, s| m.min(*s));
         let most = self.slack_move.iter().fold(f64::NEG_INFINITY, |m, s| m.max(*s));
+        let (of_cones_least, of_cones_most) = self.cones.eigenvalues(&program.cones);
+        let (least, most) = (least.min(of_cones_least), most.max(of_cones_most));
         let shift = if least < 1e-3 { 1.0 - least } else { 0.0 };
         let lift = if most > -1e-3 { 1.0 + most } else { 0.0 };
         for k in 0..program.sides.len() {
             self.slack[k] = self.slack_move[k] + shift;
             self.dual[k] = lift - self.slack_move[k];
         }
+        self.cones.start_from_moves(&program.cones, shift, lift);
         true
     }
 }

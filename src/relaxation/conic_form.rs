@@ -1,0 +1,318 @@
+//! A program with cones as interior-point methods take it: `G x + h` lies in cones `|tail| <= head`.
+//!
+//! The cones of a program are over columns. Where such a column is there only to name a sum, `y = a'x + b`,
+//! the sum itself becomes a row of `G`: a column and an equality less, and no column without curvature and
+//! without bounds.
+
+use std::borrow::Cow;
+
+use super::RelaxationResult;
+use crate::presolve::{Compressed, FIXED, Reduced, ReducedCone};
+use crate::program::ConeRole;
+
+/// The least coefficient of a column in its row, relative to the largest, that is divided by.
+const LEAST_COEFFICIENT: f64 = 1e-3;
+
+/// By how much a bound may cut into the values that others allow, relative (at least 1).
+const IMPLIED: f64 = 1e-7;
+
+/// The rows of cones.
+#[derive(Debug, Default)]
+pub(super) struct ConeRows {
+    /// By cone, its first row; one more number than cones.
+    pub(super) first: Vec<usize>,
+    /// `G`, by row.
+    pub(super) rows: Compressed,
+    /// `h`, by row.
+    pub(super) constant: Vec<f64>,
+    /// By row, its number among the entries of all cones of the program.
+    pub(super) names: Vec<usize>,
+}
+
+impl ConeRows {
+    /// The number of cones.
+    pub(super) fn len(&self) -> usize {
+        self.first.len().saturating_sub(1)
+    }
+
+    /// The rows of a cone.
+    pub(super) fn rows_of(&self, cone: usize) -> std::ops::Range<usize> {
+        self.first[cone]..self.first[cone + 1]
+    }
+}
+
+/// A program, without the columns that name sums, and the rows of its cones.
+pub(super) struct ConicForm<'a> {
+    /// The program as it was.
+    whole: &'a Reduced,
+    pub(super) program: Cow<'a, Reduced>,
+    pub(super) cones: ConeRows,
+    /// By cone of the whole program, its number here; `None` for parts of others, and for fixed ones.
+    place: Vec<Option<usize>>,
+    names: Vec<NamedSum>,
+    /// By column and by row of the whole program, whether it is here; empty if all are.
+    has_column: Vec<bool>,
+    has_row: Vec<bool>,
+}
+
+/// A column that names a sum: `row: a'x + coefficient column = limit`.
+#[derive(Clone, Copy)]
+struct NamedSum {
+    column: usize,
+    row: usize,
+    coefficient: f64,
+}
+
+impl<'a> ConicForm<'a> {
+    pub(super) fn new(whole: &'a Reduced) -> Self {
+        let names = named_sums(whole);
+        let (mut has_column, mut has_row) = (Vec::new(), Vec::new());
+        let mut program = Cow::Borrowed(whole);
+        if !names.is_empty() {
+            has_column.resize(whole.columns.len(), true);
+            has_row.resize(whole.rows.len(), true);
+            for name in &names {
+                (has_column[name.column], has_row[name.row]) = (false, false);
+            }
+            program = Cow::Owned(part(whole, &has_column, &has_row));
+        }
+        let mut form = ConicForm {
+            whole,
+            program,
+            cones: ConeRows::default(),
+            place: Vec::new(),
+            names,
+            has_column,
+            has_row,
+        };
+        form.write_cones();
+        form
+    }
+
+    fn write_cones(&mut self) {
+        let ConicForm { whole, cones, place, names, has_column, .. } = self;
+        let mut at = vec![FIXED; whole.columns.len()];
+        let mut count = 0;
+        for (j, at) in at.iter_mut().enumerate() {
+            if has_column.get(j).is_none_or(|has| *has) {
+                *at = count;
+                count += 1;
+            }
+        }
+        let mut sum = vec![None; whole.columns.len()];
+        names.iter().for_each(|name| sum[name.column] = Some(*name));
+        cones.first.push(0);
+        cones.rows = Compressed::with_capacity(0, 0);
+        let mut next = 0;
+        let mut terms = Vec::new();
+        for cone in &whole.cones {
+            let before = next;
+            next += cone.entries.len();
+            if cone.role == ConeRole::Part || cone.is_fixed() {
+                place.push(None);
+                continue;
+            }
+            place.push(Some(cones.first.len() - 1));
+            for e in 0..cone.entries.len() {
+                let mut h = 0.0;
+                terms.clear();
+                for (entry, g) in cone.conic_row(e) {
+                    match entry.is_fixed() {
+                        true => h += g * entry.value,
+                        false => match sum[entry.place] {
+                            None => {
+                                let known = terms.len();
+                                add(&mut terms, known, (at[entry.place], g));
+                            }
+                            Some(NamedSum { column, row, coefficient }) => {
+                                let factor = g / coefficient;
+                                h += factor * whole.row_upper[row];
+                                let known = terms.len();
+                                let others = whole.rows.entries(row).filter(|(j, _)| *j != column);
+                                for (j, a) in others {
+                                    add(&mut terms, known, (at[j], -factor * a));
+                                }
+                            }
+                        },
+                    }
+                }
+                cones.rows.push(terms.iter().copied());
+                cones.constant.push(h);
+                cones.names.push(before + e);
+            }
+            cones.first.push(cones.constant.len());
+        }
+    }
+
+    /// The result for the whole program, and by cone the multipliers of its entries, from those of all rows
+    /// of the cones.
+    pub(super) fn lift(
+        &self,
+        result: RelaxationResult,
+        z: &[f64],
+    ) -> (RelaxationResult, Vec<Vec<f64>>) {
+        let of = |(cone, place): (&ReducedCone, &Option<usize>)| match place {
+            Some(k) => z[self.cones.rows_of(*k)].to_vec(),
+            None => vec![0.0; cone.entries.len()],
+        };
+        let multipliers = self.whole.cones.iter().zip(&self.place).map(of).collect();
+        if self.names.is_empty() {
+            return (result, multipliers);
+        }
+        let spread = |has: &[bool], values: &[f64]| {
+            let mut values = values.iter();
+            has.iter().map(|has| if *has { *values.next().unwrap_or(&0.0) } else { 0.0 }).collect()
+        };
+        let mut x: Vec<f64> = spread(&self.has_column, &result.x);
+        let mut y: Vec<f64> = spread(&self.has_row, &result.y);
+        let mut pull = vec![0.0; x.len()];
+        for (cone, place) in self.whole.cones.iter().zip(&self.place) {
+            let Some(k) = place else { continue };
+            for (e, z) in z[self.cones.rows_of(*k)].iter().enumerate() {
+                let free = cone.conic_row(e).filter(|(entry, _)| !entry.is_fixed());
+                free.for_each(|(entry, g)| pull[entry.place] += g * z);
+            }
+        }
+        for &NamedSum { column, row, coefficient } in &self.names {
+            let others = self.whole.rows.entries(row).filter(|(j, _)| *j != column);
+            let sum: f64 = others.map(|(j, a)| a * x[j]).sum();
+            x[column] = (self.whole.row_upper[row] - sum) / coefficient;
+            y[row] = pull[column] / coefficient;
+        }
+        (RelaxationResult { x, y, ..result }, multipliers)
+    }
+}
+
+/// Adds a term to a sum; its column may be among the first terms, so many.
+fn add(terms: &mut Vec<(usize, f64)>, known: usize, (column, a): (usize, f64)) {
+    match terms[..known].iter_mut().find(|term| term.0 == column) {
+        Some(term) => term.1 += a,
+        None => terms.push((column, a)),
+    }
+}
+
+/// The columns that name sums, at most one for each row: free but for what their row and their only cone
+/// imply, and without a cost.
+fn named_sums(program: &Reduced) -> Vec<NamedSum> {
+    const NONE: usize = usize::MAX;
+    const MANY: usize = usize::MAX - 1;
+    let n = program.columns.len();
+    // By column, its only cone, and its only row.
+    let (mut cone_of, mut row_of) = (vec![NONE; n], vec![NONE; n]);
+    let note = |of: &mut usize, k: usize| *of = if *of == NONE || *of == k { k } else { MANY };
+    for (k, cone) in program.cones.iter().enumerate() {
+        if cone.role == ConeRole::Part || cone.is_fixed() {
+            continue;
+        }
+        let free = cone.entries.iter().filter(|entry| !entry.is_fixed());
+        free.for_each(|entry| note(&mut cone_of[entry.place], k));
+    }
+    if cone_of.iter().all(|of| *of >= MANY) {
+        return Vec::new();
+    }
+    for i in 0..program.rows.len() {
+        program.rows.vector(i).0.iter().for_each(|&j| note(&mut row_of[j], i));
+    }
+    let mut is_bent = vec![false; n];
+    for j in 0..n {
+        for &i in program.quadratic.vector(j).0 {
+            (is_bent[i], is_bent[j]) = (true, true);
+        }
+    }
+    let mut taken = vec![false; program.rows.len()];
+    let mut names = Vec::new();
+    for column in 0..n {
+        let (cone, row) = (cone_of[column], row_of[column]);
+        let is_simple = cone < MANY && row < MANY && program.linear[column] == 0.0;
+        if !is_simple || is_bent[column] || taken[row] {
+            continue;
+        }
+        let is_sum = program.rows.vector(row).0.len() > 1;
+        if !is_sum || program.row_lower[row] != program.row_upper[row] {
+            continue;
+        }
+        let largest = program.rows.entries(row).fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
+        let own = program.rows.entries(row).find(|(j, _)| *j == column);
+        let Some((_, coefficient)) = own.filter(|(_, c)| c.abs() >= LEAST_COEFFICIENT * largest)
+        else {
+            continue;
+        };
+        let name = NamedSum { column, row, coefficient };
+        if are_bounds_implied(program, name, &program.cones[cone]) {
+            taken[row] = true;
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Whether the row of a column, or its cone, implies the column's bounds.
+fn are_bounds_implied(program: &Reduced, name: NamedSum, cone: &ReducedCone) -> bool {
+    let NamedSum { column, row, coefficient } = name;
+    let (lower, upper) = (program.lower[column], program.upper[column]);
+    if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+        return true;
+    }
+    let mut range = [program.row_upper[row] / coefficient; 2];
+    for (j, a) in program.rows.entries(row).filter(|(j, _)| *j != column) {
+        let factor = -a / coefficient;
+        let (low, high) = (factor * program.lower[j], factor * program.upper[j]);
+        range[0] += low.min(high);
+        range[1] += low.max(high);
+    }
+    let is_head = cone.head().iter().any(|entry| entry.place == column);
+    let most = |entry: &crate::presolve::ConeEntry| match entry.is_fixed() {
+        true => entry.value,
+        false => program.upper[entry.place],
+    };
+    let reach = match cone.head() {
+        [head] => most(head),
+        [first, second] => (most(first) * most(second)).sqrt(),
+        _ => f64::INFINITY,
+    };
+    let of_cone = if is_head { [0.0, f64::INFINITY] } else { [-reach, reach] };
+    let room = |bound: f64| IMPLIED * bound.abs().max(1.0);
+    range[0].max(of_cone[0]) >= lower - room(lower)
+        && range[1].min(of_cone[1]) <= upper + room(upper)
+}
+
+/// Some columns and rows of a program, without its cones.
+fn part(whole: &Reduced, has_column: &[bool], has_row: &[bool]) -> Reduced {
+    let mut at = vec![FIXED; whole.columns.len()];
+    let kept = at.iter_mut().zip(has_column).filter(|(_, has)| **has);
+    kept.enumerate().for_each(|(k, (at, _))| *at = k);
+    let of_columns = |values: &[f64]| -> Vec<f64> {
+        values.iter().zip(has_column).filter(|(_, has)| **has).map(|(v, _)| *v).collect()
+    };
+    let of_rows = |values: &[f64]| -> Vec<f64> {
+        values.iter().zip(has_row).filter(|(_, has)| **has).map(|(v, _)| *v).collect()
+    };
+    let named = |names: &[usize], has: &[bool]| -> Vec<usize> {
+        names.iter().zip(has).filter(|(_, has)| **has).map(|(name, _)| *name).collect()
+    };
+    let vectors = |matrix: &Compressed, has: &[bool]| {
+        let mut kept = Compressed::with_capacity(has.len(), matrix.index.len());
+        for k in (0..has.len()).filter(|k| has[*k]) {
+            // Columns that are not here have no entries but in rows that are not here either.
+            kept.push(matrix.entries(k).map(|(j, a)| (at[j], a)));
+        }
+        kept
+    };
+    Reduced {
+        columns: named(&whole.columns, has_column),
+        values: whole.values.clone(),
+        quadratic: vectors(&whole.quadratic, has_column),
+        linear: of_columns(&whole.linear),
+        offset: whole.offset,
+        rows: vectors(&whole.rows, has_row),
+        origin: named(&whole.origin, has_row),
+        row_lower: of_rows(&whole.row_lower),
+        row_upper: of_rows(&whole.row_upper),
+        lower: of_columns(&whole.lower),
+        upper: of_columns(&whole.upper),
+        steepness: of_columns(&whole.steepness),
+        cones: Vec::new(),
+        is_cut_off: false,
+        spread: whole.spread,
+    }
+}
