@@ -100,7 +100,8 @@ impl ClarabelRelaxation {
         };
         match catch_unwind(AssertUnwindSafe(run)) {
             Ok(Some(solution)) => {
-                let multipliers = solution.z[conic.first_of_cones..].to_vec();
+                let of_cones = solution.z.get(conic.first_of_cones..);
+                let multipliers = of_cones.map_or(Vec::new(), <[f64]>::to_vec);
                 let result = RelaxationResult {
                     claim: match solution.status {
                         SolverStatus::Solved => RelaxationClaim::Solved,

@@ -160,7 +160,7 @@ impl Ladder {
             ConicMethod::InteriorPoint => self.conic.1.solve_cones(&form, &effort),
         };
         self.note_conic(method, result.iterations, began.elapsed());
-        let (result, multipliers) = form.lift(result, &z);
+        let (result, multipliers) = form.lift(result, z);
         let pairs = program.cones.iter().zip(&multipliers);
         let cuts = pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
         (result, cuts)

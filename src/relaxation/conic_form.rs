@@ -145,12 +145,13 @@ impl<'a> ConicForm<'a> {
     }
 
     /// The result for the whole program, and by cone the multipliers of its entries, from those of all rows
-    /// of the cones.
+    /// of the cones, which are 0 if there are none.
     pub(super) fn lift(
         &self,
         result: RelaxationResult,
-        z: &[f64],
+        mut z: Vec<f64>,
     ) -> (RelaxationResult, Vec<Vec<f64>>) {
+        z.resize(self.cones.constant.len(), 0.0);
         let of = |(cone, place): (&ReducedCone, &Option<usize>)| match place {
             Some(k) => z[self.cones.rows_of(*k)].to_vec(),
             None => vec![0.0; cone.entries.len()],
