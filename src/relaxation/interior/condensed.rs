@@ -1,6 +1,6 @@
 //! The entries of the condensed system, before they are ordered.
 
-use super::parameters::{MAX_SHORT_TERMS, REGULARISATION};
+use super::parameters::{CONE_REGULARISATION, MAX_SHORT_TERMS, REGULARISATION};
 use super::scaled::ScaledProgram;
 use crate::presolve::refill;
 
@@ -137,7 +137,7 @@ impl Condensed {
                 for other in entries.start..=e {
                     self.blocks.push(self.index.len());
                     self.index.push(before + other);
-                    self.constant.push(if other == e { -REGULARISATION } else { 0.0 });
+                    self.constant.push(if other == e { -CONE_REGULARISATION } else { 0.0 });
                 }
                 self.start.push(self.index.len());
             }

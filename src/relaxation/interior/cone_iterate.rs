@@ -235,6 +235,18 @@ impl ConeIterate {
         }
     }
 
+    /// Aims at a complementarity from wherever the iterate is.
+    pub(super) fn aim_at_centre(&mut self, cones: &ScaledCones, target: f64) {
+        for cone in 0..cones.len() {
+            let range = cones.entries(cone);
+            let (s, z) = (&self.slack[range.clone()], &self.dual[range.clone()]);
+            let factor = target / determinant(z);
+            for (e, push) in self.push[range].iter_mut().enumerate() {
+                *push = s[e] - factor * if e == 0 { z[e] } else { -z[e] };
+            }
+        }
+    }
+
     /// Appends the right sides of the entries.
     pub(super) fn write_right(&self, right: &mut Vec<f64>) {
         right.extend(self.residual.iter().zip(&self.push).map(|(r, push)| -r - push));

@@ -3,8 +3,8 @@
 use super::cone_iterate::ConeIterate;
 use super::kkt::Kkt;
 use super::parameters::{
-    CERTIFICATE_MARGIN, CLOSED_COMPLEMENTARITY, MAX_PREDICTOR_REFINEMENTS, MAX_REFINEMENTS,
-    RESIDUAL_FRACTION, RESIDUAL_TOLERANCE, STEP_FRACTION,
+    CENTRING, CERTIFICATE_MARGIN, CLOSED_COMPLEMENTARITY, CONE_ACCURACY, MAX_PREDICTOR_REFINEMENTS,
+    MAX_REFINEMENTS, POOR_STEP, RESIDUAL_FRACTION, RESIDUAL_TOLERANCE, STEP_FRACTION,
 };
 use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::solver::StopToken;
@@ -205,7 +205,9 @@ impl Iterate {
             self.centre[k] = self.slack[k] * self.dual[k];
         }
         self.cones.aim_at_boundary();
-        let accurate = RESIDUAL_TOLERANCE.max(RESIDUAL_FRACTION * mean);
+        // Near the boundary of a cone, slight errors are large.
+        let room = if cones.len() == 0 { mean } else { CONE_ACCURACY * mean.min(1.0) };
+        let accurate = RESIDUAL_TOLERANCE.max(RESIDUAL_FRACTION * room);
         self.solve(program, kkt, (MAX_PREDICTOR_REFINEMENTS, accurate));
         let mut length = self.longest(program);
         if count > 0 {
@@ -226,6 +228,16 @@ impl Iterate {
             }
             self.solve(program, kkt, (MAX_REFINEMENTS, accurate));
             length = (STEP_FRACTION * self.longest(program)).min(1.0);
+            // Slacks and multipliers whose products are far apart block each other.
+            if cones.len() > 0 && length < POOR_STEP {
+                let target = CENTRING * mean;
+                for k in 0..sides {
+                    self.centre[k] = self.slack[k] * self.dual[k] - target;
+                }
+                self.cones.aim_at_centre(cones, target);
+                self.solve(program, kkt, (MAX_REFINEMENTS, accurate));
+                length = (STEP_FRACTION * self.longest(program)).min(1.0);
+            }
         }
         // The point stays where it is if the system was too bad.
         if !self.right.iter().all(|step| step.is_finite()) {

@@ -6,6 +6,11 @@ pub(super) const SHORT_STEP: f64 = 1e-3;
 /// The number of consecutive negligible steps after which the method gives up.
 pub(super) const MAX_SHORT_STEPS: u32 = 3;
 
+/// The step length of a program with cones below which a step is taken to the centre instead, and the part of
+/// the mean complementarity that it aims at (no unit).
+pub(super) const POOR_STEP: f64 = 0.1;
+pub(super) const CENTRING: f64 = 0.5;
+
 /// The fraction of the way to the nearest side that a step may go.
 pub(super) const STEP_FRACTION: f64 = 0.995;
 
@@ -60,9 +65,15 @@ pub(super) const RESIDUAL_TOLERANCE: f64 = 1e-11;
 /// The same as a fraction of the mean complementarity: the next step removes the rest.
 pub(super) const RESIDUAL_FRACTION: f64 = 1e-5;
 
+/// The same for programs with cones, as a part of that fraction.
+pub(super) const CONE_ACCURACY: f64 = 1e-3;
+
 /// The number that is added to the diagonal of columns and subtracted from that of rows; refinement
 /// removes its effect. With 1e-10 for rows, many relaxations of pendulums break down near their optimum.
 pub(super) const REGULARISATION: f64 = 1e-8;
+
+/// The same for the entries of cones, whose own block is definite.
+pub(super) const CONE_REGULARISATION: f64 = 1e-10;
 
 /// Rows with at most this many entries are always condensed.
 pub(super) const MAX_SHORT_TERMS: usize = 12;
