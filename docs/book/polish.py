@@ -52,6 +52,14 @@ def book_page(path, site, nav):
     # What scrolls can be scrolled by keyboard.
     text = text.replace('<div class="table-wrapper">', '<div class="table-wrapper" tabindex="0" role="group" aria-label="Table">')
     text = re.sub(r"<pre>(\s*<code)", r"<pre>\1 tabindex=\"0\"".replace('\\"', '"'), text)
+    # A first column without a title has no header.
+    text = text.replace("<th></th>", "<td></td>")
+    # Landmarks, and a button that the keyboard reaches.
+    text = replaced(text, 'id="mdbook-menu-bar"', 'id="mdbook-menu-bar" role="banner"', path)
+    text = replaced(text, 'id="mdbook-search-wrapper"', 'id="mdbook-search-wrapper" role="search"', path)
+    text, count = re.subn(r'<label (id="mdbook-sidebar-toggle"[^>]*?) for="[^"]*"(.*?)</label>', r'<button type="button" \1\2</button>', text, flags=re.DOTALL)
+    if not count:
+        raise SystemExit(f"{path}: mdBook has another button for its table of contents")
     bar = f'<a class="text" href="{up}playground/index.html">Playground</a><a class="text" href="{up}api/carom/index.html">Reference</a>'
     text = replaced(text, '<div class="right-buttons">', f'<div class="right-buttons">{bar}', path)
     # The title of the page is the heading; the bar only names the book, and leads to its first page.
