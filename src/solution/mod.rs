@@ -240,6 +240,7 @@ impl Solution {
     ///
     /// [`ErrorKind::NoMultipliers`] if the solution has no [multipliers](Self::multipliers),
     /// [`ErrorKind::ForeignHandle`] for a row of another model.
+    #[doc(alias("dual value", "Lagrange multiplier"))]
     pub fn shadow_price(&self, of: Constraint) -> Result<f64, Error> {
         self.known_multipliers()?.shadow_price(of)
     }

@@ -46,6 +46,7 @@ use crate::model::{Affine, Variable};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
+#[doc(alias("LCP", "complementarity"))]
 pub struct LinearComplementarity {
     states: Vec<(String, Interval)>,
     inputs: Vec<(String, Interval)>,
@@ -212,6 +213,7 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::Misplaced`] for another force or another gap; [`ErrorKind::DuplicateName`];
     /// [`ErrorKind::ForeignHandle`].
+    #[doc(alias("LCP", "contact force"))]
     pub fn complementarity(
         &mut self,
         name: &str,
