@@ -18,6 +18,7 @@ import shutil
 import subprocess
 import sys
 import threading
+import urllib.parse
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target").absolute()
@@ -39,6 +40,11 @@ def selenium():
         subprocess.run([sys.executable, "-m", "venv", TOOLS / "python"], check=True)
     subprocess.run([python, "-m", "pip", "install", "--quiet", f"selenium=={SELENIUM}"], check=True)
     os.execv(python, [python, __file__, *sys.argv[1:]])
+
+# Words that lead to items of the reference.
+ALIASES = {"MPC": "RecedingHorizon", "IIS": "infeasibility", "big-M": "BigM", "warm start": "MipStart",
+           "piecewise linear": "PiecewiseAffine", "callback": "with_progress", "time limit": "with_time_limit",
+           "complementarity": "LinearComplementarity", "receding horizon": "RecedingHorizon"}
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
@@ -109,6 +115,13 @@ def search(driver, address):
             WebDriverWait(driver, 10).until(lambda d: any(f"/{page}" in link for link in results(d)))
         except Exception:
             found.append(f"a search for {word} does not find {page}: {results(driver)[:3]}")
+    for word, item in ALIASES.items():
+        driver.get(f"{address}/api/carom/index.html?search={urllib.parse.quote(word)}")
+        try:
+            has = lambda d: item in d.find_element(By.CSS_SELECTOR, "#results").text.replace("\u200b", "")
+            WebDriverWait(driver, 10, ignored_exceptions=[Exception]).until(has)
+        except Exception:
+            found.append(f"the reference does not find {item} for {word}")
     return found
 
 

@@ -178,7 +178,6 @@ impl ElasticRelaxation {
 /// [`ErrorKind::UnknownName`] for a name that the model does not have, [`ErrorKind::OutOfRange`]
 /// for a weight that is not greater than 0, and the errors of [`Solver::solve_with`]; among them
 /// [`ErrorKind::UnboundedIndicator`] if an indicator has no finite big-M.
-#[doc(alias("feasibility relaxation", "feasRelax", "slack"))]
 pub fn elastic_relaxation(
     model: &Model,
     solver: &mut dyn Solver,

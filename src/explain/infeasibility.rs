@@ -53,7 +53,6 @@ const MANY_FAMILIES: usize = 12;
 ///
 /// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName) for a name in the background that the
 /// model does not have, and the errors of [`Solver::solve_with`].
-#[doc(alias("IIS", "irreducible infeasible subsystem", "conflict refiner"))]
 pub fn infeasibility(
     model: &Model,
     solver: &mut dyn Solver,

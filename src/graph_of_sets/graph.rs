@@ -11,7 +11,6 @@ use crate::model::{Affine, Model, Name, Quadratic, StoredConic, Variable};
 ///
 /// See the [module](super).
 #[derive(Debug, Clone)]
-#[doc(alias("GCS", "graph of convex sets"))]
 pub struct GraphOfSets {
     /// Holds the coordinates of all vertices, and what is said of them and of edges.
     pub(super) frame: Model,

@@ -130,7 +130,6 @@ pub struct Either {
 /// assert_eq!(point.selected(&door)?, Some(2));
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[doc(alias("disjunctive programming", "GDP"))]
 pub fn either(first: impl Into<Term>) -> Either {
     Either::of([first])
 }

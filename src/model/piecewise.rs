@@ -20,7 +20,6 @@ use crate::tolerance;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Vec<(f64, f64)>", into = "Vec<(f64, f64)>"))]
-#[doc(alias("piecewise linear", "PWL"))]
 pub struct PiecewiseAffine {
     points: Vec<(f64, f64)>,
 }

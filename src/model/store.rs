@@ -24,7 +24,6 @@ use crate::error::{Error, ErrorKind};
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "StoredModel", into = "StoredModel"))]
-#[doc(alias("MIP", "MILP", "MIQP", "problem"))]
 pub struct Model {
     pub(super) stored: StoredModel,
     pub(super) variable_names: NameTable<u32>,

@@ -21,7 +21,9 @@ pub use leaves::{LeafBound, LeafBox};
 pub use multipliers::Multipliers;
 pub use note::Note;
 pub use point::{Evaluate, Point};
-pub use pool::{Pool, PoolPoint};
+#[doc(alias = "solution pool")]
+pub use pool::Pool;
+pub use pool::PoolPoint;
 pub use start_report::{StartReport, StartStatus};
 pub use statistics::{
     Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,

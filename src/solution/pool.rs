@@ -24,7 +24,6 @@ use crate::model::Model;
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[doc(alias = "solution pool")]
 pub struct Pool {
     points: Vec<PoolPoint>,
     pub(super) complete: bool,

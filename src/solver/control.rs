@@ -61,7 +61,6 @@ impl Interrupt {
 /// ```
 #[derive(Default)]
 #[must_use]
-#[doc(alias = "callback")]
 pub struct Control<'a> {
     progress: Option<&'a mut dyn FnMut(&Event)>,
     incumbent: Option<&'a mut OnIncumbent<'a>>,

@@ -48,7 +48,6 @@ use crate::solution::Solution;
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[doc(alias("warm start", "initial solution", "hint"))]
 pub struct MipStart {
     /// Values of some integer variables, the most certain ones first. If all of them together lead to
     /// no point, the first half is tried, and then the first quarter.

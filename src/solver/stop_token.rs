@@ -19,7 +19,6 @@ const BETWEEN: usize = 10_000;
 /// half done is taken for finished later. The default never stops.
 #[doc(hidden)]
 #[derive(Debug, Default)]
-#[doc(alias = "cancel")]
 pub struct StopToken {
     shared: Arc<TokenState>,
     /// Work of this clone since its last look at the clock.

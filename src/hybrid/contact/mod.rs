@@ -31,7 +31,6 @@ pub(crate) const IMPACT_SPEED: &str = "impact speed";
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "f64", into = "f64"))]
-#[doc(alias("coefficient of restitution", "bounce"))]
 pub struct Restitution(f64);
 
 impl Restitution {

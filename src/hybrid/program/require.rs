@@ -16,7 +16,6 @@ use crate::model::{Affine, Either, Model, Term};
 /// logic, for a region. Formulas that nest them are not supported.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
-#[doc(alias("STL", "signal temporal logic", "temporal logic"))]
 pub enum When {
     /// At one sample: 0 is the start, τ the end.
     At(usize),

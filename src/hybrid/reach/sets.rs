@@ -44,7 +44,6 @@ pub(super) type Shared = Arc<Layers>;
 /// # Ok::<(), carom::Error>(())
 /// ```
 #[derive(Debug, Clone)]
-#[doc(alias("reachability", "reachable set"))]
 pub struct ReachSets {
     /// The system at each step, up to the one from which on nothing changes.
     compiled: Vec<Arc<Compiled>>,

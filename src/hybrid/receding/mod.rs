@@ -74,7 +74,6 @@ use planner::{Clock, Handles, Planned, Planner, Question};
 /// assert!(run.moves.iter().all(|next| next.source == MoveSource::Optimal));
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[doc(alias("MPC", "model predictive control", "receding horizon control"))]
 pub struct RecedingHorizon<'a> {
     planner: Planner<'a>,
     system: Option<HybridSystem>,

@@ -63,7 +63,6 @@ pub(super) struct Pair {
 /// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-#[doc(alias("obstacle avoidance", "collision avoidance", "motion planning"))]
 pub struct Scene {
     /// Δt, in s.
     pub time_step: f64,

@@ -46,7 +46,6 @@ use crate::model::{Affine, Variable};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-#[doc(alias("LCP", "complementarity"))]
 pub struct LinearComplementarity {
     states: Vec<(String, Interval)>,
     inputs: Vec<(String, Interval)>,

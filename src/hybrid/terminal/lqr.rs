@@ -41,7 +41,6 @@ const DECAY: f64 = 1e-9;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-#[doc(alias("linear-quadratic regulator", "Riccati equation"))]
 pub struct Lqr {
     /// K, m x n.
     pub gain: Matrix,

@@ -81,7 +81,6 @@ impl TerminalOptions {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-#[doc(alias("invariant set", "terminal constraint"))]
 pub struct TerminalSet {
     /// The set, in the mode that is kept: a goal for plans.
     pub region: Region,

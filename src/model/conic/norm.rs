@@ -29,7 +29,6 @@ pub struct Norm {
 /// assert!(model.to_string().contains("speed: |(v[0], v[1])| <= 3\n"));
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[doc(alias("SOCP", "second-order cone"))]
 pub fn norm<T: Into<Affine>>(entries: impl IntoIterator<Item = T>) -> Norm {
     Norm { entries: entries.into_iter().map(T::into).collect() }
 }
