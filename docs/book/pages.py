@@ -94,7 +94,7 @@ class Pages:
         if not modules:
             return text
         own = ", ".join(f"[`{path}`]({self.item('crate::' + path)})" for path in modules)
-        return re.sub(r"^(# .+\n)", rf'\1\n<p class="reference">\n\nIn the reference: {own}\n\n</p>\n', text, count=1)
+        return re.sub(r"^(# .+\n)", rf'\1\n<p class="reference">\n\nIn the reference: {own}\n\n</p>\n', text, count=1, flags=re.M)
 
     def page(self, file, text):
         """A Markdown file as a page."""
@@ -228,12 +228,12 @@ def neighbours(order, at):
     """Links to the pages before and after one, in HTML."""
     _, own = order[at]
     parts = []
-    for step, word, arrow in ((-1, "Previous", "←"), (1, "Next", "→")):
+    for step, word, text in ((-1, "Previous", '<span aria-hidden="true">←</span> {}'), (1, "Next", '{} <span aria-hidden="true">→</span>')):
         k = at + step
         if not 0 <= k < len(order):
             continue
         title, name = order[k]
         place = os.path.relpath(address(name), os.path.dirname(own) or ".")
         parts.append(f'<a class="{word.lower()}-page" href="{place}"><small>{word}</small>'
-                     f'<span>{html.escape(title)} <span aria-hidden="true">{arrow}</span></span></a>')
+                     f"<span>{text.format(html.escape(title))}</span></a>")
     return f'<nav class="neighbours" aria-label="Previous and next page">{"".join(parts)}</nav>'
