@@ -60,6 +60,7 @@ use solve::{EarlierResults, Solve};
 /// # Ok::<(), carom::Error>(())
 /// ```
 #[derive(Debug, Clone, Default)]
+#[doc(alias("MIP solver", "MIQP solver", "MISOCP"))]
 pub struct BranchAndBound {
     options: Options,
 }

@@ -4,6 +4,12 @@
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 pub mod readme {}
+#[cfg(doctest)]
+#[doc = include_str!("../docs/landing.md")]
+pub mod landing {}
+
+#[doc = include_str!("../docs/tutorial.md")]
+pub mod tutorial {}
 
 #[doc = include_str!("../docs/hybrid_system.md")]
 pub mod hybrid_system {}
@@ -25,6 +31,7 @@ pub mod reach_sets {}
 pub mod formulation {}
 
 #[doc = "[benchmarks]: crate::guide::benchmarks"]
+#[doc = "[tutorial]: crate::guide::tutorial"]
 #[doc = include_str!("../docs/gallery.md")]
 pub mod gallery {}
 

@@ -31,16 +31,20 @@ mod rules;
 mod stop_token;
 
 pub use certificate::{Certificate, certify};
+#[doc(alias = "callback")]
+pub use control::Control;
+pub use control::Interrupt;
 pub(crate) use control::RowSource;
-pub use control::{Control, Interrupt};
 pub use heuristics::Heuristics;
 pub use log::Log;
+#[doc(alias("warm start", "initial solution", "hint"))]
 pub use mip_start::MipStart;
 pub use options::{Options, PoolMode};
 pub use prepared::Prepared;
 pub use progress::{Event, Incumbent, Progress};
 pub use relaxation_method::RelaxationMethod;
 pub use rules::BranchingRule;
+#[doc(alias = "cancel")]
 pub use stop_token::StopToken;
 pub(crate) use stop_token::uninterrupted;
 

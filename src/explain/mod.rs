@@ -11,8 +11,11 @@ mod options;
 mod oracle;
 mod violations;
 
-pub use elastic_relaxation::{ElasticOptions, ElasticRelaxation, Stretch, elastic_relaxation};
+#[doc(alias("feasibility relaxation", "feasRelax", "slack"))]
+pub use elastic_relaxation::elastic_relaxation;
+pub use elastic_relaxation::{ElasticOptions, ElasticRelaxation, Stretch};
 pub use explanation::{Explanation, ExplanationStatus, Group};
+#[doc(alias("IIS", "irreducible infeasible subsystem", "conflict refiner"))]
 pub use infeasibility::infeasibility;
 pub use options::ExplainOptions;
 pub use violations::violations;

@@ -9,6 +9,7 @@ mod program;
 mod pruning;
 mod search;
 
+#[doc(alias("GCS", "graph of convex sets"))]
 pub use graph::GraphOfSets;
 pub use handles::{ConvexCost, ConvexStatement, GraphEdge, GraphPlace, GraphVertex};
 pub use path::{PathStop, ShortestPath};

@@ -92,6 +92,7 @@ impl LinearSystem {
     ///
     /// As for [`LinearSystem::new`]; [`ErrorKind::OutOfRange`] for a time step that is not finite
     /// and positive, or so long that the discrete system overflows.
+    #[doc(alias("ZOH", "discretize", "discretise"))]
     pub fn zero_order_hold(
         a: impl Into<Matrix>,
         b: impl Into<Matrix>,

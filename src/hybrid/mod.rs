@@ -19,13 +19,19 @@ pub(crate) mod system;
 mod terminal;
 pub mod wall;
 
-pub use contact::{Contact, ContactLaw, Restitution};
+#[doc(alias("coefficient of restitution", "bounce"))]
+pub use contact::Restitution;
+pub use contact::{Contact, ContactLaw};
 pub use damage::ImpactEstimate;
 pub use flaws::{Flaw, Witness};
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
-pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit, When};
-pub use receding::{ClosedLoop, Disturbance, Move, MoveSource, RecedingHorizon};
+#[doc(alias("STL", "signal temporal logic", "temporal logic"))]
+pub use program::When;
+pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit};
+#[doc(alias("MPC", "model predictive control", "receding horizon"))]
+pub use receding::RecedingHorizon;
+pub use receding::{ClosedLoop, Disturbance, Move, MoveSource};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
     Attempt, HorizonEvent, HorizonModel, LeastTimeStep, Refutation, Shortest, ShortestOptions,
@@ -36,10 +42,16 @@ pub use simulate::{
     Candidate, Condition, DeadEnd, RunCertificate, RunError, SimulatedStep, Simulation,
     SimulationOptions,
 };
+#[doc(alias("LCP", "complementarity"))]
+pub use system::LinearComplementarity;
 pub use system::{
-    HybridSystem, IntoRegion, LinearComplementarity, MixedLogicalDynamical, Region, Schedule,
-    State, SystemRow, TransitionMut,
+    HybridSystem, IntoRegion, MixedLogicalDynamical, Region, Schedule, State, SystemRow,
+    TransitionMut,
 };
-pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
+#[doc(alias("linear-quadratic regulator", "Riccati equation"))]
+pub use terminal::Lqr;
+#[doc(alias("invariant set", "terminal constraint"))]
+pub use terminal::TerminalSet;
+pub use terminal::{TerminalError, TerminalOptions};
 pub(crate) use wall::FreeSide;
 pub use wall::Wall;

@@ -155,6 +155,7 @@ impl Model {
     ///
     /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::ForeignHandle`],
     /// [`ErrorKind::NotFinite`].
+    #[doc(alias("piecewise linear", "PWL"))]
     pub fn piecewise(
         &mut self,
         name: impl Into<Name>,

@@ -42,8 +42,12 @@ mod variable;
 mod variables;
 
 pub use affine::Affine;
-pub use conic::{ConicRef, ConicRow, Norm, norm};
-pub use disjunction::{Either, Selected, Term, either};
+#[doc(alias("SOCP", "second-order cone"))]
+pub use conic::norm;
+pub use conic::{ConicRef, ConicRow, Norm};
+#[doc(alias("disjunctive programming", "GDP"))]
+pub use disjunction::either;
+pub use disjunction::{Either, Selected, Term};
 pub use function::Function;
 pub use ids::{
     ConicConstraint, Constraint, Disjunction, Indicator, LogicalConstraint, SpecialOrderedSet,
@@ -53,6 +57,7 @@ pub use indicator::{Consequent, Implication, Implications, Reification, Reified}
 pub use literal::Literal;
 pub use logic::{Logic, at_least, at_most, exactly};
 pub use name::Name;
+#[doc(alias("piecewise linear", "PWL"))]
 pub use piecewise::PiecewiseAffine;
 pub use quadratic::Quadratic;
 pub use reformulation::{BigM, Method, Reformulation};
@@ -64,6 +69,7 @@ pub use row::Row;
 pub use sense::Sense;
 pub use sos::{Sos, sos1, sos2};
 pub use statement::Statement;
+#[doc(alias("MIP", "MILP", "MIQP", "problem"))]
 pub use store::Model;
 pub use text::read::{Read, Warning};
 pub use variable::{Family, VariableKind};

@@ -9,6 +9,7 @@ pub enum Method {
     /// If a term is not selected, its rows are relaxed by one M each. Fewest rows and columns,
     /// weakest relaxation.
     #[default]
+    #[doc(alias = "big-M")]
     BigM,
     /// Each row of a term is relaxed by a separate M for each of the *other* terms, from a linear
     /// program over that term. As many rows as big-M, and never weaker.

@@ -35,6 +35,7 @@ impl Model {
     /// [`ErrorKind::UnknownSign`] and [`ErrorKind::NotConicRow`] for norms and quadratic rows that are no
     /// second-order cone; [`ErrorKind::OutOfRange`] for the
     /// margin of a reification, and for a set without members.
+    #[doc(alias("constraint", "subject to"))]
     pub fn add<S: Statement>(
         &mut self,
         name: impl Into<Name>,

@@ -180,6 +180,7 @@ fn restore(original: usize, one_sided: &[(Variable, Function, Tie)], values: &[f
 /// [`ErrorKind::UnboundedIndicator`] and [`ErrorKind::UnboundedFunction`] naming the variable whose
 /// bound is missing, [`ErrorKind::UnsafeBigM`] for a user's M that the bounds do not prove,
 /// [`ErrorKind::OutOfRange`] for an integer factor with a wide range.
+#[doc(alias("big-M", "linearise", "linearize"))]
 pub fn lower(model: &Model) -> Result<Lowered, Error> {
     lower_by(model, None)
 }

@@ -35,6 +35,7 @@ impl Model {
     /// # Errors
     ///
     /// Those of [`lower`].
+    #[doc(alias("LP relaxation", "continuous relaxation"))]
     pub fn relaxed(&self) -> Result<Model, Error> {
         Ok(lower(self)?.model.with_continuous_variables())
     }

@@ -21,7 +21,9 @@ pub use leaves::{LeafBound, LeafBox};
 pub use multipliers::Multipliers;
 pub use note::Note;
 pub use point::{Evaluate, Point};
-pub use pool::{Pool, PoolPoint};
+#[doc(alias = "solution pool")]
+pub use pool::Pool;
+pub use pool::PoolPoint;
 pub use start_report::{StartReport, StartStatus};
 pub use statistics::{
     Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,
@@ -240,6 +242,7 @@ impl Solution {
     ///
     /// [`ErrorKind::NoMultipliers`] if the solution has no [multipliers](Self::multipliers),
     /// [`ErrorKind::ForeignHandle`] for a row of another model.
+    #[doc(alias("dual value", "Lagrange multiplier"))]
     pub fn shadow_price(&self, of: Constraint) -> Result<f64, Error> {
         self.known_multipliers()?.shadow_price(of)
     }

@@ -78,6 +78,7 @@ type OnIncumbent<'a> = dyn FnMut(&Incumbent<'_>) -> ControlFlow<()> + 'a;
 
 impl<'a> Control<'a> {
     /// Calls back on every [`Event`], on the thread that called the solver.
+    #[doc(alias("callback", "log"))]
     pub fn with_progress(mut self, callback: &'a mut dyn FnMut(&Event)) -> Self {
         self.progress = Some(callback);
         self
@@ -111,6 +112,7 @@ impl<'a> Control<'a> {
     }
 
     /// Begins the search with values of integers: see [`MipStart`].
+    #[doc(alias = "warm start")]
     pub fn with_start(mut self, start: &'a MipStart) -> Self {
         self.start = Some(start);
         self
@@ -159,6 +161,7 @@ impl<'a> Control<'a> {
     /// assert_eq!(solution.objective(), Some(4.0));
     /// # Ok::<(), carom::Error>(())
     /// ```
+    #[doc(alias("callback", "lazy cuts"))]
     pub fn with_lazy_constraints(mut self, callback: &'a RowSource<'a>) -> Self {
         self.lazy_constraints = Some(callback);
         self
@@ -198,6 +201,7 @@ impl<'a> Control<'a> {
     /// assert_eq!(solution.objective(), Some(1.0));
     /// # Ok::<(), carom::Error>(())
     /// ```
+    #[doc(alias("callback", "cutting plane"))]
     pub fn with_user_cuts(mut self, callback: &'a RowSource<'a>) -> Self {
         self.user_cuts = Some(callback);
         self

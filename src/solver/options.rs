@@ -193,10 +193,12 @@ impl Options {
 
     setters! {
         /// Sets the relative gap.
+        #[doc(alias("MIP gap", "optimality gap"))]
         with_relative_gap(gap: f64) => relative_gap = gap;
         /// Sets the absolute gap.
         with_absolute_gap(gap: f64) => absolute_gap = gap;
         /// Sets the time limit.
+        #[doc(alias("time limit", "timeout"))]
         with_time_limit(limit: Duration) => time_limit = Some(limit);
         /// Sets the node limit.
         with_node_limit(limit: u64) => node_limit = Some(limit);

@@ -195,6 +195,7 @@ impl HybridProgram {
     /// Those of [`at`](HybridProgram::at); those of [`Model::add`](crate::model::Model::add) for the row;
     /// [`ErrorKind::NotFinite`], and [`ErrorKind::OutOfRange`] for a negative price and if both are 0;
     /// [`ErrorKind::Misplaced`] for squares. The model then stays as it was.
+    #[doc(alias("soft constraint", "slack"))]
     pub fn soften(
         &mut self,
         name: &str,

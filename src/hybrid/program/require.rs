@@ -11,14 +11,19 @@ use crate::hybrid::system::{IntoRegion, Region, StatedRegion, SystemRow};
 use crate::model::{Affine, Either, Model, Term};
 
 /// At which samples, from 0 to the number of steps τ, a run must be in a region.
+///
+/// `Throughout` and `OnceIn` are the bounded operators *always* and *eventually* of signal temporal
+/// logic, for a region. Formulas that nest them are not supported.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum When {
     /// At one sample: 0 is the start, τ the end.
     At(usize),
     /// At every sample of a window.
+    #[doc(alias = "always")]
     Throughout(RangeInclusive<usize>),
     /// At some sample of a window, which the plan chooses.
+    #[doc(alias = "eventually")]
     OnceIn(RangeInclusive<usize>),
 }
 

@@ -23,6 +23,7 @@ mod tube;
 pub use explain::{Finding, Obstacle, ReachExplanation};
 pub use options::SetOptions;
 pub use set::ReachSet;
+#[doc(alias("reachability", "reachable set"))]
 pub use sets::ReachSets;
 pub use tighten::{Change, HorizonVariables, Quantity, Reason, TighteningReport};
 pub use tube::Tube;

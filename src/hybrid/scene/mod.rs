@@ -43,5 +43,6 @@ pub use program::SceneProgram;
 pub use replay::SceneCertificate;
 pub use rule::{DamageMeasure, DamageRule};
 pub use solid::Solid;
+#[doc(alias("obstacle avoidance", "collision avoidance", "motion planning"))]
 pub use statement::Scene;
 pub use surface::Surface;

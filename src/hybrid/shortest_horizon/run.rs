@@ -46,6 +46,7 @@ impl HybridSystem {
     /// The errors of [`HybridSystem::check`] and of [`HybridSystem::region`]; [`ErrorKind::OutOfRange`]
     /// for a start or a goal outside the domains; errors of the solver;
     /// those of [`HybridSystem::certify`] for a plan that is not what the system states.
+    #[doc(alias("minimum time", "time-optimal"))]
     pub fn shortest(
         &self,
         start: impl IntoRegion,

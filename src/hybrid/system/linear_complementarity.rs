@@ -212,6 +212,7 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::Misplaced`] for another force or another gap; [`ErrorKind::DuplicateName`];
     /// [`ErrorKind::ForeignHandle`].
+    #[doc(alias("LCP", "contact force"))]
     pub fn complementarity(
         &mut self,
         name: &str,

@@ -249,6 +249,7 @@ impl HybridSystem {
     /// [`ErrorKind::Shape`] and [`ErrorKind::Length`] for matrices that do not fit,
     /// [`ErrorKind::OutOfRange`] if no combination of the binaries is possible or more than 4096
     /// are; the errors of [`HybridSystem::check`].
+    #[doc(alias = "MLD")]
     pub fn mixed_logical_dynamical(
         time_step: f64,
         mld: &MixedLogicalDynamical,

@@ -46,6 +46,7 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::Length`] if H has not as many rows as k has entries; the errors of
     /// [`HybridSystem::check`].
+    #[doc(alias = "PWA")]
     pub fn piecewise_affine<S, U, R, M, H, K>(
         time_step: f64,
         states: impl IntoIterator<Item = (S, R)>,

@@ -186,6 +186,7 @@ macro_rules! methods {
             /// model.add("order", hit.implies(armed))?;
             /// # Ok::<(), carom::Error>(())
             /// ```
+            #[doc(alias = "indicator constraint")]
             pub fn implies<C: Consequent>($self: $receiver, consequent: C) -> C::Output {
                 consequent.after($self.into())
             }
