@@ -55,12 +55,13 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
             _ => return Err(format!("unexpected `{word}`\n{USAGE}").into()),
         }
     }
-    if scaling {
-        scaling::run(csv, &folder)?;
-        return Ok(ExitCode::SUCCESS);
-    }
     let interrupt = Interrupt::new();
     let signals = Signals::catch(&interrupt)?;
+    let status = || if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS };
+    if scaling {
+        scaling::run(csv, &folder, &interrupt)?;
+        return Ok(status());
+    }
     let results = cases::solve_all(&interrupt)?;
     let (results, unfinished): (Vec<_>, Vec<_>) =
         results.into_iter().partition(|solved| solved.is_done());
@@ -77,5 +78,5 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
             println!("wrote {}", figure.display());
         }
     }
-    Ok(if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS })
+    Ok(status())
 }

@@ -13,14 +13,14 @@ pub(crate) fn counts(model: &Model) -> String {
 pub(crate) fn header(model: &Model) -> String {
     let [rows, columns, integers, nonzeros, cones] = size(model);
     let further = [
-        (cones, "cones"),
-        (model.disjunctions().len(), "disjunctions"),
-        (model.logical_constraint_count(), "logical statements"),
+        (cones, "cone"),
+        (model.disjunctions().len(), "disjunction"),
+        (model.logical_constraint_count(), "logical statement"),
     ];
     let further: String = further
         .into_iter()
         .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!(", {count} {what}"))
+        .map(|(count, what)| format!(", {count} {what}{}", if count > 1 { "s" } else { "" }))
         .collect();
     format!(
         "carom {}\n{rows} rows, {columns} columns ({integers} integral), {nonzeros} \

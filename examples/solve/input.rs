@@ -52,7 +52,7 @@ fn bytes(path: &str) -> io::Result<Vec<u8>> {
 
 /// What gzip has compressed; a file may have several parts.
 fn expanded(bytes: &[u8], name: &str) -> Result<Vec<u8>, String> {
-    let most = (bytes.len() as u64).saturating_mul(MOST_EXPANSION).max(HARMLESS).min(MOST_BYTES);
+    let most = (bytes.len() as u64).saturating_mul(MOST_EXPANSION).clamp(HARMLESS, MOST_BYTES);
     let mut text = Vec::new();
     match MultiGzDecoder::new(bytes).take(most + 1).read_to_end(&mut text) {
         Err(error) => {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
 use super::progress::{Event, Progress};
 use crate::number::{percent, rounded};
@@ -51,7 +51,8 @@ pub struct Log<W: Write> {
     lines: u64,
     /// The bound of the root before cuts, until the root is done.
     relaxed: Option<f64>,
-    last: Option<Instant>,
+    /// When the last line was written, in time since its solve began.
+    last: Option<Duration>,
     failed: Option<io::Error>,
 }
 
@@ -83,14 +84,17 @@ impl<W: Write> Log<W> {
                 ' '
             }
             Event::Incumbent(_) => progress.found_by.map_or('*', |heuristic| heuristic.mark()),
+            // What is earlier than the last line is of another solve.
             Event::Progress(_)
-                if self.last.is_some_and(|last| last.elapsed() < interval(progress.elapsed)) =>
+                if self.last.is_some_and(|last| {
+                    (last..last + interval(last)).contains(&progress.elapsed)
+                }) =>
             {
                 return;
             }
             Event::Progress(_) => ' ',
         };
-        self.last = Some(Instant::now());
+        self.last = Some(progress.elapsed);
         if self.lines == 0 {
             let marks = Heuristic::ALL.map(|source| format!("{} {source}", source.mark()));
             self.write(format_args!(

@@ -57,7 +57,11 @@ impl fmt::Display for ProgramSize {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ProgramSize { rows, columns, integers, nonzeros, cones } = self;
         write!(f, "{rows} rows, {columns} columns ({integers} integral), {nonzeros} nonzeros")?;
-        if *cones > 0 { write!(f, ", {cones} cones") } else { Ok(()) }
+        match cones {
+            0 => Ok(()),
+            1 => f.write_str(", 1 cone"),
+            _ => write!(f, ", {cones} cones"),
+        }
     }
 }
 

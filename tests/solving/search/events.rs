@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 use carom::prelude::*;
 use carom::solution::Heuristic;
@@ -140,6 +141,29 @@ fn the_log_has_a_line_for_every_new_best_point() {
     assert_eq!(marked.count(), incumbents);
     assert!(text.contains("optimal: objective"), "{text}");
     assert!(text.contains("time: propagation"), "{text}");
+}
+
+/// A line a second at first, then fewer, at least one a minute; another solve begins anew.
+#[test]
+fn a_long_search_fills_the_log_more_and_more_slowly() {
+    let mut log = Log::new(Vec::new());
+    for _ in 0..2 {
+        for fifth in 0..36_000 {
+            let elapsed = Duration::from_millis(200 * fifth);
+            log.record(&Event::Progress(Progress::new(7, 0, 0, None, 0.0, elapsed)));
+        }
+    }
+    let text = String::from_utf8(log.into_inner().unwrap()).unwrap();
+    let times = text.lines().filter(|line| line.trim_start().starts_with('7'));
+    let times: Vec<f64> =
+        times.map(|line| line.split_whitespace().last().unwrap().parse().unwrap()).collect();
+    let (first, second) = times.split_at(times.len() / 2);
+    assert_eq!(first, second, "the second solve is told like the first one");
+    let within =
+        |from: f64, to: f64| first.iter().filter(|time| (from..to).contains(*time)).count();
+    assert_eq!(within(0.0, 10.0), 10);
+    assert!((20..=26).contains(&within(10.0, 100.0)), "{first:?}");
+    assert_eq!(within(3600.0, 7200.0), 60);
 }
 
 #[test]
