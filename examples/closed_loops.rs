@@ -11,11 +11,14 @@
 //! The programs are those of `table`, with the measured state as parameters. After each step the
 //! state is the next one of the plan, disturbed. The table has the median times, the median of warm
 //! over cold, the steps that took longer than 1.1 times cold plus 1 ms, the nodes, and the allocations
-//! per relaxation. The exit status tells whether all optima agree within the gaps.
+//! per relaxation. The exit status tells whether all optima agree within the gaps. Ctrl-C ends the loop at
+//! hand with the row of its steps so far, and the exit status 3.
 
 #[macro_use]
 #[path = "common/output.rs"]
 mod output;
+#[path = "common/interrupts.rs"]
+mod interrupts;
 
 #[path = "../tests/instances/mod.rs"]
 mod instances;
@@ -26,6 +29,7 @@ use std::time::Instant;
 
 use carom::prelude::*;
 use instances::generators::{cartpole, pendulum};
+use interrupts::{INTERRUPTED, Signals};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]
@@ -94,6 +98,7 @@ fn run(
     seed: u64,
     each: bool,
     noise: f64,
+    interrupt: &Interrupt,
 ) -> Result<(Vec<[Effort; 2]>, bool), Error> {
     let mut model = (of.model)();
     let measured: Vec<Variable> = model.parameters().collect();
@@ -103,14 +108,18 @@ fn run(
     let mut push = Disturbance::new(pushes, seed);
     let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
     let mut prepared = solver.prepare(&model)?;
+    let control = || Control::default().with_interrupt(interrupt);
     let (mut state, mut efforts, mut agree) = (of.start.to_vec(), Vec::new(), true);
     for step in 0..steps {
         let values: Vec<(Variable, f64)> = measured.iter().copied().zip(state.clone()).collect();
         for &(parameter, value) in &values {
             model.set_parameter(parameter, value)?;
         }
-        let (one, first) = timed(|| cold.solve(&model))?;
-        let (two, second) = timed(|| prepared.solve(&values, &mut Control::default()))?;
+        let (one, first) = timed(|| cold.solve_with(&model, &mut control()))?;
+        let (two, second) = timed(|| prepared.solve(&values, &mut control()))?;
+        if interrupt.is_triggered() {
+            break;
+        }
         prepared.shift();
         efforts.push([first, second]);
         if each {
@@ -135,7 +144,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-fn main() -> Result<ExitCode, Error> {
+fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let (mut names, mut steps, mut seed, mut each) = (Vec::new(), 100, 1, false);
     let mut noise = 1.0;
     let mut words = std::env::args().skip(1);
@@ -152,11 +161,13 @@ fn main() -> Result<ExitCode, Error> {
         "| loop | steps | cold / ms | warm / ms | warm / cold | slower | nodes | relaxations | proved | allocations | agree |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
     let mut right = true;
     let is_wanted =
         |of: &&Loop| names.is_empty() || names.iter().any(|part| of.name.contains(part));
     for of in LOOPS.iter().filter(is_wanted) {
-        let (efforts, agree) = run(of, steps, seed, each, noise)?;
+        let (efforts, agree) = run(of, steps, seed, each, noise, &interrupt)?;
         right &= agree;
         let middle = |of: fn(&[Effort; 2]) -> f64| median(efforts.iter().map(of).collect());
         let sum = |k: usize, of: fn(&Effort) -> u64| -> u64 {
@@ -179,6 +190,9 @@ fn main() -> Result<ExitCode, Error> {
             sum(0, |e| e.allocations) / sum(0, |e| e.relaxations).max(1),
             sum(1, |e| e.allocations) / sum(1, |e| e.relaxations).max(1),
         );
+        if signals.came() {
+            return Ok(INTERRUPTED.into());
+        }
     }
     Ok(if right { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -4,12 +4,19 @@
 //! `cargo run --release --example helicopter [-- ISLANDS.csv [PICTURE.svg]]`
 //!
 //! Flying one unit takes one unit of time and five of the battery, which holds one; resting charges one a unit of
-//! time. The file has a line `x,y,radius` for each island after its heading.
+//! time. The file has a line `x,y,radius` for each island after its heading. Ctrl-C ends the search with the
+//! best path so far, and the exit status is 3.
+
+#[path = "common/interrupts.rs"]
+mod interrupts;
+
+use std::process::ExitCode;
 
 use carom::graph_of_sets::GraphOfSets;
 use carom::model::norm;
 use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
+use interrupts::{INTERRUPTED, Signals};
 
 /// Some islands, if no file is given.
 const ISLANDS: &str = "x,y,radius
@@ -19,7 +26,32 @@ const ISLANDS: &str = "x,y,radius
 const DISCHARGE: f64 = 5.0;
 const RANGE: f64 = 1.0 / DISCHARGE;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// A solver whose solves end at an interrupt.
+struct Interruptible {
+    solver: BranchAndBound,
+    interrupt: Interrupt,
+}
+
+impl Solver for Interruptible {
+    fn name(&self) -> &str {
+        self.solver.name()
+    }
+
+    fn options(&self) -> &Options {
+        self.solver.options()
+    }
+
+    fn options_mut(&mut self) -> &mut Options {
+        self.solver.options_mut()
+    }
+
+    fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
+        *control = std::mem::take(control).with_interrupt(&self.interrupt);
+        self.solver.solve_with(model, control)
+    }
+}
+
+fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let text = arguments.next().map_or(Ok(ISLANDS.to_owned()), std::fs::read_to_string)?;
     let mut islands = Vec::new();
@@ -59,12 +91,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             graph.add_cost(flight, time)?;
         }
     }
-    let mut solver = BranchAndBound::new(Options::default().with_threads(1));
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
+    let mut solver = Interruptible { solver: BranchAndBound::default(), interrupt };
     let began = std::time::Instant::now();
     let path = graph.shortest_path(vertices[start], vertices[goal], &mut solver)?;
     println!("time {:.6}, proved: no less than {:.6}", path.cost, path.bound);
     println!("{} edges left, {} nodes, {:.2?}", path.edges_left, path.nodes, began.elapsed());
-    let Some(picture) = arguments.next() else { return Ok(()) };
+    let status = if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS };
+    let Some(picture) = arguments.next() else { return Ok(status) };
     let mut chart = Chart::new("x", "y").with_size(720.0, 720.0);
     for &[x, y, radius] in &islands {
         let turn = (0..=48).map(|k| f64::from(k) / 48.0 * std::f64::consts::TAU);
@@ -76,5 +111,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     chart.line("flight", COLOURS[0], path.stops.iter().map(|s| [s.point[0], s.point[1]]));
     chart.dots("landing", COLOURS[0], 4.0, path.stops.iter().map(|s| [s.point[0], s.point[1]]));
-    Ok(std::fs::write(picture, Chart::to_svg(&[chart], "A flight over islands"))?)
+    std::fs::write(picture, Chart::to_svg(&[chart], "A flight over islands"))?;
+    Ok(status)
 }

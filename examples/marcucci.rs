@@ -10,11 +10,14 @@
 //! mean nodes, relaxations and times beside the published ones (another machine); with `--each`, also a line per step. The exit status tells whether all optima agree
 //! within the gaps. With `--budget`, a controller under noise takes at most so many milliseconds a
 //! search, and the summary says where its inputs came from, how many plans were proved optimal, and how
-//! many inputs violate a limit in a simulation of the next step.
+//! many inputs violate a limit in a simulation of the next step. Ctrl-C ends the loop with the means so
+//! far, and the exit status 3.
 
 #[macro_use]
 #[path = "common/output.rs"]
 mod output;
+#[path = "common/interrupts.rs"]
+mod interrupts;
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
@@ -24,6 +27,7 @@ use carom::hybrid::{Lqr, Matrix, MoveSource, TerminalOptions, TerminalSet};
 use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use interrupts::{INTERRUPTED, Signals};
 
 const T: usize = 20;
 const H: f64 = 0.05;
@@ -165,8 +169,8 @@ const NAMES: [&str; 3] = ["from nothing", "prepared", "prepared and warm"];
 struct Effort([f64; 3]);
 
 impl Effort {
-    fn add(&mut self, part: f64, other: Effort) {
-        self.0.iter_mut().zip(other.0).for_each(|(sum, value)| *sum += part * value);
+    fn add(&mut self, other: Effort) {
+        self.0.iter_mut().zip(other.0).for_each(|(sum, value)| *sum += value);
     }
 }
 
@@ -236,32 +240,39 @@ fn after(x: &[f64], push: f64) -> Result<Vec<f64>, Error> {
     dynamics()?.step(x, &[push, wall(-1.0), wall(1.0)])
 }
 
-fn main() -> Result<ExitCode, Error> {
+fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let steps = words.first().and_then(|word| word.parse().ok()).unwrap_or(50_usize);
     let each = words.iter().any(|word| word == "--each");
     let budget = words.iter().skip_while(|word| *word != "--budget").nth(1);
     if let Some(milliseconds) = budget.and_then(|word| word.parse().ok()) {
-        return run_with_budget(steps, milliseconds);
+        return Ok(run_with_budget(steps, milliseconds)?);
     }
     let CartPole { mut model, start, state, .. } = cart_pole()?;
     let [mut cold, mut fresh, mut solver] = [(); 3].map(|()| BranchAndBound::default());
     let mut warm = solver.prepare(&model)?;
-    let (mut now, mut means, mut agree) = (START, [Effort::default(); 3], true);
-    let mut longest = [0.0_f64; 3];
+    let (mut now, mut sums, mut agree) = (START, [Effort::default(); 3], true);
+    let (mut longest, mut done) = ([0.0_f64; 3], 0.0);
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
+    let control = || Control::default().with_interrupt(&interrupt);
     for step in 0..steps {
         let values: Vec<(Variable, f64)> = start.into_iter().zip(now).collect();
         for &(variable, value) in &values {
             model.set_parameter(variable, value)?;
         }
-        let (one, first) = timed(|| cold.solve(&model))?;
+        let (one, first) = timed(|| cold.solve_with(&model, &mut control()))?;
         let mut prepared = fresh.prepare(&model)?;
-        let (two, second) = timed(|| prepared.solve(&values, &mut Control::default()))?;
-        let (three, third) = timed(|| warm.solve(&values, &mut Control::default()))?;
+        let (two, second) = timed(|| prepared.solve(&values, &mut control()))?;
+        let (three, third) = timed(|| warm.solve(&values, &mut control()))?;
+        if signals.came() {
+            break;
+        }
         warm.shift();
+        done += 1.0;
         let efforts = [first, second, third];
-        for ((mean, longest), effort) in means.iter_mut().zip(&mut longest).zip(efforts) {
-            mean.add(1.0 / steps as f64, effort);
+        for ((sum, longest), effort) in sums.iter_mut().zip(&mut longest).zip(efforts) {
+            sum.add(effort);
             *longest = if step > 0 { longest.max(effort.0[2]) } else { 0.0 };
         }
         if each {
@@ -279,8 +290,9 @@ fn main() -> Result<ExitCode, Error> {
         }
     }
     println!("{:<44} {:>6} {:>12} {:>8}", "mean of a solve", "nodes", "relaxations", "ms");
-    let ours = NAMES.into_iter().zip(means).zip(longest);
-    for ((name, Effort([nodes, relaxations, time])), longest) in ours {
+    let ours = NAMES.into_iter().zip(sums).zip(longest);
+    for ((name, Effort(sums)), longest) in ours {
+        let [nodes, relaxations, time] = sums.map(|sum| sum / done);
         let most = format!("at most {longest:.1} from the second step on");
         println!("{name:<44} {nodes:>6.1} {relaxations:>12.1} {time:>8.1}  {most}");
     }
@@ -291,5 +303,9 @@ fn main() -> Result<ExitCode, Error> {
         "published, Gurobi with the shifted plan", "-", "-", 20.0
     );
     println!("optima agree: {agree}");
+    if signals.came() {
+        println!("interrupted after {done} steps");
+        return Ok(INTERRUPTED.into());
+    }
     Ok(if agree { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -4,6 +4,8 @@
 //! * `cargo run --release --example scene_benchmarks -- paper`: the 16 rows of `paper --csv`
 //! * `cargo run --release --example scene_benchmarks -- estimates`: shortest plans with both ways of
 //!   counting what happens within a step
+//!
+//! Ctrl-C ends the solve at hand, and the exit status is 3.
 
 #[path = "../tests/instances/mod.rs"]
 mod instances;
@@ -11,7 +13,10 @@ mod instances;
 #[macro_use]
 #[path = "common/output.rs"]
 mod output;
+#[path = "common/interrupts.rs"]
+mod interrupts;
 
+use std::process::ExitCode;
 use std::time::Instant;
 
 use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario};
@@ -19,6 +24,7 @@ use carom::hybrid::ImpactEstimate;
 use carom::hybrid::scene::{DamageMeasure, DamageRule, IntervalOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
+use interrupts::{INTERRUPTED, Signals};
 
 /// Left, right, below, above, in m; as in the instances `boxes_*`.
 const BOXES: [[f64; 4]; 4] = [
@@ -51,12 +57,13 @@ fn puck() -> Result<Scene, Error> {
 }
 
 /// The median time of five solves, and the objective.
-fn solve(model: &Model) -> Result<(f64, f64, u64), Error> {
+fn solve(model: &Model, interrupt: &Interrupt) -> Result<(f64, f64, u64), Error> {
     let mut times = Vec::new();
     let (mut objective, mut nodes) = (f64::NAN, 0);
     for _ in 0..5 {
         let start = Instant::now();
-        let solution = BranchAndBound::default().solve(model)?;
+        let solution = BranchAndBound::default()
+            .solve_with(model, &mut Control::default().with_interrupt(interrupt))?;
         times.push(start.elapsed().as_secs_f64());
         objective = solution.objective().unwrap_or(f64::NAN);
         nodes = solution.statistics().nodes;
@@ -65,27 +72,30 @@ fn solve(model: &Model) -> Result<(f64, f64, u64), Error> {
     Ok((times[2], objective, nodes))
 }
 
-fn compare(name: &str, by_hand: &Model, scene: &Model) -> Result<(), Error> {
-    let ((t1, o1, n1), (t2, o2, n2)) = (solve(by_hand)?, solve(scene)?);
+fn compare(name: &str, by_hand: &Model, scene: &Model, interrupt: &Interrupt) -> Result<(), Error> {
+    let ((t1, o1, n1), (t2, o2, n2)) = (solve(by_hand, interrupt)?, solve(scene, interrupt)?);
+    if interrupt.is_triggered() {
+        return Ok(());
+    }
     println!(
         "{name}: by hand {o1:.6} in {t1:.3} s, {n1} nodes; scene {o2:.6} in {t2:.3} s, {n2} nodes"
     );
     Ok(())
 }
 
-fn programs() -> Result<(), Error> {
+fn programs(interrupt: &Interrupt) -> Result<(), Error> {
     for steps in [20, 30, 40] {
         let mut program = room().program(steps)?;
         let fuel = program.fuel()?;
         program.minimize(fuel)?;
         let by_hand = instances::generators::boxes(steps, 4, false);
-        compare(&format!("boxes, {steps} steps"), &by_hand, program.model())?;
+        compare(&format!("boxes, {steps} steps"), &by_hand, program.model(), interrupt)?;
     }
     let mut program = puck()?.program(25)?;
     let effort = program.effort()?;
     program.minimize(5.0 * effort)?;
     let by_hand = instances::generators::puck(25, 0.2);
-    compare("puck, 25 steps", &by_hand, program.model())?;
+    compare("puck, 25 steps", &by_hand, program.model(), interrupt)?;
     Ok(())
 }
 
@@ -146,7 +156,9 @@ fn median(mut times: Vec<f64>) -> f64 {
     0.5 * (times[(times.len() - 1) / 2] + times[times.len() / 2])
 }
 
-fn paper() -> Result<(), Error> {
+fn paper(interrupt: &Interrupt) -> Result<(), Error> {
+    let search = ShortestOptions::default().with_interrupt(interrupt);
+    let planning = PlanningOptions::default().with_search(search.clone());
     let (mut by_hand, mut as_scene, mut differ) = (0.0, 0.0, 0);
     for (name, scenario) in rows()? {
         let scene = on_a_line(&scenario);
@@ -154,12 +166,15 @@ fn paper() -> Result<(), Error> {
         let (mut times, mut steps) = ([Vec::new(), Vec::new()], [None, None]);
         for _ in 0..RUNS {
             let start = Instant::now();
-            steps[0] = scenario.shortest_plan(&PlanningOptions::default(), &mut solver)?.steps;
+            steps[0] = scenario.shortest_plan(&planning, &mut solver)?.steps;
             let middle = Instant::now();
-            let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+            let found = scene.shortest_plan(&search, &mut solver)?;
             steps[1] = found.steps;
             times[0].push((middle - start).as_secs_f64());
             times[1].push(middle.elapsed().as_secs_f64());
+            if interrupt.is_triggered() {
+                return Ok(());
+            }
         }
         let [a, b] = times.map(median);
         by_hand += a;
@@ -183,7 +198,7 @@ fn bank_shot(time_step: f64) -> Result<Scene, Error> {
     Ok(Scene::new(time_step).with_body(puck).with_room("cushion", &table, cushion))
 }
 
-fn estimates() -> Result<(), Error> {
+fn estimates(interrupt: &Interrupt) -> Result<(), Error> {
     let wall = |time_step| -> Result<Scene, Error> {
         let scenario = Scenario::paper().with_restitution(0.5)?.with_time_step(time_step);
         Ok(on_a_line(&scenario))
@@ -203,7 +218,11 @@ fn estimates() -> Result<(), Error> {
         {
             let scene = scene.clone().with_estimate(estimate);
             let mut solver = BranchAndBound::default();
-            let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+            let options = ShortestOptions::default().with_interrupt(interrupt);
+            let found = scene.shortest_plan(&options, &mut solver)?;
+            if interrupt.is_triggered() {
+                return Ok(());
+            }
             let Some(plan) = found.plan else { continue };
             let worst = plan.hits.iter().map(|hit| hit.damage).fold(0.0, f64::max);
             let (above, dip) = (plan.certificate.unreported, plan.certificate.dip);
@@ -214,16 +233,18 @@ fn estimates() -> Result<(), Error> {
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
     match std::env::args().nth(1).as_deref() {
-        None => programs()?,
-        Some("paper") => paper()?,
-        Some("estimates") => estimates()?,
+        None => programs(&interrupt)?,
+        Some("paper") => paper(&interrupt)?,
+        Some("estimates") => estimates(&interrupt)?,
         Some(other) => {
             return Err(
                 format!("unknown argument `{other}`; say `paper`, `estimates` or nothing").into()
             );
         }
     }
-    Ok(())
+    Ok(if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS })
 }

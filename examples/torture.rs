@@ -16,11 +16,13 @@
 //! Each program that was answered wrongly or not finished is written there as an MPS file named
 //! after its family and seed, and a line says what is wrong. The last line counts the verdicts. The exit
 //! status tells whether any answer was wrong, or any solve stalled that may not. `tests/torture` has the
-//! generator and defines what is wrong.
+//! generator and defines what is wrong. Ctrl-C ends it with the counts so far and the exit status 3.
 
 #[macro_use]
 #[path = "common/output.rs"]
 mod output;
+#[path = "common/interrupts.rs"]
+mod interrupts;
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -34,7 +36,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use carom::model::mps;
-use carom::prelude::{BranchAndBound, Model, Options, Solution, Solver};
+use carom::prelude::{
+    BranchAndBound, Control, Interrupt, Model, Options, Solution, Solver, Termination,
+};
+use interrupts::{INTERRUPTED, Signals};
 use torture::cones::{generator, oracle};
 use torture::families::{Family, Path};
 use torture::oracle::{Truth, Verdict};
@@ -52,8 +57,7 @@ struct Arguments {
 
 fn main() -> ExitCode {
     match arguments().and_then(run) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
+        Ok(status) => status,
         Err(error) => {
             eprintln!("torture: {error}");
             ExitCode::FAILURE
@@ -108,7 +112,9 @@ struct Counts {
     nodes: u64,
 }
 
-fn run(arguments: Arguments) -> Result<bool, Box<dyn Error>> {
+fn run(arguments: Arguments) -> Result<ExitCode, Box<dyn Error>> {
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
     let (next, counts) = (AtomicU64::new(0), Mutex::new(Counts::default()));
     let start = Instant::now();
     std::thread::scope(|scope| {
@@ -116,18 +122,23 @@ fn run(arguments: Arguments) -> Result<bool, Box<dyn Error>> {
             scope.spawn(|| {
                 loop {
                     let done = next.fetch_add(1, Ordering::Relaxed);
-                    if done >= arguments.cases {
+                    if done >= arguments.cases || interrupt.is_triggered() {
                         break;
                     }
-                    one(arguments.seed.wrapping_add(done), &arguments, &counts);
+                    one(arguments.seed.wrapping_add(done), &arguments, &interrupt, &counts);
                 }
             });
         }
     });
     let counts = counts.into_inner().map_err(|_| "a thread panicked")?;
     let seconds = start.elapsed().as_secs_f64();
-    println!("{} programs in {seconds:.1} s: {counts:?}", arguments.cases);
-    Ok(counts.wrong + counts.not_finished == 0)
+    let programs = next.into_inner().min(arguments.cases);
+    println!("{programs} programs in {seconds:.1} s: {counts:?}");
+    Ok(match counts.wrong + counts.not_finished {
+        0 if signals.came() => INTERRUPTED.into(),
+        0 => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    })
 }
 
 /// Judges a solution that was found with some options.
@@ -187,7 +198,7 @@ fn with_cones(seed: u64) -> Result<Vec<Posed>, String> {
     Ok(all)
 }
 
-fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
+fn one(seed: u64, arguments: &Arguments, interrupt: &Interrupt, counts: &Mutex<Counts>) {
     let family = arguments.families[(seed % arguments.families.len() as u64) as usize];
     let posed = match posed(family, seed) {
         Ok(posed) => posed,
@@ -205,17 +216,26 @@ fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
             counts.unbounded += u64::from(posed.is_unbounded);
         }
         for &path in &arguments.paths {
-            solve(seed, posed, path, arguments, counts);
+            solve(seed, posed, path, arguments, interrupt, counts);
         }
     }
 }
 
-fn solve(seed: u64, posed: &Posed, path: Path, arguments: &Arguments, counts: &Mutex<Counts>) {
+fn solve(
+    seed: u64,
+    posed: &Posed,
+    path: Path,
+    arguments: &Arguments,
+    interrupt: &Interrupt,
+    counts: &Mutex<Counts>,
+) {
     let Posed { name, model, .. } = posed;
     let options = path.options();
     let threads = options.threads.max(arguments.solver_threads);
     let mut solver = BranchAndBound::new(options.with_threads(threads));
-    let (verdict, nodes) = match solver.solve(model) {
+    let mut control = Control::default().with_interrupt(interrupt);
+    let (verdict, nodes) = match solver.solve_with(model, &mut control) {
+        Ok(solution) if solution.termination() == Termination::Interrupted => return,
         Ok(solution) => ((posed.judge)(solver.options(), &solution), solution.statistics().nodes),
         Err(error) => (Verdict::Wrong(error.to_string()), 0),
     };

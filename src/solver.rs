@@ -41,7 +41,7 @@ pub use log::Log;
 pub use mip_start::MipStart;
 pub use options::{Options, PoolMode};
 pub use prepared::Prepared;
-pub use progress::{Event, Incumbent, Progress};
+pub use progress::{Event, Incumbent, ProgramSize, Progress};
 pub use relaxation_method::RelaxationMethod;
 pub use rules::BranchingRule;
 #[doc(alias = "cancel")]

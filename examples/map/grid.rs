@@ -67,23 +67,27 @@ pub(crate) struct Map {
 
 impl Map {
     /// Searches the shortest horizons of `size` destinations times `size` restitutions.
-    pub(crate) fn solve(size: usize, time_step: f64) -> Result<Map, Error> {
+    ///
+    /// After an interrupt, the remaining cells have no proof.
+    pub(crate) fn solve(size: usize, time_step: f64, interrupt: &Interrupt) -> Result<Map, Error> {
         let goals = evenly(GOALS.0, GOALS.1, size);
         let restitutions = evenly(0.0, 1.0, size);
         let paper = Scenario::paper().with_time_step(time_step);
         paper.check()?;
         let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get());
         let mut effort = Effort::default();
+        let options = ShortestOptions::default().with_interrupt(interrupt);
 
         // Without collisions the restitution does not matter.
         let bar = bar(size * (size + 1));
         let free = in_parallel(threads, size, &bar, |k| {
             let scenario = paper.clone().with_goal_position(goals[k]).collision_free();
-            search(&scenario, ShortestOptions::default())
+            search(&scenario, options.clone())
         })?;
         let tolerant = in_parallel(threads, size * size, &bar, |k| {
             let scenario = paper.clone().with_restitution(restitutions[k / size])?;
-            search_below(&scenario.with_goal_position(goals[k % size]), free[k % size].steps)
+            let scenario = scenario.with_goal_position(goals[k % size]);
+            search_below(&scenario, options.clone(), free[k % size].steps)
         })?;
         bar.finish_and_clear();
 
@@ -106,7 +110,7 @@ impl Map {
 
 impl Effort {
     fn add(&mut self, found: &Found) {
-        self.searches += 1;
+        self.searches += usize::from(found.seconds > 0.0);
         self.refuted += found.refuted;
         self.by_sets += found.by_sets;
         self.seconds += found.seconds;
@@ -127,6 +131,9 @@ struct Found {
 }
 
 fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> {
+    if search.interrupt.is_triggered() {
+        return Ok(Found::default());
+    }
     // Only the horizon matters, so impacts are not minimised.
     let options = PlanningOptions::default().with_fewest_impacts(false).with_search(search);
     let shortest = scenario.shortest_plan(&options, &mut BranchAndBound::default())?;
@@ -146,8 +153,11 @@ fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> 
 /// The search with collisions, given the shortest horizon without them. A plan that avoids the wall
 /// is also a plan with collisions allowed, so only shorter horizons are searched: either one of
 /// them is the shortest, or all are refuted and hitting does not pay.
-fn search_below(scenario: &Scenario, free: Option<usize>) -> Result<Found, Error> {
-    let options = ShortestOptions::default();
+fn search_below(
+    scenario: &Scenario,
+    options: ShortestOptions,
+    free: Option<usize>,
+) -> Result<Found, Error> {
     let Some(free) = free else { return search(scenario, options) };
     if free == 1 {
         return Ok(Found { steps: Some(1), ..Found::default() });

@@ -7,6 +7,12 @@
 //! * `--out FOLDER`: where the picture `map.svg` goes, `plots` by default
 //! * `--size N`: N destinations times N restitutions, 50 by default
 //! * `--time-step S`: length of a step in s, 0.01 by default
+//!
+//! Ctrl-C ends the searches; the picture and the rows then have the cells that are proved, and the exit
+//! status is 3. A second Ctrl-C ends the program.
+
+#[path = "../common/interrupts.rs"]
+mod interrupts;
 
 mod grid;
 mod picture;
@@ -18,7 +24,9 @@ use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::Instant;
 
+use carom::prelude::Interrupt;
 use grid::Map;
+use interrupts::{INTERRUPTED, Signals};
 
 const USAGE: &str = "usage: map [--csv] [--out FOLDER] [--size N] [--time-step S]";
 
@@ -27,7 +35,7 @@ const SIZES: std::ops::RangeInclusive<usize> = 2..=500;
 
 fn main() -> ExitCode {
     match run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(status) => status,
         Err(error) => {
             eprintln!("map: {error}");
             ExitCode::FAILURE
@@ -35,7 +43,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
+fn run() -> Result<ExitCode, Box<dyn Error>> {
     let (mut csv, mut folder) = (false, PathBuf::from("plots"));
     let (mut size, mut time_step) = (50, 0.01);
     let mut words = std::env::args().skip(1);
@@ -55,8 +63,10 @@ fn run() -> Result<(), Box<dyn Error>> {
     // Problems with the folder show before the work, not after it.
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
 
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
     let start = Instant::now();
-    let map = Map::solve(size, time_step)?;
+    let map = Map::solve(size, time_step, &interrupt)?;
     let seconds = start.elapsed().as_secs_f64();
     let path = folder.join("map.svg");
     picture::draw(&map, &path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -66,7 +76,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         format!("{}wrote {}\n", summary(&map, seconds), path.display())
     };
     std::io::stdout().write_all(text.as_bytes())?;
-    Ok(())
+    Ok(if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS })
 }
 
 fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {
@@ -122,7 +132,7 @@ fn summary(map: &Map, seconds: f64) -> String {
         effort.refuted,
         effort.searches,
         map.threads,
-        1e3 * effort.seconds / effort.searches as f64,
+        1e3 * effort.seconds / effort.searches.max(1) as f64,
         1e3 * effort.longest,
     );
     text

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
 use carom::hybrid::scene::{DamageInterval, DamageRule, IntervalOptions};
-use carom::hybrid::{HorizonEvent, Refutation, Shortest, Verdict};
+use carom::hybrid::{HorizonEvent, Refutation, Shortest, ShortestOptions, ShortestStatus, Verdict};
 use carom::prelude::*;
 
 use super::progress::{Bars, Line};
@@ -56,6 +56,12 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
+    /// Whether all of it is proved.
+    pub(crate) fn is_done(&self) -> bool {
+        let stopped = |of: &Shortest<Plan>| matches!(of.status, ShortestStatus::Stopped(_));
+        !stopped(&self.shortest) && !self.without.as_ref().is_some_and(stopped)
+    }
+
     /// Whether hitting the wall pays: the tolerant plan is shorter than that without collisions.
     pub(crate) fn hits(&self) -> bool {
         match (&self.without, self.shortest.steps) {
@@ -92,8 +98,9 @@ impl Solved {
     }
 }
 
-/// Solves every case; the order of the results is that of the tables.
-pub(crate) fn solve_all() -> Result<Vec<Solved>, Error> {
+/// Solves every case; the order of the results is that of the tables. After an interrupt, they lack the
+/// cases that were not begun.
+pub(crate) fn solve_all(interrupt: &Interrupt) -> Result<Vec<Solved>, Error> {
     let tolerant = |restitution| Case::CollisionTolerant { restitution };
     let mut cases = vec![Case::CollisionFree];
     cases.extend(PAPER_RESTITUTIONS.map(tolerant));
@@ -112,7 +119,10 @@ pub(crate) fn solve_all() -> Result<Vec<Solved>, Error> {
             scope.spawn(|| {
                 let line = bars.line();
                 while let Some(&k) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let solved = solve(cases[k], &line);
+                    if interrupt.is_triggered() {
+                        break;
+                    }
+                    let solved = solve(cases[k], interrupt, &line);
                     if let Ok(mut results) = results.lock() {
                         results[k] = Some(solved);
                     }
@@ -126,7 +136,7 @@ pub(crate) fn solve_all() -> Result<Vec<Solved>, Error> {
     results.into_iter().flatten().collect()
 }
 
-fn solve(case: Case, line: &Line) -> Result<Solved, Error> {
+fn solve(case: Case, interrupt: &Interrupt, line: &Line) -> Result<Solved, Error> {
     let mut solver = BranchAndBound::default();
     let paper = Scenario::paper();
     let (mut interval, mut without) = (None, None);
@@ -136,20 +146,25 @@ fn solve(case: Case, line: &Line) -> Result<Solved, Error> {
         Case::DamageLimited { restitution } => {
             line.say(&format!("{}: which limits give {LIMITED_STEPS} steps?", case.label()));
             let open = paper.with_restitution(restitution)?;
-            let options = IntervalOptions::default();
+            let options = IntervalOptions::default().with_interrupt(interrupt);
             let found = open.damage_interval(LIMITED_STEPS, &options, &mut solver)?;
             let limit = found.middle().unwrap_or(found.lower.attained);
             interval = Some(found);
-            open.with_damage(DamageRule::default().with_per_hit(limit))
+            if limit.is_finite() {
+                open.with_damage(DamageRule::default().with_per_hit(limit))
+            } else {
+                open // it was interrupted before it found a limit
+            }
         }
         Case::Destination { goal } => {
             let there = paper.with_goal_position(goal);
             let label = format!("to {goal} m, no collision");
-            without = Some(search(&there.clone().collision_free(), label, &mut solver, line)?);
+            without =
+                Some(search(&there.clone().collision_free(), label, interrupt, &mut solver, line)?);
             there
         }
     };
-    let shortest = search(&scenario, case.label(), &mut solver, line)?;
+    let shortest = search(&scenario, case.label(), interrupt, &mut solver, line)?;
     Ok(Solved { case, scenario, shortest, interval, without })
 }
 
@@ -157,10 +172,13 @@ fn solve(case: Case, line: &Line) -> Result<Solved, Error> {
 fn search(
     scenario: &Scenario,
     label: String,
+    interrupt: &Interrupt,
     solver: &mut dyn Solver,
     line: &Line,
 ) -> Result<Shortest<Plan>, Error> {
     let mut horizons = line.search(label, scenario.waiting().is_free());
     let mut show = |event: &HorizonEvent| horizons.note(event);
-    scenario.shortest_plan_with(&PlanningOptions::default(), solver, &mut show)
+    let options = ShortestOptions::default().with_interrupt(interrupt);
+    let options = PlanningOptions::default().with_search(options);
+    scenario.shortest_plan_with(&options, solver, &mut show)
 }

@@ -6,12 +6,17 @@
 //! * `--out FOLDER`: where the plots go, `plots` by default
 //! * `--scaling`: instead, measure the time of one search with finer and finer steps
 //!
+//! Ctrl-C ends the searches; what is proved by then is printed and plotted, with how far the others are,
+//! and the exit status is 3. A second Ctrl-C ends the program.
+//!
 //! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
 //! planning of autonomous vehicles", arXiv:1611.07608.
 
 #[macro_use]
 #[path = "../common/output.rs"]
 mod output;
+#[path = "../common/interrupts.rs"]
+mod interrupts;
 
 mod cases;
 mod plots;
@@ -24,11 +29,14 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use carom::prelude::Interrupt;
+use interrupts::{INTERRUPTED, Signals};
+
 const USAGE: &str = "usage: paper [--csv] [--out FOLDER] [--scaling]";
 
 fn main() -> ExitCode {
     match run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(status) => status,
         Err(error) => {
             eprintln!("paper: {error}");
             ExitCode::FAILURE
@@ -36,7 +44,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run() -> Result<(), Box<dyn Error>> {
+fn run() -> Result<ExitCode, Box<dyn Error>> {
     let (mut csv, mut scaling, mut folder) = (false, false, PathBuf::from("plots"));
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -47,18 +55,28 @@ fn run() -> Result<(), Box<dyn Error>> {
             _ => return Err(format!("unexpected `{word}`\n{USAGE}").into()),
         }
     }
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
+    let status = || if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS };
     if scaling {
-        return scaling::run(csv, &folder);
+        scaling::run(csv, &folder, &interrupt)?;
+        return Ok(status());
     }
-    let results = cases::solve_all()?;
+    let results = cases::solve_all(&interrupt)?;
+    let (results, unfinished): (Vec<_>, Vec<_>) =
+        results.into_iter().partition(|solved| solved.is_done());
     let figures = plots::write_all(&results, &folder)?;
     if csv {
         report::print_csv(&results);
     } else {
-        report::print_tables(&results);
+        if signals.came() {
+            report::print_interrupted(&results, &unfinished);
+        } else {
+            report::print_tables(&results);
+        }
         for figure in figures {
             println!("wrote {}", figure.display());
         }
     }
-    Ok(())
+    Ok(status())
 }

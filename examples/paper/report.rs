@@ -53,6 +53,14 @@ pub(crate) fn print_csv(results: &[Solved]) {
     }
 }
 
+/// Prints what is known after an interrupt: some cases are proved, of some a part.
+pub(crate) fn print_interrupted(results: &[Solved], unfinished: &[Solved]) {
+    println!("interrupted: {} cases are proved, {} are not", results.len(), unfinished.len());
+    for solved in results.iter().chain(unfinished) {
+        println!("  {}: {}", solved.case.label(), solved.shortest);
+    }
+}
+
 /// Prints Table 3, Table 4 and the destination study, our figures next to the paper's.
 pub(crate) fn print_tables(results: &[Solved]) {
     let find = |case: Case| results.iter().find(|solved| solved.case == case);

@@ -24,15 +24,25 @@ struct Point {
 }
 
 /// Measures, prints the table (or its CSV rows) and writes the picture.
-pub(crate) fn run(csv: bool, folder: &Path) -> Result<(), Box<dyn Error>> {
+///
+/// After an interrupt, it has the lengths that are measured.
+pub(crate) fn run(csv: bool, folder: &Path, interrupt: &Interrupt) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     let bar = ProgressBar::new((TIME_STEPS.len() * REPEATS) as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} {elapsed} {msg}") {
         bar.set_style(style);
     }
-    let points = TIME_STEPS.iter().map(|&time_step| measure(time_step, &bar));
-    let points = points.collect::<Result<Vec<Point>, Box<dyn Error>>>()?;
+    let mut points = Vec::new();
+    for time_step in TIME_STEPS {
+        match measure(time_step, interrupt, &bar) {
+            _ if interrupt.is_triggered() => break,
+            measured => points.push(measured?),
+        }
+    }
     bar.finish_and_clear();
+    if points.is_empty() {
+        return Ok(());
+    }
     print(&points, csv);
     let path = folder.join("scaling.svg");
     draw(&points, &path)?;
@@ -42,13 +52,19 @@ pub(crate) fn run(csv: bool, folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn measure(time_step: f64, bar: &ProgressBar) -> Result<Point, Box<dyn Error>> {
+fn measure(
+    time_step: f64,
+    interrupt: &Interrupt,
+    bar: &ProgressBar,
+) -> Result<Point, Box<dyn Error>> {
     let scenario = Scenario::paper().with_time_step(time_step).with_restitution(RESTITUTION)?;
     bar.set_message(format!("steps of {time_step} s"));
+    let options = ShortestOptions::default().with_interrupt(interrupt);
+    let options = PlanningOptions::default().with_search(options);
     let (mut steps, mut times) = (None, Vec::new());
     for _ in 0..REPEATS {
         let mut solver = BranchAndBound::default();
-        let shortest = scenario.shortest_plan(&PlanningOptions::default(), &mut solver)?;
+        let shortest = scenario.shortest_plan(&options, &mut solver)?;
         steps = shortest.steps.filter(|_| shortest.is_found());
         times.push(shortest.time.as_secs_f64());
         bar.inc(1);
@@ -85,7 +101,7 @@ fn print(points: &[Point], csv: bool) {
             );
         }
     }
-    if !csv {
+    if !csv && points.len() > 1 {
         println!("\n  Fitted over all of them, the time grows as (1/dt)^{:.2}.", growth(points));
     }
 }

@@ -9,7 +9,7 @@ use crate::search::{
     PilotResult, Root, SearchResult, SolveTask, Start, StartPoint, search, with_perspective,
 };
 use crate::solution::{Heuristic, Statistics, Termination};
-use crate::solver::{BranchingRule, Control, Heuristics, Options};
+use crate::solver::{BranchingRule, Control, Event, Heuristics, Options, Progress};
 
 /// The result of the phase of cuts.
 #[derive(Default)]
@@ -36,14 +36,24 @@ struct Pilot {
 
 /// Strengthens the program of a task, and carries its root over. Kept leaves are about the program as it
 /// is.
-pub(super) fn cut(task: SolveTask<'_>, root: &mut Root, start: Option<&Start>) -> CutOutcome {
+pub(super) fn cut(
+    task: SolveTask<'_>,
+    root: &mut Root,
+    start: Option<&Start>,
+    control: &mut Control<'_>,
+) -> CutOutcome {
     let SolveTask { options, token, .. } = task;
     let mut ladder = task.ladders.take();
     let bent = with_perspective(task.program, root, options, token, &mut ladder);
     let program = bent.as_ref().map_or(task.program, |bent| &bent.program);
-    let task = SolveTask { program, ..task };
+    let (task, sign) = (SolveTask { program, ..task }, program.sign);
     let mut pilot = Pilot::default();
     let cut = strengthen(program, root, options, token, &mut ladder, &mut |root| {
+        if let Some(bound) = root.relaxed_bound() {
+            let mut progress = Progress::new(0, 0, 1, None, sign * bound, token.elapsed());
+            progress.constant = sign * program.constant;
+            control.report(&Event::Relaxed(progress));
+        }
         pilot.search(SolveTask { root: Some(root), ..task }, start)
     });
     if bent.is_some() || cut.is_some() {

@@ -64,6 +64,11 @@ impl PartOfSolve<'_> {
             let figures = (self.figures)(event.progress());
             let is_new = |objective| Told::is_new_event(self.told, objective);
             let event = match event {
+                Event::Presolved(size, _) if self.is_first => Event::Presolved(*size, figures),
+                // The bound of a part is not that of the whole.
+                Event::Relaxed(_) if self.is_first && figures.bound.is_finite() => {
+                    Event::Relaxed(figures)
+                }
                 Event::Root(_) if self.is_first => Event::Root(figures),
                 Event::Incumbent(_) if figures.incumbent.is_some_and(is_new) => {
                     Event::Incumbent(figures)

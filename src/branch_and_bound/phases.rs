@@ -24,7 +24,7 @@ use crate::error::Error;
 use crate::presolve::root::PresolveRule;
 use crate::search::{SearchResult, SolveTask};
 use crate::solution::Termination;
-use crate::solver::Control;
+use crate::solver::{Control, Event, Progress};
 
 impl Solve<'_> {
     /// Solves the model. A solve that a limit ends before the search has no point and no bound.
@@ -81,6 +81,9 @@ impl Solve<'_> {
             }
             PresolveOutcome::Stopped => return Ok(self.stopped()),
         };
+        let (program, elapsed) = (presolved.program(), self.token.elapsed());
+        let progress = Progress::new(0, 0, 0, None, -program.sign * f64::INFINITY, elapsed);
+        control.report(&Event::Presolved(program.size(), progress));
         let judge = &ModelJudge::new(self, &presolved);
         let task =
             SolveTask::new(presolved.program(), judge, self.ladders, self.options, self.token);

@@ -61,7 +61,7 @@ pub(super) fn search_once(
     }
     let task = SolveTask { program: &program, exact: Some(exact), ..task };
     let cuts = options.cuts && !options.keep_leaves && !known.skips_cuts;
-    let cut = if cuts { cut(task, &mut root, known.start) } else { CutOutcome::default() };
+    let cut = if cuts { cut(task, &mut root, known.start, control) } else { CutOutcome::default() };
     let program = cut.program.as_ref().unwrap_or(task.program);
     let task = SolveTask { program, root: Some(&root), ..task };
     let mut found = search(task, control, cut.start(known.start).as_ref());

@@ -8,6 +8,8 @@ mod flaws;
 pub(crate) mod horizon;
 pub mod linear;
 mod matrix;
+#[cfg(feature = "nalgebra")]
+mod nalgebra;
 pub(crate) mod program;
 pub mod reach;
 mod receding;

@@ -21,6 +21,7 @@ use std::sync::OnceLock;
 
 use faer::sparse::{SparseColMat, SparseRowMat};
 
+use crate::solver::ProgramSize;
 use crate::sum::Sum;
 
 /// A mixed-integer convex quadratic program in matrix form, always a minimisation.
@@ -81,6 +82,15 @@ impl Program {
     /// Number of rows.
     pub fn row_count(&self) -> usize {
         self.row_lower.len()
+    }
+
+    /// Its size.
+    pub(crate) fn size(&self) -> ProgramSize {
+        let mut size = ProgramSize::default();
+        (size.rows, size.columns) = (self.row_count(), self.column_count());
+        (size.integers, size.nonzeros) = (self.integers.len(), self.rows.compute_nnz());
+        size.cones = self.cones.len();
+        size
     }
 
     /// Column indices and coefficients of a row.

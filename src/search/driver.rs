@@ -41,7 +41,11 @@ pub fn search(
         }
     };
     if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
-        return SearchResult::stopped(reason);
+        // The bound of the relaxed root and the point of the start are kept.
+        let tree = Tree::new(task, root, start, search_nested, 1);
+        tree.stop(reason);
+        Reporter::new(control).report(&tree);
+        return tree.into_found();
     }
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };

@@ -65,6 +65,11 @@ impl Root {
         Root { covers, groups, lone, late_first, domain, propagator, conflict, point: None }
     }
 
+    /// The proved bound of the relaxed root, where it is known.
+    pub(crate) fn relaxed_bound(&self) -> Option<f64> {
+        self.point.as_ref().map(|point| point.bound)
+    }
+
     /// The root of the same program with tighter bounds: what is known of it still holds.
     pub(crate) fn within(&self, program: &Program, token: &StopToken, probing: bool) -> Self {
         let mut root = self.clone();

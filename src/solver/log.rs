@@ -3,11 +3,11 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
 use super::progress::{Event, Progress};
 use crate::number::{percent, rounded};
-use crate::solution::{RelaxationCounts, Solution, Verification};
+use crate::solution::{Heuristic, RelaxationCounts, Solution, Verification};
 
 /// Lines between two headings.
 const LINES_PER_HEADING: u64 = 25;
@@ -15,15 +15,19 @@ const LINES_PER_HEADING: u64 = 25;
 /// Violations that are named.
 const NAMED_VIOLATIONS: usize = 3;
 
-/// Shortest time between two lines that report nothing new.
+/// Shortest time between two lines that report nothing new, at first. Later it is a part of the time that
+/// has passed, so that a long search does not fill the screen.
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
+const REPORT_SHARE: u32 = 10;
+const LONGEST_INTERVAL: Duration = Duration::from_secs(60);
 
-/// A progress callback that writes a line for the root, for every new best point, and about once a
-/// second.
+/// A progress callback that writes what presolve has left, the bound of the root before and after cuts,
+/// and then a line for the root, for every new best point, and about once a second at first, later less
+/// often.
 ///
 /// The columns are: nodes processed, nodes open, largest depth, best objective, bound, relative gap
 /// in percent, and seconds. A line for a new best point begins with the mark of its heuristic, see
-/// [`Heuristic::mark`](crate::solution::Heuristic::mark).
+/// [`Heuristic::mark`](crate::solution::Heuristic::mark); the marks are explained above the first line.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -45,30 +49,59 @@ const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 pub struct Log<W: Write> {
     writer: W,
     lines: u64,
-    last: Option<Instant>,
+    /// The bound of the root before cuts, until the root is done.
+    relaxed: Option<f64>,
+    /// When the last line was written, in time since its solve began.
+    last: Option<Duration>,
     failed: Option<io::Error>,
 }
 
 impl<W: Write> Log<W> {
     /// A log that writes to `writer`.
     pub fn new(writer: W) -> Self {
-        Log { writer, lines: 0, last: None, failed: None }
+        Log { writer, lines: 0, relaxed: None, last: None, failed: None }
     }
 
     /// Writes the line of an event. After an error of the writer nothing more is written, and
     /// [`into_inner`](Self::into_inner) returns the error.
     pub fn record(&mut self, event: &Event) {
         let progress = event.progress();
+        let seconds = progress.elapsed.as_secs_f64();
         let mark = match event {
+            Event::Presolved(size, _) => {
+                return self.write(format_args!("presolve left {size} ({seconds:.2} s)\n"));
+            }
+            Event::Relaxed(_) => {
+                self.relaxed = Some(progress.bound);
+                let bound = number(progress.bound);
+                return self.write(format_args!("bound of the root {bound} ({seconds:.2} s)\n"));
+            }
+            Event::Root(_) => {
+                if self.relaxed.take().is_some_and(|first| first != progress.bound) {
+                    let bound = number(progress.bound);
+                    self.write(format_args!("bound after cuts {bound} ({seconds:.2} s)\n"));
+                }
+                ' '
+            }
             Event::Incumbent(_) => progress.found_by.map_or('*', |heuristic| heuristic.mark()),
+            // What is earlier than the last line is of another solve.
             Event::Progress(_)
-                if self.last.is_some_and(|last| last.elapsed() < REPORT_INTERVAL) =>
+                if self.last.is_some_and(|last| {
+                    (last..last + interval(last)).contains(&progress.elapsed)
+                }) =>
             {
                 return;
             }
-            _ => ' ',
+            Event::Progress(_) => ' ',
         };
-        self.last = Some(Instant::now());
+        self.last = Some(progress.elapsed);
+        if self.lines == 0 {
+            let marks = Heuristic::ALL.map(|source| format!("{} {source}", source.mark()));
+            self.write(format_args!(
+                "new best points are marked by their source: {}\n",
+                marks.join(", ")
+            ));
+        }
         if self.lines.is_multiple_of(LINES_PER_HEADING) {
             self.write(format_args!(
                 "  {:>9} {:>8} {:>6} {:>16} {:>16} {:>9} {:>9}\n",
@@ -79,7 +112,7 @@ impl<W: Write> Log<W> {
         let Progress { nodes, open, depth, bound, .. } = *progress;
         let incumbent = progress.incumbent.map_or("-".to_owned(), number);
         let gap = percent(progress.relative_gap());
-        let (bound, seconds) = (number(bound), progress.elapsed.as_secs_f64());
+        let bound = number(bound);
         self.write(format_args!(
             "{mark} {nodes:>9} {open:>8} {depth:>6} {incumbent:>16} {bound:>16} {gap:>9} \
              {seconds:>9.2}\n"
@@ -167,6 +200,11 @@ impl<W: Write> fmt::Debug for Log<W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Log").field("lines", &self.lines).finish_non_exhaustive()
     }
+}
+
+/// The time between two lines that report nothing new, after some time.
+fn interval(elapsed: Duration) -> Duration {
+    (elapsed / REPORT_SHARE).clamp(REPORT_INTERVAL, LONGEST_INTERVAL)
 }
 
 /// The violations of the nearest refused point of a stalled search, in a line.

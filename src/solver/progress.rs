@@ -1,5 +1,7 @@
 //! Progress events of a solve.
 
+use std::fmt;
+
 use web_time::Duration;
 
 use crate::solution::{Heuristic, Point};
@@ -9,6 +11,11 @@ use crate::tolerance::relative_gap;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Event {
+    /// Presolve is done, and has left a program of such a size. At most once a solve, before all others.
+    Presolved(ProgramSize, Progress),
+    /// The relaxation of the root is solved; cuts follow. At most once a solve, and not for programs
+    /// that are not cut.
+    Relaxed(Progress),
     /// The root node is done.
     Root(Progress),
     /// A better point was found and verified.
@@ -21,7 +28,39 @@ impl Event {
     /// The progress of any event.
     pub fn progress(&self) -> &Progress {
         match self {
-            Event::Root(p) | Event::Incumbent(p) | Event::Progress(p) => p,
+            Event::Presolved(_, p)
+            | Event::Relaxed(p)
+            | Event::Root(p)
+            | Event::Incumbent(p)
+            | Event::Progress(p) => p,
+        }
+    }
+}
+
+/// The size of a program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct ProgramSize {
+    /// Linear rows.
+    pub rows: usize,
+    /// Columns, integral or not.
+    pub columns: usize,
+    /// Integral columns.
+    pub integers: usize,
+    /// Entries of the rows.
+    pub nonzeros: usize,
+    /// Second-order cones.
+    pub cones: usize,
+}
+
+impl fmt::Display for ProgramSize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ProgramSize { rows, columns, integers, nonzeros, cones } = self;
+        write!(f, "{rows} rows, {columns} columns ({integers} integral), {nonzeros} nonzeros")?;
+        match cones {
+            0 => Ok(()),
+            1 => f.write_str(", 1 cone"),
+            _ => write!(f, ", {cones} cones"),
         }
     }
 }

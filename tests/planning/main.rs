@@ -10,6 +10,8 @@ mod goals;
 mod graph_of_sets;
 mod hybrid;
 mod loops;
+#[cfg(feature = "nalgebra")]
+mod nalgebra;
 mod physics;
 mod reach;
 mod receding;

@@ -1,0 +1,122 @@
+//! The answer: in a line for programs, in words for people, and as a file.
+
+use std::fs::OpenOptions;
+
+use carom::prelude::{Model, Solution, Termination};
+use carom::solution::StartStatus;
+
+/// The last line of the output.
+pub(crate) fn status_line(solution: &Solution, seconds: f64, cpu: Option<f64>) -> String {
+    format!(
+        "status={} objective={} bound={} nodes={} seconds={seconds:.6}{}",
+        status(solution),
+        solution.objective().map_or("-".into(), twelve_digits),
+        twelve_digits(solution.bound()),
+        solution.statistics().nodes,
+        cpu.map_or(String::new(), |cpu| format!(" cpu={cpu:.6}")),
+    )
+}
+
+/// The objectives of the pool.
+pub(crate) fn pool(solution: &Solution) -> String {
+    let proved = if solution.pool().is_complete() { "proved" } else { "found" };
+    let values = solution.pool().iter().map(|p| twelve_digits(p.objective()));
+    format!("pool ({proved}): {}", values.collect::<Vec<_>>().join(" "))
+}
+
+/// The values of the best point that are not tiny, a line each.
+pub(crate) fn values(model: &Model, solution: &Solution) -> Vec<String> {
+    let Some(point) = solution.point() else { return Vec::new() };
+    let values = model.variables().zip(point.as_slice()).filter(|(_, value)| value.abs() > 1e-9);
+    values
+        .map(|(variable, value)| format!("{} = {}", variable.name(), twelve_digits(*value)))
+        .collect()
+}
+
+/// Makes sure that a file can be written, before the work that leads to it.
+pub(crate) fn check(path: &str) -> Result<(), String> {
+    let opened = OpenOptions::new().append(true).create(true).open(path);
+    opened.map(drop).map_err(|error| format!("{path}: {error}"))
+}
+
+/// Writes the best point to a file that `--start` reads: a line for every value but 0, with all digits.
+pub(crate) fn write(model: &Model, solution: &Solution, path: &str) -> Result<(), String> {
+    let mut text = format!("# Status: {}\n", status(solution));
+    if let (Some(point), Some(objective)) = (solution.point(), solution.objective()) {
+        text += &format!("# Objective value = {objective}\n");
+        for (variable, value) in model.variables().zip(point.as_slice()) {
+            if *value != 0.0 {
+                text += &format!("{} {value}\n", variable.name());
+            }
+        }
+    }
+    std::fs::write(path, text).map_err(|error| format!("{path}: {error}"))
+}
+
+/// What became of the MIP start.
+pub(crate) fn start_report(status: Option<&StartStatus>) -> String {
+    match status {
+        Some(StartStatus::Accepted) => "start: accepted".into(),
+        Some(StartStatus::Repaired { changed }) => {
+            format!("start: repaired, {} integers differ", changed.len())
+        }
+        Some(StartStatus::Rejected { reason }) => format!("start: rejected, {reason}"),
+        _ => "start: not tried, because the answer was known before".into(),
+    }
+}
+
+/// The outcome in a line.
+pub(crate) fn summary(solution: &Solution, seconds: f64) -> String {
+    let statistics = solution.statistics();
+    let effort = format!(
+        "{seconds:.2} s, {} nodes and {} relaxations",
+        statistics.nodes, statistics.relaxations
+    );
+    let found = match solution.objective() {
+        Some(objective) => format!(
+            "objective {}, proved bound {}, gap {}",
+            twelve_digits(objective),
+            twelve_digits(solution.bound()),
+            percent(solution.relative_gap())
+        ),
+        None => "no point".into(),
+    };
+    let notes: String = solution.notes().iter().map(|note| format!("\n{note}")).collect();
+    let refused = solution.refused().and_then(|check| check.violations().first());
+    let refused = refused.map_or(String::new(), |violation| {
+        format!("; the nearest point that was refused violates {violation}")
+    });
+    format!("{}: {found}, after {effort}{refused}{notes}", solution.termination())
+}
+
+fn status(solution: &Solution) -> &'static str {
+    match solution.termination() {
+        Termination::Optimal => "optimal",
+        Termination::Infeasible => "infeasible",
+        Termination::Unbounded => "unbounded",
+        _ if solution.point().is_some() => "feasible",
+        _ => "limit",
+    }
+}
+
+/// A number rounded to twelve significant digits, without trailing zeros; below 1e-6 with an exponent.
+/// A zero has no sign, and less than all normal numbers is 0.
+fn twelve_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        size if size < f64::MIN_POSITIVE => "0".into(),
+        size if size < 1e-6 => format!("{rounded:e}"),
+        _ => format!("{rounded}"),
+    }
+}
+
+/// A gap in percent, or `none` without a bound.
+fn percent(gap: f64) -> String {
+    let percent = 100.0 * gap;
+    match percent {
+        _ if !percent.is_finite() => "none".into(),
+        _ if percent < f64::MIN_POSITIVE => "0 %".into(),
+        _ if !(1e-4..1e5).contains(&percent) => format!("{percent:.1e} %"),
+        _ => format!("{percent:.4} %"),
+    }
+}

@@ -1,0 +1,96 @@
+//! The formats of model files: which one a file has, reading and writing.
+
+use std::error::Error;
+use std::path::Path;
+use std::str::FromStr;
+
+use carom::model::{cbf, lp, mps};
+use carom::prelude::Model;
+
+use crate::input::{self, STANDARD_INPUT};
+
+/// A format of model files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    Mps,
+    Lp,
+    Cbf,
+    Json,
+}
+
+impl FromStr for Format {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name.to_lowercase().as_str() {
+            "mps" => Ok(Format::Mps),
+            "lp" => Ok(Format::Lp),
+            "cbf" => Ok(Format::Cbf),
+            "json" => Ok(Format::Json),
+            _ => Err(format!("no format is called `{name}`; there are mps, lp, cbf and json")),
+        }
+    }
+}
+
+/// The format that the extension of a file tells.
+fn of_extension(path: &str) -> Option<Format> {
+    let plain = path.strip_suffix(".gz").unwrap_or(path);
+    Path::new(plain).extension()?.to_str()?.parse().ok()
+}
+
+/// The format that the contents of a file tell.
+fn of_contents(text: &str) -> Format {
+    let is_rows = |line: &str| line.trim_end().eq_ignore_ascii_case("ROWS");
+    if text.trim_start().starts_with('{') {
+        Format::Json
+    } else if text.lines().any(is_rows) {
+        Format::Mps
+    } else if text.lines().any(|line| line.trim_end() == "VER") {
+        Format::Cbf
+    } else {
+        Format::Lp
+    }
+}
+
+/// Reads the model of a file. Returns also what the reader warns of.
+pub(crate) fn read(
+    path: &str,
+    asked: Option<Format>,
+) -> Result<(Model, Vec<String>), Box<dyn Error>> {
+    let text = input::text(path)?;
+    let format = asked.or_else(|| of_extension(path)).unwrap_or_else(|| of_contents(&text));
+    let name = if path == STANDARD_INPUT { "standard input" } else { path };
+    let read = parse(format, &text).map_err(|error| format!("{name}: {error}"))?;
+    let warnings = read.1.into_iter().map(|warning| format!("warning: {name}: {warning}"));
+    Ok((read.0, warnings.collect()))
+}
+
+fn parse(format: Format, text: &str) -> Result<(Model, Vec<String>), Box<dyn Error>> {
+    let read = match format {
+        Format::Mps => mps::read(text)?,
+        Format::Lp => lp::read(text)?,
+        Format::Cbf => cbf::read(text)?,
+        #[cfg(feature = "serde")]
+        Format::Json => return Ok((serde_json::from_str(text)?, Vec::new())),
+        #[cfg(not(feature = "serde"))]
+        Format::Json => return Err("JSON needs `--features serde`".into()),
+    };
+    let warnings = read.warnings.iter().map(ToString::to_string).collect();
+    Ok((read.model, warnings))
+}
+
+/// Writes a model in the format that the extension tells, compressed for `.gz`.
+pub(crate) fn write(model: &Model, path: &str) -> Result<(), Box<dyn Error>> {
+    let text = match of_extension(path) {
+        Some(Format::Mps) => mps::write(model)?,
+        Some(Format::Lp) => lp::write(model)?,
+        Some(Format::Cbf) => cbf::write(model)?,
+        #[cfg(feature = "serde")]
+        Some(Format::Json) => serde_json::to_string_pretty(model)?,
+        #[cfg(not(feature = "serde"))]
+        Some(Format::Json) => return Err("JSON needs `--features serde`".into()),
+        None => return Err(format!("{path}: expected .mps, .lp, .cbf or .json").into()),
+    };
+    let bytes = if path.ends_with(".gz") { input::compressed(&text)? } else { text.into_bytes() };
+    Ok(std::fs::write(path, bytes).map_err(|error| format!("{path}: {error}"))?)
+}

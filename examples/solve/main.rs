@@ -1,0 +1,163 @@
+//! Solves a model file, or writes it in another format.
+//!
+//! `cargo run --release --example solve -- FILE [OPTIONS]`; `--help` lists the options.
+//!
+//! Files are MPS (free or fixed), LP, CBF, or JSON (with `--features serde`), plain or compressed by
+//! gzip; `-` is the standard input. The format follows from `--format`, else from the extension `.mps`,
+//! `.lp`, `.cbf` or `.json`, otherwise from the contents.
+//!
+//! The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
+//! those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line is
+//! `status=… objective=… bound=… nodes=… seconds=…`. The status
+//! is `optimal`, `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved
+//! optimal) or `limit` (stopped without a point). The objective is `-` if there is no point. The
+//! seconds exclude reading the file. What people want to see is on the standard error: the size and the
+//! numbers of the program, what presolve has left, the bound before and after cuts, lines of progress and
+//! a summary; on a terminal, a last line moves.
+//!
+//! Ctrl-C ends the search and keeps what was found; see `--help` for that and for the exit status.
+
+#[macro_use]
+#[path = "../common/output.rs"]
+mod output;
+#[path = "../common/interrupts.rs"]
+mod interrupts;
+#[path = "../common/sol.rs"]
+mod sol;
+
+mod answer;
+mod arguments;
+mod format;
+mod header;
+mod input;
+mod live;
+
+use std::error::Error;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use carom::explain::{ExplainOptions, infeasibility};
+use carom::prelude::{BranchAndBound, Control, Event, Interrupt, Model, Solver, Termination};
+use carom::reformulate;
+use carom::solver::MipStart;
+
+use arguments::{Arguments, Command, Values};
+use interrupts::{INTERRUPTED, Signals};
+use live::Live;
+
+/// The exit status for wrong arguments; all of them are in `--help`.
+const WRONG_ARGUMENTS: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments = match arguments::read(std::env::args().skip(1)) {
+        Ok(Command::Solve(arguments)) => *arguments,
+        Ok(Command::Print(text)) => {
+            println!("{text}");
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            eprintln!("solve: {error}");
+            return WRONG_ARGUMENTS.into();
+        }
+    };
+    match run(arguments) {
+        Ok(Termination::Interrupted) => INTERRUPTED.into(),
+        Ok(_) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("solve: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Does what is asked for. Returns how the search ended.
+fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
+    let mut live = Live::new(arguments.quiet);
+    live.doing("reading");
+    let (model, warnings) = format::read(&arguments.file, arguments.format)?;
+    live.aside(|| {
+        warnings.iter().for_each(|warning| eprintln!("{warning}"));
+        println!("{}", header::counts(&model));
+    });
+    if let Some(path) = arguments.write {
+        format::write(&model, &path)?;
+        return Ok(Termination::Optimal);
+    }
+    if let Some(path) = arguments.lowered {
+        format::write(reformulate::lower(&model)?.model(), &path)?;
+    }
+    if let Some(Values::Written(path)) = &arguments.solution {
+        answer::check(path)?;
+    }
+    let mip_start = arguments.start.map(|path| start(&model, &path)).transpose()?;
+    live.say(&header::header(&model));
+    live.doing("presolve");
+
+    let threads = arguments.options.threads;
+    let mut solver = BranchAndBound::new(arguments.options);
+    let interrupt = Interrupt::new();
+    let signals = Signals::catch(&interrupt)?;
+    let (start, cpu) = (Instant::now(), processor_seconds(threads));
+    let mut show = |event: &Event| live.show(event);
+    let mut control = Control::default().with_progress(&mut show).with_interrupt(&interrupt);
+    if let Some(start) = &mip_start {
+        control = control.with_start(start);
+    }
+    let solution = solver.solve_with(&model, &mut control);
+    let seconds = start.elapsed().as_secs_f64();
+    let cpu = processor_seconds(threads).zip(cpu).map(|(end, start)| end - start);
+    live.end();
+    let solution = solution?;
+
+    if let Some(report) = solution.start_report() {
+        live.say(&answer::start_report(report.status.as_ref()));
+    }
+    if arguments.log {
+        live.summarise(&solution);
+    } else {
+        live.say(&answer::summary(&solution, seconds));
+    }
+    if solver.options().pool > 1 {
+        println!("{}", answer::pool(&solution));
+    }
+    match &arguments.solution {
+        Some(Values::Written(path)) => answer::write(&model, &solution, path)?,
+        Some(Values::Printed) => {
+            answer::values(&model, &solution).iter().for_each(|line| println!("{line}"));
+        }
+        None => {}
+    }
+    let mut ended = solution.termination();
+    if arguments.explain && ended == Termination::Infeasible {
+        let options = ExplainOptions::default().with_interrupt(&interrupt);
+        println!("{}", infeasibility(&model, &mut solver, &options)?);
+        if signals.came() {
+            ended = Termination::Interrupted;
+        }
+    }
+    println!("{}", answer::status_line(&solution, seconds, cpu));
+    Ok(ended)
+}
+
+/// Processor time of this thread (s), or of the process if the search has several, where the system tells
+/// it: not disturbed by other programs.
+fn processor_seconds(threads: usize) -> Option<f64> {
+    if threads > 1 {
+        // User and system time, in hundredths of a second, are the 14th and 15th word; the 2nd is in
+        // parentheses and may have blanks.
+        let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let times = text.rsplit(')').next()?.split_whitespace().skip(11).take(2);
+        return times.map(|ticks| Some(0.01 * ticks.parse::<f64>().ok()?)).sum();
+    }
+    std::thread::yield_now(); // brings the count up to date
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
+
+/// The MIP start of a file.
+fn start(model: &Model, path: &str) -> Result<MipStart, String> {
+    let text = input::text(path)?;
+    let values = sol::integers(model, &text).map_err(|error| format!("{path}: {error}"))?;
+    Ok(MipStart::new().with_values(values))
+}
