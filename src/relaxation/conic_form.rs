@@ -14,7 +14,7 @@ use crate::program::ConeRole;
 const LEAST_COEFFICIENT: f64 = 1e-3;
 
 /// By how much a bound may cut into the values that others allow, relative (at least 1).
-const IMPLIED: f64 = 1e-7;
+const MAX_CUT_BY_BOUND: f64 = 1e-7;
 
 /// The rows of cones.
 #[derive(Debug, Default)]
@@ -272,7 +272,7 @@ fn are_bounds_implied(program: &Reduced, name: NamedSum, cone: &ReducedCone) -> 
         _ => f64::INFINITY,
     };
     let of_cone = if is_head { [0.0, f64::INFINITY] } else { [-reach, reach] };
-    let room = |bound: f64| IMPLIED * bound.abs().max(1.0);
+    let room = |bound: f64| MAX_CUT_BY_BOUND * bound.abs().max(1.0);
     range[0].max(of_cone[0]) >= lower - room(lower)
         && range[1].min(of_cone[1]) <= upper + room(upper)
 }
