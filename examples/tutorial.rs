@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::new(0.25)
         .with_body(body)
         .with_room("wall", &room, Surface::avoid())
-        .with_obstacle(Solid::cuboid("rack", &[3.0..=5.0, 0.0..=3.0], Surface::avoid()));
+        .with_obstacle(Solid::cuboid("rack", &[3.0..=5.0, -1.0..=3.0], Surface::avoid()));
     let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
     println!("{found}");
     if let (Some(plan), Some(path)) = (&found.plan, paths.next()) {

@@ -33,7 +33,7 @@ KINDS = ["struct", "enum", "trait", "fn", "macro", "type", "constant", "derive"]
 MEMBERS = ["method", "tymethod", "variant", "structfield", "associatedconstant"]
 FENCES = re.compile(r"^(```.*?^```[^\n]*\n?)", re.DOTALL | re.MULTILINE)
 CODE = re.compile(r"(`[^`]*`)")
-RUN = re.compile(r"`cargo run (?:--release )?--example (\w+)[^`]*`")
+RUN = re.compile(r"`(?:cargo run (?:--release )?--example|docs/pictures) (\w+)[^`]*`")
 
 
 class Pages:
@@ -211,7 +211,7 @@ class Pages:
         """The pictures that an example makes, by the gallery."""
         text = (self.root / "docs/gallery.md").read_text()
         own = []
-        pieces = re.split(r"(`cargo run[^`]*`|^## )", text, flags=re.M)
+        pieces = re.split(r"(`(?:cargo run|docs/pictures)[^`]*`|^## )", text, flags=re.M)
         for head, body in zip(pieces[1::2], pieces[2::2]):
             run = RUN.match(head)
             if run and run[1] == example:
