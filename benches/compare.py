@@ -23,9 +23,10 @@ be compressed (`.gz`).
 
 A folder may hold folders, each a family of files, and several folders can be given. Answers are
 checked against `answers.txt` or `answers.csv` in the given folder; without either, against what most
-solvers claim. `--profile FILE.svg` draws the share of files solved within a factor of the best:
+solvers claim. `--profile FILE.csv` writes by which factors solvers are slower than the best, for `cargo run --example
+profile -- FILE.csv PICTURE.svg`:
 
-    python3 benches/compare.py ../programs --rounds 1 --limit 15 --profile target/profile.svg
+    python3 benches/compare.py ../programs --rounds 1 --limit 15 --profile target/profile.csv
 
 Further variants of carom are compared by `--variant NAME=ARGUMENTS`, for example
 `--variant "2 threads=--threads 2"`; an ablation is a list of variants, see `--ablation`.
@@ -405,7 +406,7 @@ def main():
     parser.add_argument("--variant", action="append", default=[], metavar="NAME=ARGUMENTS")
     parser.add_argument("--ablation", metavar="FILE", help="a file of variants, one `NAME=ARGUMENTS` a line; no other solver")
     parser.add_argument("--judge", action="store_true", help="only verdicts over answers.csv: one run a file, no other solver")
-    parser.add_argument("--profile", metavar="FILE", help="also draw a performance profile there, as SVG")
+    parser.add_argument("--profile", metavar="FILE", help="also write the factors of a performance profile there, as CSV")
     parser.add_argument("--cpu", action="store_true", help="processor seconds, with one thread: for a machine with other work")
     parser.add_argument("--json", metavar="FILE", help="also write all answers there")
     parser.add_argument("--serve", help=argparse.SUPPRESS)

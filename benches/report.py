@@ -1,4 +1,4 @@
-"""What `compare.py` says about its runs: tables, ratios, families, performance profiles."""
+"""What `compare.py` says about its runs: tables, ratios, families, factors for performance profiles."""
 import math
 
 # Added to every time before a geometric mean of a family, so that milliseconds do not decide.
@@ -113,8 +113,8 @@ def families(results, names, truths, limit):
 
 
 def profile(path, results, names, truths, limit):
-    """A performance profile as SVG: the share of files that a solver solves within a factor of the
-    best. Only files that every solver could read count (Dolan and More, 2002)."""
+    """The factors of the best time for a performance profile, as CSV; the example `profile` draws it.
+    Only files that every solver could read count (Dolan and More, 2002)."""
     files = [file for file in results if all(was_asked(results[file][name]) for name in names)]
     files = [file for file in files if any(solved(results[file][name]) for name in names)]
     if not files:
@@ -126,25 +126,9 @@ def profile(path, results, names, truths, limit):
         best = min(times.values(), default=math.inf)
         for name in names:
             factors[name].append(times[name] / best if name in times else math.inf)
-    width, height, left, top, most = 640, 380, 60, 20, (limit + SHIFT) / SHIFT
-    along = lambda factor: left + (width - left - 150) * math.log(factor) / math.log(most)
-    up = lambda share: top + (height - top - 50) * (1 - share)
-    colours = ["#1b6ca8", "#d1495b", "#66a182", "#edae49", "#6d597a", "#2e4057", "#8d99ae"]
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
-             f'<rect width="{width}" height="{height}" fill="white"/>']
-    for share in (0, 0.25, 0.5, 0.75, 1):
-        parts.append(f'<path d="M{left} {up(share):.1f}H{along(most):.1f}" stroke="#ddd"/>'
-                     f'<text x="{left - 8}" y="{up(share) + 4:.1f}" text-anchor="end">{share:.0%}</text>')
-    for factor in (1, 2, 5, 10, 100, 1000):
-        if factor <= most:
-            parts.append(f'<text x="{along(factor):.1f}" y="{height - 32}" text-anchor="middle">{factor}</text>')
-    parts.append(f'<text x="{along(math.sqrt(most)):.1f}" y="{height - 12}" text-anchor="middle">factor of the best time ({len(files)} files)</text>')
-    for k, name in enumerate(names):
-        line, colour = f"M{left} {up(0):.1f}", colours[k % len(colours)]
-        for count, factor in enumerate(sorted(f for f in factors[name] if f < math.inf), 1):
-            line += f"H{along(min(factor, most)):.1f}V{up(count / len(files)):.1f}"
-        parts.append(f'<path d="{line}H{along(most):.1f}" fill="none" stroke="{colour}" stroke-width="2"/>'
-                     f'<text x="{along(most) + 8:.1f}" y="{top + 10 + 18 * k}" fill="{colour}">{name}</text>')
     with open(path, "w") as file:
-        file.write("\n".join(parts + ["</svg>\n"]))
+        file.write("solver,factor\n")
+        for name in names:
+            for factor in factors[name]:
+                file.write(f"{name},{'' if factor == math.inf else f'{factor:.4g}'}\n")
     return len(files)

@@ -12,6 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .with_goal([0.4, 0.2, 0.0, 0.0]);
     let mut solver = BranchAndBound::default();
     let bounce = Surface::bounce(Restitution::new(0.9)?);
+    let mut plans = Vec::new();
     for (name, surface) in [("avoiding", Surface::avoid()), ("banking", bounce)] {
         let scene = Scene::new(0.05).with_body(puck.clone()).with_room("cushion", &table, surface);
         let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
@@ -33,15 +34,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "  samples replayed to {:.1e}; located impacts differ by up to {:.1e} m in their step",
             certificate.drift, certificate.step_error
         );
-        let mut paths = std::env::args().skip(1);
-        if !plan.hits.is_empty()
-            && let Some(path) = paths.next()
-        {
-            std::fs::write(&path, plan.to_svg(&scene)?)?;
-            if let Some(path) = paths.next() {
-                std::fs::write(&path, plan.to_animation(&scene)?)?;
-            }
-        }
+        plans.push((scene, plan));
+    }
+    let [(_, braking), (scene, banking)] = &plans[..] else { return Ok(()) };
+    let title = format!(
+        "{:.1} s against {:.1} s, proved\nA puck, moving away from its goal, brakes or is turned around by \
+         two cushions.",
+        braking.duration(),
+        banking.duration()
+    );
+    let picture = banking.picture(scene)?.with_name("two cushions").with_title(title);
+    let picture = picture.with_rival("no collision", braking)?;
+    let mut paths = std::env::args().skip(1);
+    if let Some(path) = paths.next() {
+        std::fs::write(path, picture.to_svg())?;
+    }
+    if let Some(path) = paths.next() {
+        std::fs::write(path, picture.to_animation()?)?;
     }
     Ok(())
 }

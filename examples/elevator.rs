@@ -6,6 +6,7 @@
 //! can the cabin be at rest at 12 m? Rows, reach sets and the check of the plan all come from one
 //! statement of the system.
 
+use carom::picture::Chart;
 use carom::prelude::*;
 
 const TIME_STEP: f64 = 0.1; // s
@@ -32,7 +33,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("the plan takes high gear in {} of {steps} steps", plan.count(high)?);
 
     if let Some(path) = std::env::args().nth(1) {
-        std::fs::write(&path, tube.to_svg(0, 1, Some(&plan.run))?)?;
+        let chart = tube.chart(0, 1, Some(&plan.run))?.with_labels("position (m)", "speed (m/s)");
+        let title = format!(
+            "An elevator with two gears\n{:.1} s from floor to floor; all shorter horizons are refuted by \
+             sets like these.",
+            steps as f64 * TIME_STEP
+        );
+        std::fs::write(&path, Chart::to_svg(&[chart], &title))?;
         println!("wrote {path}");
     }
     if let Some(sets) = &mut found.sets

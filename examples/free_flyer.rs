@@ -3,6 +3,7 @@
 //!
 //! `cargo run --release --example free_flyer [-- PICTURE.svg [PICTURE.svg]]`
 
+use carom::hybrid::scene::ScenePlan;
 use carom::prelude::*;
 
 const TIME_STEP: f64 = 0.5; // s
@@ -34,6 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut pictures = std::env::args().skip(1);
     println!("flight             surfaces  time (s)  effort (m²/s³)  impulse (N s)  hits");
     for (flight, start, goal) in FLIGHTS {
+        let mut avoiding: Option<ScenePlan> = None;
         for (name, surface) in [("avoid", Surface::avoid()), ("bounce", bumper)] {
             let scene = scene(start, goal, surface);
             let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
@@ -52,10 +54,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 plan.hits.iter().filter_map(|hit| hit.contact.split(" at ").last()).collect();
             let (time, hits) = (plan.duration(), hits.join(", "));
             println!("{flight:18} {name:8} {time:9.1} {effort:15.4} {impulse:14.2}  {hits}");
-            if !plan.hits.is_empty()
-                && let Some(path) = pictures.next()
-            {
-                std::fs::write(path, plan.to_svg(&scene)?)?;
+            let Some(avoiding) = &avoiding else {
+                avoiding = Some(plan);
+                continue;
+            };
+            if let Some(path) = pictures.next() {
+                let (faster, slower) = (plan.duration(), avoiding.duration());
+                let title = format!(
+                    "A free-flyer, {flight}\n{faster:.1} s off the walls against {slower:.1} s \
+                     without, both proved."
+                );
+                let picture = plan.picture(&scene)?.with_title(title).with_name("off the walls");
+                let picture = picture.with_rival("no collision", avoiding)?;
+                std::fs::write(path, picture.to_svg())?;
             }
         }
     }

@@ -100,17 +100,25 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     println!("{} edges left, {} nodes, {:.2?}", path.edges_left, path.nodes, began.elapsed());
     let status = if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS };
     let Some(picture) = arguments.next() else { return Ok(status) };
-    let mut chart = Chart::new("x", "y").with_size(720.0, 720.0);
+    let mut chart = Chart::new("y (units of length)", "x (units of length)")
+        .with_size(760.0, 900.0)
+        .with_equal_axes();
     for &[x, y, radius] in &islands {
-        let turn = (0..=48).map(|k| f64::from(k) / 48.0 * std::f64::consts::TAU);
-        chart.line(
-            "island",
-            COLOURS[2],
-            turn.map(|a| [x + radius * a.cos(), y + radius * a.sin()]),
-        );
+        chart.discs("island", COLOURS[2], 0.25, radius, [[y, x]]);
     }
-    chart.line("flight", COLOURS[0], path.stops.iter().map(|s| [s.point[0], s.point[1]]));
-    chart.dots("landing", COLOURS[0], 4.0, path.stops.iter().map(|s| [s.point[0], s.point[1]]));
-    std::fs::write(picture, Chart::to_svg(&[chart], "A flight over islands"))?;
+    let stops: Vec<[f64; 2]> = path.stops.iter().map(|s| [s.point[1], s.point[0]]).collect();
+    chart.line("flight", COLOURS[0], stops.iter().copied());
+    chart.dots("landing", COLOURS[0], 4.0, stops.iter().copied());
+    if let [first, .., last] = stops[..] {
+        chart.start("start", "black", first);
+        chart.goal("goal", "black", last);
+    }
+    let title = format!(
+        "A flight over {} islands\n{} landings, time {:.3}, proved to be the shortest.",
+        islands.len(),
+        stops.len().saturating_sub(2),
+        path.cost
+    );
+    std::fs::write(picture, Chart::to_svg(&[chart], &title))?;
     Ok(status)
 }

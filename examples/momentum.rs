@@ -12,6 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut solver = BranchAndBound::default();
     let bumper = Surface::bounce(Restitution::new(0.8)?);
+    let mut alone = None;
     for (name, surface) in [("avoid", Surface::avoid()), ("bump", bumper)] {
         // The carrier arrives fast and must stop; the cart may go where it likes.
         let carrier = vehicle("carrier", 2.0, [0.3, 0.2]).with_start([0.5, 0.5, 2.0, 0.0]);
@@ -35,8 +36,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 hit.contact, hit.time, hit.speed, hit.impulse[0], hit.energy
             );
         }
-        if let (true, Some(path)) = (!plan.hits.is_empty(), std::env::args().nth(1)) {
-            std::fs::write(path, plan.to_svg(&scene)?)?;
+        let Some(alone) = alone.replace(plan.duration()) else { continue };
+        if let Some(path) = std::env::args().nth(1) {
+            let title = format!(
+                "A carrier brakes against a cart\nIt stops in {:.1} s, proved; without a collision \
+                 it takes {alone:.1} s.",
+                plan.duration()
+            );
+            std::fs::write(path, plan.picture(&scene)?.with_title(title).to_svg())?;
         }
     }
     Ok(())

@@ -37,12 +37,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         found.attempts.len(),
         found.time.as_secs_f64()
     );
+    let title = format!(
+        "A drone dives under a door that slides up\n{:.1} s; all {} shorter horizons are refuted.",
+        plan.duration(),
+        plan.steps() - 1
+    );
+    let picture = plan.picture(&scene)?.with_title(title);
     let mut paths = std::env::args().skip(1);
     if let Some(path) = paths.next() {
-        std::fs::write(path, plan.to_svg(&scene)?)?;
+        std::fs::write(path, picture.to_svg())?;
     }
     if let Some(path) = paths.next() {
-        std::fs::write(path, plan.to_animation(&scene)?)?;
+        std::fs::write(path, picture.to_animation()?)?;
     }
     if let Some(path) = paths.next() {
         for steps in [plan.steps() - 1, plan.steps()] {

@@ -57,12 +57,36 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// The states in their plane; the modes meet at x1 = 0.
 fn draw(states: &[Vec<f64>], path: &str) -> Result<(), Box<dyn std::error::Error>> {
-    let range = Interval::new(-6.0, 6.0);
-    let mut chart = Chart::new("x1", "x2").with_size(480.0, 480.0).with_ranges(range, range);
+    let (x1, x2) = (Interval::new(-2.6, 5.8), Interval::new(-0.8, 5.8));
+    let mut chart = Chart::new("x1 (no unit)", "x2 (no unit)")
+        .with_size(640.0, 520.0)
+        .with_equal_axes()
+        .with_ranges(x1, x2);
+    let half = |edge: f64| [[0.0, x2.lower], [edge, x2.lower], [edge, x2.upper], [0.0, x2.upper]];
+    chart.area("", COLOURS[5], 0.12, half(x1.lower));
+    chart.area("", COLOURS[4], 0.12, half(x1.upper));
+    chart.label("x1 <= 0: turns right", COLOURS[0], [-1.4, 5.4]);
+    chart.label("x1 >= 0: turns left", COLOURS[1], [1.4, 5.4]);
     let points = || states.iter().map(|state| [state[0], state[1]]);
-    chart.line("where the modes meet", COLOURS[1], [[0.0, -6.0], [0.0, 6.0]]);
-    chart.line("the states of 15 steps", "black", points());
-    chart.dots("", COLOURS[0], 3.0, points());
-    std::fs::write(path, Chart::to_svg(&[chart], ""))?;
+    for (from, to) in points().zip(points().skip(1)) {
+        chart.arrow("black", from, to);
+    }
+    for (step, at) in points().enumerate() {
+        match step {
+            0 => chart.start("start: (5, 5)", "black", at),
+            _ => chart.dots("", "black", 3.0, [at]),
+        }
+        if (1..=5).contains(&step) {
+            chart.label(format!("step {step}"), "black", at);
+        }
+    }
+    chart.goal("goal: the origin", COLOURS[2], [0.0, 0.0]);
+    let last = states.last().map_or(0.0, |state| state[0].hypot(state[1]));
+    let title = format!(
+        "A rotation that changes its sense, under a receding horizon\n{} steps, then {last:.4} from \
+         the origin.",
+        states.len() - 1
+    );
+    std::fs::write(path, Chart::to_svg(&[chart], &title))?;
     Ok(())
 }

@@ -1,10 +1,11 @@
 //! The map as a picture.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
 use carom::interval::Interval;
-use carom::picture::Chart;
+use carom::picture::{COLOURS, Chart};
 
 use super::grid::Map;
 
@@ -40,18 +41,22 @@ fn cells(map: &Map, most: f64) -> Chart {
             (true, false) => None,
         }
     };
+    // Cells of a colour are one shape, and neighbours in a row one rectangle.
+    let mut shapes: BTreeMap<String, Vec<[[f64; 2]; 2]>> = BTreeMap::new();
     for row in 0..rows {
-        // Neighbours of the same colour are one rectangle, so that no seam is visible.
         let mut column = 0;
         while column < columns {
             let here = colour(row * columns + column);
             let same = |&next: &usize| colour(row * columns + next) == here;
             let end = column + (column..columns).take_while(same).count();
             if let Some(fill) = here {
-                chart.area("", &fill, 1.0, corners([x[column], x[end]], [y[row], y[row + 1]]));
+                shapes.entry(fill).or_default().push([[x[column], y[row]], [x[end], y[row + 1]]]);
             }
             column = end;
         }
+    }
+    for (fill, cells) in shapes {
+        chart.rectangles(&fill, cells);
     }
     // The border between hit and no hit.
     let hits = |row: usize, column: usize| map.cells[row * columns + column].hits();
@@ -65,7 +70,8 @@ fn cells(map: &Map, most: f64) -> Chart {
             }
         }
     }
-    chart.area("no hit", "white", 1.0, []);
+    let beside = [x[columns] - 0.03 * (x[columns] - x[0]), y[rows] - 0.1 * (y[rows] - y[0])];
+    chart.label("hitting the wall does not pay", COLOURS[6], beside);
     chart
 }
 
@@ -77,19 +83,15 @@ fn bar(most: f64) -> Chart {
     let at = |k: usize| most * k as f64 / BANDS as f64;
     for k in 0..BANDS {
         let fill = ramp((k as f64 + 0.5) / BANDS as f64);
-        bar.area("", &fill, 1.0, corners([at(k), at(k + 1)], [0.0, 1.0]));
+        bar.rectangles(&fill, [[[at(k), 0.0], [at(k + 1), 1.0]]]);
     }
     bar
 }
 
-/// The corners of a rectangle.
-fn corners([left, right]: [f64; 2], [low, high]: [f64; 2]) -> [[f64; 2]; 4] {
-    [[left, low], [right, low], [right, high], [left, high]]
-}
-
 /// The colour of a share of the largest saving.
 fn ramp(share: f64) -> String {
-    let at = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+    let band = (share.clamp(0.0, 1.0) * BANDS as f64).round() / BANDS as f64;
+    let at = band * (RAMP.len() - 1) as f64;
     let k = (at as usize).min(RAMP.len() - 2);
     let mix = |i: usize| {
         let [a, b] = [k, k + 1].map(|k| f64::from(RAMP[k][i]));

@@ -7,7 +7,7 @@ use carom::collision_tolerant::{Plan, Trajectory};
 use carom::hybrid::Shortest;
 use carom::hybrid::reach::{ReachSet, Tube};
 use carom::interval::Interval;
-use carom::picture::Chart;
+use carom::picture::{COLOURS, Chart};
 
 /// The restitution whose tube is drawn: the plan hits the wall and bounces off it.
 pub(crate) const RESTITUTION: f64 = 0.5;
@@ -21,10 +21,10 @@ const VIEW: [[f64; 2]; 2] = [[-0.4, 13.0], [-12.0, 8.0]];
 /// The size of the plane, in pixels.
 const SIZE: [f64; 2] = [800.0, 560.0];
 
-const FORWARD: &str = "#0072b2";
-const BACKWARD: &str = "#e69f00";
+const FORWARD: &str = COLOURS[0];
+const BACKWARD: &str = COLOURS[4];
 const PLAN: &str = "black";
-const IMPACT: &str = "#d55e00";
+const IMPACT: &str = COLOURS[1];
 
 /// Writes the picture into a folder, if there is a tube and a plan.
 pub(crate) fn write(
@@ -39,7 +39,8 @@ pub(crate) fn write(
 
 fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn Error>> {
     let title = format!(
-        "Reach sets of the shortest plan, e = {RESTITUTION}: {} steps of {} s",
+        "Reach sets of the shortest plan, e = {RESTITUTION}\n{} steps of {} s; sets every {EVERY} steps, \
+         as dots on the plan.",
         tube.steps(),
         trajectory.time_step
     );
@@ -52,8 +53,8 @@ fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn
         trajectory.position.iter().zip(&trajectory.velocity).map(|(x, v)| [*x, *v]).collect();
     let samples: Vec<usize> = (0..=tube.steps()).step_by(EVERY).collect();
     let kinds = [
-        (FORWARD, format!("reached from the start, every {EVERY} steps"), true),
-        (BACKWARD, "leads to the goal in the steps that are left".into(), false),
+        (FORWARD, "reached from the start".to_owned(), true),
+        (BACKWARD, "leads to the goal in time".to_owned(), false),
     ];
     for (colour, label, forward) in kinds {
         for (&sample, &state) in samples.iter().filter_map(|t| Some((t, states.get(*t)?))) {
@@ -68,19 +69,22 @@ fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn
         }
     }
 
-    chart.line("the plan, with its states at the same steps", PLAN, states.iter().copied());
+    chart.line_of_width(2.2, "the plan", PLAN, states.iter().copied());
     let marks = samples.iter().filter_map(|&sample| states.get(sample));
     chart.dots("", PLAN, 3.0, marks.copied());
 
     // The impact turns the speed before it into the speed after it, at the wall.
     for impact in &trajectory.impacts {
         let ends = [[0.0, -impact.speed_before], [0.0, impact.speed_after]];
-        let label = format!(
-            "impact at {:.3} s: {:.2} m/s in, {:.2} m/s out",
-            impact.time, impact.speed_before, impact.speed_after
-        );
-        chart.line(label, IMPACT, ends);
+        chart.line("", IMPACT, ends);
         chart.dots("", IMPACT, 5.0, ends);
+        let [inward, outward] = [impact.speed_before, impact.speed_after];
+        chart.label(format!("hit at {:.3} s with {inward:.2} m/s", impact.time), PLAN, ends[0]);
+        chart.label(format!("{outward:.2} m/s"), PLAN, ends[1]);
+    }
+    if let (Some(start), Some(end)) = (states.first(), states.last()) {
+        chart.start("start", PLAN, *start);
+        chart.goal("goal", PLAN, *end);
     }
     std::fs::write(path, Chart::to_svg(&[chart], &title))?;
     Ok(())

@@ -1,41 +1,53 @@
-//! Charts of points over an axis.
+//! Charts: what is drawn over two axes.
 
-use std::fmt::Write;
-
-use super::frame::Frame;
-use super::marks::{begin, circle, escaped, legend, path, polygon};
+use super::draw;
+use super::motion::Mover;
 use crate::interval::Interval;
-
-/// The room around a frame: left, right, above and below, in pixels.
-const LEFT: f64 = 66.0;
-const RIGHT: f64 = 20.0;
-const ABOVE: f64 = 14.0;
-const BELOW: f64 = 48.0;
-
-/// The height of a title, in pixels.
-const TITLE: f64 = 30.0;
 
 /// How points are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum SeriesKind {
+pub(super) enum SeriesKind {
     /// With a width in pixels.
     Line(f64),
     /// With a radius in pixels.
     Dots(f64),
     /// With an opacity.
     Area(f64),
+    /// With a radius along the axes, in their units, and an opacity.
+    Discs(f64, f64),
+    /// From one corner to the opposite one, two points each.
+    Rectangles,
+    /// From the first to the second point.
+    Arrow,
+    /// Where something begins.
+    Start,
+    /// Where something should end.
+    Goal,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Series {
-    kind: SeriesKind,
-    name: String,
-    colour: String,
-    points: Vec<[f64; 2]>,
+pub(super) struct Series {
+    pub(super) kind: SeriesKind,
+    pub(super) name: String,
+    pub(super) colour: String,
+    pub(super) points: Vec<[f64; 2]>,
 }
 
-/// A chart with lines, areas and dots, in SVG. Points are drawn to a hundredth of a pixel, and the
-/// legend is below everything.
+/// A label beside a point.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ChartLabel {
+    pub(super) text: String,
+    pub(super) colour: String,
+    pub(super) at: [f64; 2],
+    pub(super) is_needed: bool,
+}
+
+/// A chart with lines, areas, discs, dots and arrows, in SVG. Points are drawn to a hundredth of a
+/// pixel. Names are beside the curves where there is room, and in a legend below otherwise. The picture
+/// is light on light pages and dark on dark ones.
+///
+/// Colours are those of SVG. Those of [`COLOURS`](super::COLOURS), `black` and `white` are others on
+/// dark pages. Names that are not empty are shown once.
 ///
 /// ```
 /// use carom::picture::{COLOURS, Chart};
@@ -43,16 +55,20 @@ struct Series {
 /// let fall = (0..=20).map(|k| 0.1 * f64::from(k)).map(|t| [t, 4.905 * t * t]);
 /// let mut chart = Chart::new("time (s)", "fallen (m)");
 /// chart.line("from rest", COLOURS[0], fall);
+/// chart.label("19.6 m", COLOURS[0], [2.0, 19.62]);
 /// let svg = Chart::to_svg(&[chart], "A stone");
 /// assert!(svg.starts_with("<svg") && svg.contains("from rest"));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    labels: [String; 2],
-    size: [f64; 2],
-    ranges: [Option<Interval>; 2],
-    is_logarithmic: bool,
-    series: Vec<Series>,
+    pub(super) labels: [String; 2],
+    pub(super) size: [f64; 2],
+    pub(super) ranges: [Option<Interval>; 2],
+    pub(super) is_logarithmic: [bool; 2],
+    pub(super) is_equal: bool,
+    pub(super) series: Vec<Series>,
+    pub(super) notes: Vec<ChartLabel>,
+    pub(super) movers: Vec<Mover>,
 }
 
 impl Chart {
@@ -66,9 +82,19 @@ impl Chart {
             labels: [x.into(), y.into()],
             size: [720.0, 240.0],
             ranges: [None, None],
-            is_logarithmic: false,
+            is_logarithmic: [false; 2],
+            is_equal: false,
             series: Vec::new(),
+            notes: Vec::new(),
+            movers: Vec::new(),
         }
+    }
+
+    /// Sets what is along the axes, with units.
+    #[must_use]
+    pub fn with_labels(mut self, x: impl Into<String>, y: impl Into<String>) -> Chart {
+        self.labels = [x.into(), y.into()];
+        self
     }
 
     /// Sets width and height of the plane, in pixels; by default 720 and 240.
@@ -85,15 +111,36 @@ impl Chart {
         self
     }
 
-    /// Makes both axes logarithmic. All coordinates must be positive.
+    /// Sets what is visible along the horizontal axis, in its unit; by default all points.
     #[must_use]
-    pub fn with_logarithms(mut self) -> Chart {
-        self.is_logarithmic = true;
+    pub fn with_horizontal_range(mut self, x: Interval) -> Chart {
+        self.ranges[0] = Some(x);
         self
     }
 
-    /// Draws a line through points, in the units of the axes. Names that are not empty stand in the
-    /// legend, each once; colours are those of SVG.
+    /// Draws a unit as long along both axes, as for places. The plane then is as large as fits into its
+    /// size.
+    #[must_use]
+    pub fn with_equal_axes(mut self) -> Chart {
+        self.is_equal = true;
+        self
+    }
+
+    /// Makes both axes logarithmic. All coordinates must be positive.
+    #[must_use]
+    pub fn with_logarithms(mut self) -> Chart {
+        self.is_logarithmic = [true; 2];
+        self
+    }
+
+    /// Makes the horizontal axis logarithmic. All coordinates along it must be positive.
+    #[must_use]
+    pub fn with_horizontal_logarithm(mut self) -> Chart {
+        self.is_logarithmic[0] = true;
+        self
+    }
+
+    /// Draws a line through points, in the units of the axes.
     pub fn line(
         &mut self,
         name: impl Into<String>,
@@ -101,6 +148,17 @@ impl Chart {
         points: impl IntoIterator<Item = [f64; 2]>,
     ) {
         self.add(SeriesKind::Line(1.8), name.into(), colour, points);
+    }
+
+    /// Draws a line of another width, in pixels, as for [`line`](Chart::line).
+    pub fn line_of_width(
+        &mut self,
+        width: f64,
+        name: impl Into<String>,
+        colour: &str,
+        points: impl IntoIterator<Item = [f64; 2]>,
+    ) {
+        self.add(SeriesKind::Line(width), name.into(), colour, points);
     }
 
     /// Draws dots, as for [`line`](Chart::line).
@@ -118,7 +176,7 @@ impl Chart {
         self.add(SeriesKind::Dots(radius), name.into(), colour, points);
     }
 
-    /// Fills a polygon, as for [`line`](Chart::line). Areas are below lines and dots.
+    /// Fills a polygon, as for [`line`](Chart::line). Areas are below everything else.
     ///
     /// # Arguments
     ///
@@ -133,6 +191,66 @@ impl Chart {
         self.add(SeriesKind::Area(opacity), name.into(), colour, points);
     }
 
+    /// Fills discs around points, as for [`area`](Chart::area).
+    ///
+    /// # Arguments
+    ///
+    /// * `radius`: in the units of the axes.
+    pub fn discs(
+        &mut self,
+        name: impl Into<String>,
+        colour: &str,
+        opacity: f64,
+        radius: f64,
+        points: impl IntoIterator<Item = [f64; 2]>,
+    ) {
+        self.add(SeriesKind::Discs(radius, opacity), name.into(), colour, points);
+    }
+
+    /// Fills rectangles between opposite corners. They are one shape, which is small where there are
+    /// many, as in maps.
+    pub fn rectangles(&mut self, colour: &str, corners: impl IntoIterator<Item = [[f64; 2]; 2]>) {
+        self.add(SeriesKind::Rectangles, String::new(), colour, corners.into_iter().flatten());
+    }
+
+    /// Draws an arrow between two points, in the units of the axes.
+    pub fn arrow(&mut self, colour: &str, from: [f64; 2], to: [f64; 2]) {
+        self.add(SeriesKind::Arrow, String::new(), colour, [from, to]);
+    }
+
+    /// Marks where something starts, with a label.
+    pub fn start(&mut self, text: impl Into<String>, colour: &str, at: [f64; 2]) {
+        self.add(SeriesKind::Start, String::new(), colour, [at]);
+        self.label(text, colour, at);
+    }
+
+    /// Marks where something should end, with a label.
+    pub fn goal(&mut self, text: impl Into<String>, colour: &str, at: [f64; 2]) {
+        self.add(SeriesKind::Goal, String::new(), colour, [at]);
+        self.label(text, colour, at);
+    }
+
+    /// Writes a label beside a point, where least is covered.
+    pub fn label(&mut self, text: impl Into<String>, colour: &str, at: [f64; 2]) {
+        self.note(text.into(), colour, at, true);
+    }
+
+    /// Writes a label beside a point if there is room for it.
+    pub fn label_if_room(&mut self, text: impl Into<String>, colour: &str, at: [f64; 2]) {
+        self.note(text.into(), colour, at, false);
+    }
+
+    /// Lets something move. The picture has to show the same without it.
+    pub(crate) fn animate(&mut self, mover: Mover) {
+        self.movers.push(mover);
+    }
+
+    fn note(&mut self, text: String, colour: &str, at: [f64; 2], is_needed: bool) {
+        if at.iter().all(|x| x.is_finite()) && !text.is_empty() {
+            self.notes.push(ChartLabel { text, colour: colour.to_owned(), at, is_needed });
+        }
+    }
+
     fn add(
         &mut self,
         kind: SeriesKind,
@@ -142,137 +260,11 @@ impl Chart {
     ) {
         // What is not finite cannot be drawn.
         let points = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect();
-        self.series.push(Series { kind, name, colour: escaped(colour), points });
+        self.series.push(Series { kind, name, colour: colour.to_owned(), points });
     }
 
-    /// The picture of charts, one below the other, with a title and one legend.
+    /// The picture of charts, one below the other, with a title. Further lines of the title are smaller.
     pub fn to_svg(charts: &[Chart], title: &str) -> String {
-        let width = LEFT + RIGHT + charts.iter().map(|c| c.size[0]).fold(0.0, f64::max);
-        let mut body = String::new();
-        if !title.is_empty() {
-            let _ = writeln!(
-                body,
-                "<text x=\"{:.2}\" y=\"24\" text-anchor=\"middle\" font-size=\"17\">{}</text>",
-                0.5 * width,
-                escaped(title)
-            );
-        }
-        let mut top = if title.is_empty() { 0.0 } else { TITLE };
-        for (number, chart) in charts.iter().enumerate() {
-            let frame = chart.frame([LEFT, top + ABOVE]);
-            chart.draw(&mut body, &frame, number);
-            let [x, _] = &chart.labels;
-            top += ABOVE + chart.size[1] + if x.is_empty() { 0.0 } else { BELOW };
-        }
-        let entries = entries(charts);
-        if !entries.is_empty() {
-            top += legend(&mut body, &entries, [LEFT, top + ABOVE], width - LEFT - RIGHT);
-        }
-        format!("{}{body}</g>\n</svg>\n", begin(width, top + ABOVE))
+        draw::to_svg(charts, title, "", None)
     }
-
-    /// The visible part of the plane.
-    fn frame(&self, corner: [f64; 2]) -> Frame {
-        let range = |axis: usize| {
-            if let Some(range) = self.ranges[axis].filter(|range| range.lower < range.upper) {
-                return (range.lower, range.upper);
-            }
-            let values = || self.series.iter().flat_map(|s| &s.points).map(|point| point[axis]);
-            let low = values().fold(f64::INFINITY, f64::min);
-            let high = values().fold(f64::NEG_INFINITY, f64::max);
-            if low > high {
-                return (1.0, 2.0);
-            }
-            if self.is_logarithmic {
-                return (0.8 * low.max(1e-12), 1.25 * high.max(1e-12));
-            }
-            let room = (0.05 * (high - low)).max(1e-9 * (1.0 + low.abs()));
-            // Time begins at the frame.
-            (
-                if axis == 0 { low } else { low - room },
-                high + if axis == 0 { 0.3 } else { 1.0 } * room,
-            )
-        };
-        let ((x, u), (y, v)) = (range(0), range(1));
-        Frame {
-            low: [x, y],
-            high: [u, v],
-            corner,
-            size: self.size,
-            is_logarithmic: self.is_logarithmic,
-        }
-    }
-
-    fn draw(&self, svg: &mut String, frame: &Frame, number: usize) {
-        let [x, y] = frame.corner;
-        let [width, height] = frame.size;
-        let _ = writeln!(
-            svg,
-            "<clipPath id=\"frame{number}\"><rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" \
-             height=\"{height:.2}\"/></clipPath>\n<g clip-path=\"url(#frame{number})\">"
-        );
-        let is_area = |series: &&Series| matches!(series.kind, SeriesKind::Area(_));
-        let others = || self.series.iter().filter(|series| !is_area(series));
-        for series in self.series.iter().filter(is_area).chain(others()) {
-            let points: Vec<[f64; 2]> = series.points.iter().map(|p| frame.pixel(*p)).collect();
-            let colour = &series.colour;
-            match series.kind {
-                SeriesKind::Area(opacity) => {
-                    // Neighbours show no seam.
-                    let outline = match opacity < 1.0 {
-                        true => format!(" stroke=\"{colour}\""),
-                        false => " shape-rendering=\"crispEdges\"".to_owned(),
-                    };
-                    let _ = writeln!(
-                        svg,
-                        "<polygon points=\"{}\" fill=\"{colour}\" fill-opacity=\"{opacity}\"\
-                         {outline}/>",
-                        polygon(&points)
-                    );
-                }
-                SeriesKind::Line(width) => {
-                    let _ = writeln!(
-                        svg,
-                        "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" \
-                         stroke-width=\"{width}\"/>",
-                        path(&points)
-                    );
-                }
-                SeriesKind::Dots(radius) => {
-                    for point in points {
-                        circle(svg, point, radius, &format!("fill=\"{colour}\""));
-                    }
-                }
-            }
-        }
-        svg.push_str("</g>\n");
-        let [x, y] = &self.labels;
-        frame.axes(svg, [x, y]);
-    }
-}
-
-/// The entries of the legend: each name once.
-fn entries(charts: &[Chart]) -> Vec<(String, String)> {
-    let mut entries: Vec<(String, String)> = Vec::new();
-    for series in charts.iter().flat_map(|chart| &chart.series) {
-        if series.name.is_empty() || entries.iter().any(|(_, name)| *name == series.name) {
-            continue;
-        }
-        let colour = &series.colour;
-        let mark = match series.kind {
-            SeriesKind::Line(width) => {
-                format!("<line x2=\"26\" stroke=\"{colour}\" stroke-width=\"{width}\"/>")
-            }
-            SeriesKind::Dots(radius) => {
-                format!("<circle cx=\"13\" r=\"{radius}\" fill=\"{colour}\"/>")
-            }
-            SeriesKind::Area(opacity) => format!(
-                "<rect y=\"-6\" width=\"26\" height=\"12\" fill=\"{colour}\" \
-                 fill-opacity=\"{opacity}\" stroke=\"{}\"/>",
-                if opacity < 1.0 { colour } else { "#888888" }
-            ),
-        };
-        entries.push((mark, series.name.clone()));
-    }
-    entries
 }

@@ -2,27 +2,29 @@
 
 use std::fmt::Write;
 
+use super::marks::{escaped, px};
+
 /// The room that a label takes along the horizontal and the vertical axis, in pixels.
 const ROOM: [f64; 2] = [80.0, 45.0];
 
 /// The visible part of a plane, and where it is in the picture.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Frame {
-    pub(crate) low: [f64; 2],
-    pub(crate) high: [f64; 2],
+pub(super) struct Frame {
+    pub(super) low: [f64; 2],
+    pub(super) high: [f64; 2],
     /// The left and the upper edge, in pixels.
-    pub(crate) corner: [f64; 2],
+    pub(super) corner: [f64; 2],
     /// Width and height, in pixels.
-    pub(crate) size: [f64; 2],
-    /// Whether both axes are logarithmic.
-    pub(crate) is_logarithmic: bool,
+    pub(super) size: [f64; 2],
+    /// Which axes are logarithmic.
+    pub(super) is_logarithmic: [bool; 2],
 }
 
 impl Frame {
     /// A point in pixels. Points far outside are moved nearer, as renderers have limits.
-    pub(crate) fn pixel(&self, point: [f64; 2]) -> [f64; 2] {
-        let value = |x: f64| if self.is_logarithmic { x.log10() } else { x };
+    pub(super) fn pixel(&self, point: [f64; 2]) -> [f64; 2] {
         let share = |axis: usize| {
+            let value = |x: f64| if self.is_logarithmic[axis] { x.log10() } else { x };
             let [low, high, x] = [self.low[axis], self.high[axis], point[axis]].map(value);
             ((x - low) / (high - low)).clamp(-9.0, 10.0)
         };
@@ -30,61 +32,71 @@ impl Frame {
     }
 
     /// Pixels per unit along an axis that is not logarithmic.
-    pub(crate) fn scale(&self, axis: usize) -> f64 {
+    pub(super) fn scale(&self, axis: usize) -> f64 {
         self.size[axis] / (self.high[axis] - self.low[axis])
     }
 
-    /// Frame, ticks and labels; no ticks along an axis without a label.
-    pub(crate) fn axes(&self, svg: &mut String, labels: [&str; 2]) {
-        let [left, top] = self.corner;
-        let [width, height] = self.size;
-        let bottom = top + height;
-        // Writing into a string cannot fail, here and below.
+    /// Whether a point in pixels is inside.
+    pub(super) fn holds(&self, [x, y]: [f64; 2]) -> bool {
+        let ([left, top], [width, height]) = (self.corner, self.size);
+        (left - 0.5..=left + width + 0.5).contains(&x)
+            && (top - 0.5..=top + height + 0.5).contains(&y)
+    }
+
+    /// Faint lines at the ticks of the axes that have labels, and the frame.
+    pub(super) fn grid(&self, svg: &mut String, labels: [&str; 2]) {
+        let ([left, top], [width, height]) = (self.corner, self.size);
+        let mut lines = String::new();
+        for (axis, _) in labels.into_iter().enumerate().filter(|(_, label)| !label.is_empty()) {
+            for tick in self.ticks(axis) {
+                let mut at = self.low;
+                at[axis] = tick;
+                let [x, y] = self.pixel(at).map(px);
+                // Writing into a string cannot fail, here and below.
+                let _ = match axis {
+                    0 => write!(lines, "M{x} {y}v{}", px(-height)),
+                    _ => write!(lines, "M{x} {y}h{}", px(width)),
+                };
+            }
+        }
         let _ = writeln!(
             svg,
-            "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" \
-             fill=\"none\" stroke=\"#888888\"/>"
+            "<g class=\"m\" stroke=\"currentColor\" fill=\"none\"><path d=\"{lines}\" \
+             stroke-opacity=\".18\"/><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></g>",
+            px(left),
+            px(top),
+            px(width),
+            px(height)
         );
+    }
+
+    /// Numbers at ticks, and labels.
+    pub(super) fn axes(&self, svg: &mut String, labels: [&str; 2]) {
+        let ([left, top], [width, height]) = (self.corner, self.size);
         for (axis, label) in labels.into_iter().enumerate().filter(|(_, label)| !label.is_empty()) {
+            let anchor = if axis == 0 { "middle" } else { "end" };
+            let _ = writeln!(svg, "<g class=\"m\" font-size=\"12\" text-anchor=\"{anchor}\">");
             for tick in self.ticks(axis) {
-                let text = plain(tick);
                 let mut at = self.low;
                 at[axis] = tick;
                 let [x, y] = self.pixel(at);
-                let _ = match axis {
-                    0 => writeln!(
-                        svg,
-                        "<line x1=\"{x:.2}\" y1=\"{y:.2}\" x2=\"{x:.2}\" y2=\"{:.2}\" \
-                         stroke=\"#888888\"/><text x=\"{x:.2}\" y=\"{:.2}\" \
-                         text-anchor=\"middle\">{text}</text>",
-                        y + 4.0,
-                        y + 18.0
-                    ),
-                    _ => writeln!(
-                        svg,
-                        "<line x1=\"{x:.2}\" y1=\"{y:.2}\" x2=\"{:.2}\" y2=\"{y:.2}\" \
-                         stroke=\"#888888\"/><text x=\"{:.2}\" y=\"{:.2}\" \
-                         text-anchor=\"end\">{text}</text>",
-                        x - 4.0,
-                        x - 7.0,
-                        y + 4.0
-                    ),
-                };
+                let [x, y] = if axis == 0 { [x, y + 16.0] } else { [x - 6.0, y + 4.0] }.map(px);
+                let _ = write!(svg, "<text x=\"{x}\" y=\"{y}\">{}</text>", plain(tick));
             }
-            let label = super::escaped(label);
+            let label = escaped(label);
             let _ = match axis {
                 0 => writeln!(
                     svg,
-                    "<text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"middle\">{label}</text>",
-                    left + 0.5 * width,
-                    bottom + 36.0
+                    "</g>\n<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
+                    px(left + 0.5 * width),
+                    px(top + height + 34.0)
                 ),
                 _ => writeln!(
                     svg,
-                    "<text transform=\"translate({:.2} {:.2}) rotate(-90)\" \
+                    "</g>\n<text transform=\"translate({} {}) rotate(-90)\" \
                      text-anchor=\"middle\">{label}</text>",
-                    left - 44.0,
-                    top + 0.5 * height
+                    px(left - 46.0),
+                    px(top + 0.5 * height)
                 ),
             };
         }
@@ -93,7 +105,7 @@ impl Frame {
     /// Round numbers along an axis.
     fn ticks(&self, axis: usize) -> Vec<f64> {
         let (low, high) = (self.low[axis], self.high[axis]);
-        if self.is_logarithmic {
+        if self.is_logarithmic[axis] {
             let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
             let all = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|f| f * 10.0_f64.powi(k)));
             return all.filter(|tick| (low..=high).contains(tick)).collect();

@@ -1,43 +1,25 @@
 //! A picture of a tube and a run.
 
-use std::fmt::Write as _;
-
 use super::set::ReachSet;
 use super::tube::Tube;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::hybrid::rows::HybridRun;
-use crate::picture::{Frame, begin, circle, escaped, path, polygon};
+use crate::interval::Interval;
+use crate::picture::{COLOURS, Chart};
 
-/// Size of the picture and of the margins around the plane, in pixels.
-const SIZE: [f64; 2] = [860.0, 620.0];
-const MARGINS: [f64; 4] = [64.0, 24.0, 46.0, 40.0]; // left, right, bottom, top
+/// Size of the plane, in pixels.
+const SIZE: [f64; 2] = [760.0, 520.0];
 
 /// Approximate number of samples whose sets are drawn.
 const SAMPLES: usize = 12;
 
-/// The room that the name of a transition takes, in pixels.
-const LABEL: [f64; 2] = [70.0, 16.0];
-
-const FORWARD: &str = "#1f77b4";
-const BACKWARD: &str = "#e67814";
-
-/// The corners of an outline; those on the same half pixel are merged.
-fn corners(frame: &Frame, outline: &[[f64; 2]]) -> String {
-    let mut kept: Vec<[f64; 2]> = Vec::new();
-    for &corner in outline {
-        let [x, y] = frame.pixel(corner);
-        if kept.last().is_none_or(|last| (x - last[0]).abs() >= 0.5 || (y - last[1]).abs() >= 0.5) {
-            kept.push([x, y]);
-        }
-    }
-    polygon(&kept)
-}
+const FORWARD: &str = COLOURS[0];
+const BACKWARD: &str = COLOURS[4];
 
 impl Tube {
-    /// Draws the projection of the tube on two states as an SVG picture: the forward and backward
-    /// sets of about a dozen samples, and a run with the names of its transitions where they change.
+    /// An SVG picture of the [chart](Tube::chart), with the number of steps as its title.
     ///
     /// ```
     /// use carom::collision_tolerant::Scenario;
@@ -49,6 +31,24 @@ impl Tube {
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///
+    /// # Errors
+    ///
+    /// Those of [`chart`](Tube::chart).
+    pub fn to_svg(
+        &self,
+        first: usize,
+        second: usize,
+        run: Option<&HybridRun>,
+    ) -> Result<String, Error> {
+        let chart = self.chart(first, second, run)?;
+        let title = format!("Sets of {} steps", self.steps());
+        Ok(Chart::to_svg(&[chart], &title))
+    }
+
+    /// Draws the projection of the tube on two states: the forward and backward sets of about a dozen
+    /// samples, and a run with its start and its end, and the names of its transitions where they
+    /// change. The axes have the names of the states; [`Chart::with_labels`] adds units.
+    ///
     /// # Arguments
     ///
     /// * `first`, `second`: indices of the states on the horizontal and the vertical axis.
@@ -59,50 +59,49 @@ impl Tube {
     /// [`ErrorKind::OutOfRange`] for states that do not exist or are the same,
     /// [`ErrorKind::UnknownName`] for a run of another system, [`ErrorKind::NotFinite`] for values
     /// that are not finite.
-    pub fn to_svg(
+    pub fn chart(
         &self,
         first: usize,
         second: usize,
         run: Option<&HybridRun>,
-    ) -> Result<String, Error> {
+    ) -> Result<Chart, Error> {
         let states = self.path(first, second, run)?;
         let samples: Vec<usize> = (0..=self.steps()).step_by(1 + self.steps() / SAMPLES).collect();
         let mut outlines = Vec::new();
         for &sample in &samples {
-            for (colour, sets) in [
-                (FORWARD, self.reached(sample).collect::<Vec<&ReachSet>>()),
-                (BACKWARD, self.to_go(sample).collect()),
+            for (colour, name, sets) in [
+                (
+                    FORWARD,
+                    "reached from the start",
+                    self.reached(sample).collect::<Vec<&ReachSet>>(),
+                ),
+                (BACKWARD, "leads to the goal", self.to_go(sample).collect()),
             ] {
                 for set in sets {
-                    outlines.push((colour, set.outline(first, second)?));
+                    outlines.push((colour, name, set.outline(first, second)?));
                 }
             }
         }
-        let frame = self.frame(first, second, &states, &outlines);
-        let mut svg = begin(SIZE[0], SIZE[1]);
-        self.draw_axes(&mut svg, &frame, [first, second]);
-        svg.push_str("<g clip-path=\"url(#plane)\">\n");
-        for (colour, outline) in &outlines {
-            let _ = writeln!(
-                svg,
-                "<polygon points=\"{}\" fill=\"{colour}\" fill-opacity=\"0.05\" \
-                 stroke=\"{colour}\"/>",
-                corners(&frame, outline)
+        let [x, v] = self.ranges(first, second, &states, &outlines);
+        let labels = [first, second].map(|state| self.system.states[state].0.as_str());
+        let mut chart =
+            Chart::new(labels[0], labels[1]).with_size(SIZE[0], SIZE[1]).with_ranges(x, v);
+        for (colour, name, outline) in outlines {
+            chart.area(name, colour, 0.07, outline);
+        }
+        if let (Some(start), Some(end)) = (states.first(), states.last()) {
+            chart.line_of_width(2.2, "", "black", states.iter().copied());
+            chart.dots(
+                "",
+                "black",
+                3.0,
+                samples.iter().filter_map(|&sample| states.get(sample)).copied(),
             );
+            chart.start("start", "black", *start);
+            chart.goal("end", "black", *end);
         }
-        let pixels: Vec<[f64; 2]> = states.iter().map(|state| frame.pixel(*state)).collect();
-        let _ = writeln!(
-            svg,
-            "<path d=\"{}\" fill=\"none\" stroke=\"black\" stroke-width=\"2\"/>",
-            path(&pixels)
-        );
-        for pixel in samples.iter().filter_map(|&sample| pixels.get(sample)) {
-            circle(&mut svg, *pixel, 3.0, "");
-        }
-        svg.push_str("</g>\n");
-        draw_transitions(&mut svg, &pixels, run);
-        svg.push_str("</g>\n</svg>\n");
-        Ok(svg)
+        label_transitions(&mut chart, &states, run);
+        Ok(chart)
     }
 
     /// The run, projected on two states.
@@ -125,22 +124,22 @@ impl Tube {
     }
 
     /// The visible part of the plane: the plan and the tube's bounds, or everything that is drawn.
-    fn frame(
+    fn ranges(
         &self,
         first: usize,
         second: usize,
         path: &[[f64; 2]],
-        outlines: &[(&str, Vec<[f64; 2]>)],
-    ) -> Frame {
+        outlines: &[(&str, &str, Vec<[f64; 2]>)],
+    ) -> [Interval; 2] {
         let mut corners: Vec<[f64; 2]> = path.to_vec();
         for bounds in (0..=self.steps()).filter_map(|sample| self.bounds(sample)) {
             let (x, y) = (bounds[first], bounds[second]);
             corners.extend([[x.lower, y.lower], [x.upper, y.upper]]);
         }
         if corners.is_empty() {
-            corners = outlines.iter().flat_map(|(_, outline)| outline.iter().copied()).collect();
+            corners = outlines.iter().flat_map(|(.., outline)| outline.iter().copied()).collect();
         }
-        let range = |axis: usize| {
+        [0, 1].map(|axis| {
             let values = || corners.iter().map(|corner| corner[axis]);
             let (low, high) = (
                 values().fold(f64::INFINITY, f64::min),
@@ -148,62 +147,34 @@ impl Tube {
             );
             let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
             let room = (0.06 * (high - low)).max(1e-9 * (1.0 + low.abs()));
-            (low - room, high + room)
-        };
-        let ((x, u), (y, v)) = (range(0), range(1));
-        let [left, right, bottom, top] = MARGINS;
-        Frame {
-            low: [x, y],
-            high: [u, v],
-            corner: [left, top],
-            size: [SIZE[0] - left - right, SIZE[1] - bottom - top],
-            is_logarithmic: false,
-        }
-    }
-
-    fn draw_axes(&self, svg: &mut String, frame: &Frame, states: [usize; 2]) {
-        let ([left, top], [width, height]) = (frame.corner, frame.size);
-        let _ = writeln!(
-            svg,
-            "<clipPath id=\"plane\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" \
-             height=\"{height}\"/></clipPath>"
-        );
-        frame.axes(svg, states.map(|state| self.system.states[state].0.as_str()));
-        let steps = self.steps();
-        let _ = writeln!(
-            svg,
-            "<text x=\"{left}\" y=\"24\">{steps} steps: <tspan fill=\"{FORWARD}\">reached from the \
-             start</tspan>, <tspan fill=\"{BACKWARD}\">leads to the goal</tspan></text>"
-        );
+            Interval::new(low - room, high + room)
+        })
     }
 }
 
-/// The names of the transitions at the samples from which on they are taken, where there is room.
-fn draw_transitions(svg: &mut String, pixels: &[[f64; 2]], run: Option<&HybridRun>) {
+/// The names of the transitions at the samples from which on they are taken: the first time, and again
+/// where there is room.
+fn label_transitions(chart: &mut Chart, states: &[[f64; 2]], run: Option<&HybridRun>) {
     let taken = |t: usize| -> Vec<&str> {
         let choices = run.iter().flat_map(|run| &run.transitions);
         choices.filter_map(|(_, names)| names.get(t)).map(String::as_str).collect()
     };
-    let mut last = [f64::NEG_INFINITY; 2];
-    for (t, &[x, y]) in pixels.iter().enumerate() {
+    let mut known: Vec<Vec<&str>> = Vec::new();
+    for (t, state) in states.iter().enumerate() {
         let names = taken(t);
-        let is_free = (x - last[0]).abs() > LABEL[0] || (y - last[1]).abs() > LABEL[1];
-        if names.is_empty() || t > 0 && names == taken(t - 1) || !is_free {
+        if names.is_empty() || t > 0 && names == taken(t - 1) {
             continue;
         }
-        last = [x, y];
-        // Within the picture.
-        let (side, anchor) = match x + LABEL[0] > SIZE[0] {
-            true => (-7.0, " text-anchor=\"end\""),
-            false => (7.0, ""),
-        };
-        let _ = writeln!(
-            svg,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"white\" stroke=\"black\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\"{anchor}>{}</text>",
-            x + side,
-            y - 7.0,
-            escaped(&names.join(" and "))
-        );
+        // The start has a mark of its own.
+        if t > 0 {
+            chart.dots("", "black", 4.5, [*state]);
+        }
+        let text = names.join(" and ");
+        if known.contains(&names) {
+            chart.label_if_room(text, "black", *state);
+        } else {
+            chart.label(text, "black", *state);
+            known.push(names);
+        }
     }
 }

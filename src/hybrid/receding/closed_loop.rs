@@ -7,6 +7,7 @@ use web_time::Duration;
 use super::RecedingHorizon;
 use super::step::{Move, MoveSource};
 use crate::error::{Error, check_finite, check_length};
+use crate::interval::Interval;
 use crate::number::{DIGITS, rounded};
 use crate::picture::{COLOURS, Chart};
 
@@ -97,37 +98,51 @@ impl ClosedLoop {
         text
     }
 
-    /// A picture: a chart for each state and each input over the steps, in their units. Inputs that
-    /// come from no plan have a dot.
+    /// A picture: the [charts](ClosedLoop::charts) over the steps, with a title.
     pub fn to_svg(&self, title: &str) -> String {
-        let width = |of: fn(&Move) -> &Vec<f64>| self.moves.first().map_or(0, |m| of(m).len());
-        let chart = |name: String, size: f64| Chart::new("step", name).with_size(720.0, size);
+        Chart::to_svg(&self.charts(1.0, "step", &[]), title)
+    }
+
+    /// A chart for each state and each input over time, one below the other, to be drawn by
+    /// [`Chart::to_svg`]. Inputs that come from no plan have a dot.
+    ///
+    /// # Arguments
+    ///
+    /// * `time_step`: Δt, in the unit of `time`.
+    /// * `time`: what is along the axis, with its unit.
+    /// * `labels`: states, then inputs, with their units. Those that are missing are called `x0`, ...,
+    ///   `u0`, ....
+    pub fn charts(&self, time_step: f64, time: &str, labels: &[&str]) -> Vec<Chart> {
+        let states = self.states.first().map_or(0, Vec::len);
+        let inputs = self.moves.first().map_or(0, |first| first.input.len());
+        let end = Interval::new(0.0, time_step * self.states.len().saturating_sub(1) as f64);
         let mut charts = Vec::new();
-        for i in 0..self.states.first().map_or(0, Vec::len) {
-            let mut states = chart(format!("x{i}"), 180.0);
-            let values = self
-                .states
-                .iter()
-                .map(|state| state.get(i).copied().unwrap_or(f64::NAN))
-                .enumerate();
-            states.line("states", COLOURS[0], values.map(|(t, x)| [t as f64, x]));
-            charts.push(states);
-        }
-        for i in 0..width(|m| &m.input) {
-            let mut inputs = chart(format!("u{i}"), 140.0);
-            let at = |t: usize| self.moves[t].input.get(i).copied().unwrap_or(f64::NAN);
-            // An input holds for a whole step.
-            let ends = |t: usize| [[t as f64, at(t)], [t as f64 + 1.0, at(t)]];
-            inputs.line("inputs", COLOURS[1], (0..self.moves.len()).flat_map(ends));
-            let without = |t: &usize| self.moves[*t].states.is_empty();
-            let unplanned: Vec<usize> = (0..self.moves.len()).filter(without).collect();
-            if !unplanned.is_empty() {
-                let dots = unplanned.into_iter().map(|t| [t as f64, at(t)]);
-                inputs.dots("without a plan", "black", 3.0, dots);
+        for k in 0..states + inputs {
+            let is_state = k < states;
+            let (letter, i) = if is_state { ("x", k) } else { ("u", k - states) };
+            let label = labels.get(k).map_or_else(|| format!("{letter}{i}"), ToString::to_string);
+            // All charts are over the same time, which is written once.
+            let time = if k + 1 == states + inputs { time } else { "" };
+            let mut chart =
+                Chart::new(time, label).with_size(720.0, 150.0).with_horizontal_range(end);
+            if is_state {
+                let value = |state: &Vec<f64>| state.get(i).copied().unwrap_or(f64::NAN);
+                let values = self.states.iter().map(value).enumerate();
+                chart.line("", COLOURS[0], values.map(|(t, x)| [t as f64 * time_step, x]));
+            } else {
+                let at = |t: usize| self.moves[t].input.get(i).copied().unwrap_or(f64::NAN);
+                // An input holds for a whole step.
+                let ends = |t: usize| [t, t + 1].map(|end| [end as f64 * time_step, at(t)]);
+                chart.line("", COLOURS[1], (0..self.moves.len()).flat_map(ends));
+                let unplanned = (0..self.moves.len()).filter(|t| self.moves[*t].states.is_empty());
+                let dots: Vec<[f64; 2]> = unplanned.map(|t| ends(t)[0]).collect();
+                if !dots.is_empty() {
+                    chart.dots("without a plan", "black", 3.0, dots);
+                }
             }
-            charts.push(inputs);
+            charts.push(chart);
         }
-        Chart::to_svg(&charts, title)
+        charts
     }
 }
 

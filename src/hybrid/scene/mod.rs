@@ -38,6 +38,7 @@ pub use damage_interval::{DamageInterval, IntervalEnd, IntervalOptions};
 pub use error::SceneError;
 pub use handles::{BodyHandle, ObstacleHandle};
 pub use mitigate::{Avoidable, Mitigation};
+pub use picture::ScenePicture;
 pub use plan::{BodyPath, SceneHit, ScenePlan};
 pub use program::SceneProgram;
 pub use replay::SceneCertificate;
