@@ -168,6 +168,9 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         |of: &&Loop| names.is_empty() || names.iter().any(|part| of.name.contains(part));
     for of in LOOPS.iter().filter(is_wanted) {
         let (efforts, agree) = run(of, steps, seed, each, noise, &interrupt)?;
+        if efforts.is_empty() && signals.came() {
+            return Ok(INTERRUPTED.into());
+        }
         right &= agree;
         let middle = |of: fn(&[Effort; 2]) -> f64| median(efforts.iter().map(of).collect());
         let sum = |k: usize, of: fn(&Effort) -> u64| -> u64 {

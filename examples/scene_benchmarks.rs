@@ -103,7 +103,7 @@ fn programs(interrupt: &Interrupt) -> Result<(), Error> {
 const RUNS: usize = 10;
 
 /// The 16 rows of `paper --csv`.
-fn rows() -> Result<Vec<(String, Scenario)>, Error> {
+fn rows(interrupt: &Interrupt) -> Result<Vec<(String, Scenario)>, Error> {
     let paper = Scenario::paper();
     let mut rows = vec![("no collision".to_owned(), paper.clone().collision_free())];
     for e in [0.0, 0.025, 0.3, 0.5, 0.8, 1.0] {
@@ -111,8 +111,11 @@ fn rows() -> Result<Vec<(String, Scenario)>, Error> {
     }
     for e in [0.0, 0.025] {
         let open = paper.clone().with_restitution(e)?;
-        let options = IntervalOptions::default();
+        let options = IntervalOptions::default().with_interrupt(interrupt);
         let found = open.damage_interval(478, &options, &mut BranchAndBound::default())?;
+        if interrupt.is_triggered() {
+            return Ok(rows);
+        }
         let limit = found.middle().unwrap_or(found.lower.attained);
         let limited = open.with_damage(DamageRule::default().with_per_hit(limit));
         rows.push((format!("e = {e}, at most {limit:.3} m/s"), limited));
@@ -160,7 +163,7 @@ fn paper(interrupt: &Interrupt) -> Result<(), Error> {
     let search = ShortestOptions::default().with_interrupt(interrupt);
     let planning = PlanningOptions::default().with_search(search.clone());
     let (mut by_hand, mut as_scene, mut differ) = (0.0, 0.0, 0);
-    for (name, scenario) in rows()? {
+    for (name, scenario) in rows(interrupt)? {
         let scene = on_a_line(&scenario);
         let mut solver = BranchAndBound::default();
         let (mut times, mut steps) = ([Vec::new(), Vec::new()], [None, None]);

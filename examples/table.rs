@@ -96,10 +96,11 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
          allocations/node |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    let programs = suite(&names);
     let interrupt = Interrupt::new();
     let signals = Signals::catch(&interrupt)?;
     let mut right = true;
-    for (name, model, truth) in suite(&names) {
+    for (name, model, truth) in programs {
         let model = mps::read(&mps::write(&model)?)?.model;
         let mut runs = Vec::new();
         for _ in 0..rounds {
