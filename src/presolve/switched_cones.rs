@@ -27,6 +27,9 @@ const MOST_BINARY_TRIALS: usize = 4000;
 const OFF: f64 = 1e-8;
 const LEAST_REACH: f64 = 1e-4;
 
+/// The middle of such bounds is this close to 0, as a part of their distance: propagation loosens both alike.
+const EVEN: f64 = 1e-3;
+
 /// Most binaries that are used of those that switch one entry off.
 const MOST_SWITCHES: usize = 3;
 
@@ -119,6 +122,12 @@ pub(super) fn try_binaries(
     Some(())
 }
 
+/// Whether bounds that propagation has loosened a little are those of 0, and not of a slight constant.
+fn is_zero([lower, upper]: [f64; 2]) -> bool {
+    let is_even = (lower + upper).abs() <= EVEN * (upper - lower);
+    lower <= 0.0 && upper >= 0.0 && (is_even || lower == 0.0 || upper == 0.0)
+}
+
 impl Switches {
     /// Takes note of what a literal has fixed since a mark.
     fn note(
@@ -134,7 +143,8 @@ impl Switches {
         changed.dedup();
         let is_off = |&&j: &&usize| {
             let [lower, upper] = domain.bounds(j);
-            wanted[j] && lower >= -OFF && upper <= OFF
+            let is_small = lower >= -OFF && upper <= OFF;
+            wanted[j] && is_small && is_zero([lower, upper])
         };
         let mut switches = false;
         for &j in changed.iter().filter(is_off) {

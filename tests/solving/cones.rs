@@ -66,7 +66,7 @@ fn no_wrong_answer_in_unusual_ways() {
 
 /// Points whose expressions in cones had other values than the rows say contradicted what was derived from
 /// the rows (1469, 1684, 2268, 5026, 5984, 8588). Without a slight M, a cone held where it should not
-/// (20009255).
+/// (20009255). A tail that is slight and constant was held at 0 (893006635).
 #[test]
 fn known_programs_are_not_answered_wrongly() {
     for seed in [
@@ -83,6 +83,7 @@ fn known_programs_are_not_answered_wrongly() {
         20_009_255,
         60_003_236,
         440_005_869,
+        893_006_635,
     ] {
         let case = program(seed);
         let verdicts = verdicts(&case, &[Options::default(), Path::WithoutCuts.options()]);

@@ -251,3 +251,23 @@ fn other_cones_stay() {
     let program = Program::assemble(&model).unwrap();
     assert!(tighten_switched_cones(&program, &StopToken::default()).is_none());
 }
+
+/// A tail that is a slight constant where a binary is 0, as completed squares leave it, is not off.
+#[test]
+fn a_slight_constant_is_not_off() {
+    let is_switched = |constant: f64| {
+        let mut model = Model::new("constant");
+        let b = model.binary("b").unwrap();
+        let z = model.continuous("z", -10.0, 10.0).unwrap();
+        let s = model.continuous("s", 0.0, 100.0).unwrap();
+        model.add("sum", z.equals(b + constant)).unwrap();
+        model.add("cone", z.square().le(s)).unwrap();
+        model.minimize(s).unwrap();
+        let program = Program::assemble(&model).unwrap();
+        tighten_switched_cones(&program, &StopToken::default()).is_some()
+    };
+    assert!(is_switched(0.0));
+    for constant in [1e-9, 7e-9, 1e-8, 1e-3, -7e-9] {
+        assert!(!is_switched(constant), "{constant}");
+    }
+}
