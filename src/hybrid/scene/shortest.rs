@@ -10,8 +10,10 @@ use super::system::Stated;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+#[cfg(doc)]
+use crate::hybrid::shortest_horizon::shortest_horizon;
 use crate::hybrid::shortest_horizon::{
-    HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon,
+    HorizonEvent, HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon_with,
 };
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
@@ -22,7 +24,7 @@ const COARSER: f64 = 8.0;
 
 /// The most combinations of modes of a step for which sets of coupled axes are kept: they are
 /// templates of all states, each image of which costs many times a polygon's.
-const MOST_MOVES: usize = 4;
+const MOST_MOVES: usize = 8;
 
 impl Scene {
     /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
@@ -42,6 +44,20 @@ impl Scene {
         options: &ShortestOptions,
         solver: &mut dyn Solver,
     ) -> Result<Shortest<ScenePlan>, Error> {
+        self.shortest_plan_with(options, solver, &mut |_| {})
+    }
+
+    /// Same as [`shortest_plan`](Scene::shortest_plan), with progress events on the calling thread.
+    ///
+    /// # Errors
+    ///
+    /// As for [`shortest_plan`](Scene::shortest_plan).
+    pub fn shortest_plan_with(
+        &self,
+        options: &ShortestOptions,
+        solver: &mut dyn Solver,
+        progress: &mut dyn FnMut(&HorizonEvent),
+    ) -> Result<Shortest<ScenePlan>, Error> {
         let stated = self.stated()?;
         let waiting = options.waiting(stated.waiting()?);
         let mut options = options.clone();
@@ -49,7 +65,7 @@ impl Scene {
             options.max_steps = options.max_steps.min(longest);
         }
         let task = ScenePrograms { stated, waiting };
-        let found = shortest_horizon(&task, &options, solver)?;
+        let found = shortest_horizon_with(&task, &options, solver, progress)?;
         found.try_map(|Solved { program, solution }| program.plan(&solution))
     }
 
