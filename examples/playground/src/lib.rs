@@ -16,7 +16,7 @@ mod task;
 mod wall;
 mod words;
 
-use carom::hybrid::ShortestOptions;
+use carom::hybrid::{Shortest, ShortestOptions, ShortestStatus};
 use serde::Serialize;
 use std::time::Duration;
 use wasm_bindgen::prelude::*;
@@ -25,8 +25,17 @@ use answer::Answer;
 use progress::Tell;
 use scene_answer::SceneAnswer;
 
-/// Time for each of the two searches, in s. Most take a tenth of one.
-const PATIENCE: u64 = 10;
+/// Time for each of the two searches. Most take a hundredth of it.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Time for a search for plans in which bodies hit each other, of which there are many.
+const PATIENCE_WITH_PAIRS: Duration = Duration::from_millis(900);
+
+/// Time for each of the two reasons that a page asks for when plans are drawn.
+const REASON: Duration = Duration::from_millis(600);
+
+/// Time for a reason that comes with the answer.
+const QUICK: Duration = Duration::from_millis(100);
 
 /// Finds the shortest plans of a task with and without collisions. The answer is always an object;
 /// its `error` says in a sentence what is wrong with the task.
@@ -81,9 +90,15 @@ fn text(answer: &impl Serialize) -> String {
     serde_json::to_string(answer).unwrap_or_else(|error| format!(r#"{{"error":"{error}"}}"#))
 }
 
+/// Why a search found that there is no plan at all.
+fn refuted<P>(found: &Shortest<P>) -> Option<String> {
+    let ShortestStatus::NoneWithin { max_steps } = found.status else { return None };
+    let reason = found.sets.clone()?.explain_within(max_steps, QUICK).ok()??;
+    Some(words::sentence(&reason.to_string()))
+}
+
 fn search_options(max_steps: usize) -> ShortestOptions {
-    let patience = Duration::from_secs(PATIENCE);
-    ShortestOptions::default().with_max_steps(max_steps).with_time_limit(patience)
+    ShortestOptions::default().with_max_steps(max_steps).with_time_limit(PATIENCE)
 }
 
 /// Why one step less is not enough.

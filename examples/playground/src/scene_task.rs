@@ -120,6 +120,20 @@ impl SceneTask {
         })
     }
 
+    /// What may be in the way: its name, and the task without it.
+    pub fn parts(&self) -> Vec<(String, SceneTask)> {
+        let mut parts = Vec::new();
+        for k in 0..self.obstacles.len() {
+            let mut rest = self.clone();
+            parts.push((rest.obstacles.remove(k).name, rest));
+        }
+        for k in 1..self.bodies.len() {
+            let mut rest = self.clone();
+            parts.push((rest.bodies.remove(k).name, rest));
+        }
+        parts
+    }
+
     /// The largest horizon that is tried, in steps.
     pub fn max_steps(&self) -> usize {
         ((self.longest / self.time_step).ceil() as usize).max(1)

@@ -10,7 +10,7 @@ use crate::answer::{Answer, Side};
 use crate::less::Less;
 use crate::progress::{self, Tell};
 use crate::task::Task;
-use crate::{Reasons, code, search_options};
+use crate::{REASON, Reasons, code, refuted, search_options};
 
 /// Position and velocity.
 const PLANE: [usize; 2] = [0, 1];
@@ -32,6 +32,7 @@ fn answer(task: &Task, tell: &mut Tell<'_>) -> Result<Answer, Error> {
     let mut answer = Answer::new(task, &free, &tolerant);
     answer.code = code::of_wall(task);
     answer.less = less(&free, &tolerant)?;
+    answer.reason = refuted(&free).or_else(|| refuted(&tolerant));
     if task.files {
         let steps = tolerant.steps.or(tolerant.refuted_steps).unwrap_or(1);
         let program = scenario.program(steps, Objective::Feasibility)?;
@@ -61,8 +62,11 @@ fn less(free: &Shortest<Plan>, tolerant: &Shortest<Plan>) -> Result<Option<Less>
 pub fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, String> {
     let scenario = Task::read(task)?.scenario().map_err(|error| error.to_string())?;
     let why = |scenario: &Scenario, steps: usize| {
-        let reason = (steps > 0).then(|| scenario.reach_sets().and_then(|mut s| s.explain(steps)));
-        reason.and_then(Result::ok).flatten().map(|reason| reason.to_string())
+        if steps == 0 {
+            return None;
+        }
+        let reason = scenario.reach_sets().and_then(|mut sets| sets.explain_within(steps, REASON));
+        reason.ok().flatten().map(|reason| reason.to_string())
     };
     let tolerant = why(&scenario, tolerant);
     Ok(Reasons { free: why(&scenario.collision_free(), free), tolerant })

@@ -1,10 +1,13 @@
 //! The shortest plan of a scene.
 
+use std::sync::Arc;
+
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair};
 use super::loose::loose;
 use super::plan::ScenePlan;
 use super::program::{SceneProgram, exclusive};
+use super::rule::DamageRule;
 use super::statement::Scene;
 use super::system::Stated;
 use crate::error::Error;
@@ -17,6 +20,7 @@ use crate::hybrid::shortest_horizon::{
 };
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
+use crate::model::Affine;
 use crate::solver::{Solver, StopToken};
 
 /// How many times longer the steps of the coarser grid are.
@@ -33,7 +37,8 @@ impl Scene {
     /// [Sets](Scene::reach_sets) are kept for each axis of each body, and refute most horizons. With many
     /// convex obstacles, the last of them are left to the search. Where slanted faces or pairs of bodies
     /// avoid each other, sets know only what that says about each axis. Where hits couple axes, by
-    /// friction, slanted faces or pairs, all of it is left to the search.
+    /// friction, slanted faces or pairs, there are sets of the coupled axes together if a step has up to 8
+    /// combinations of modes; otherwise all of it is left to the search.
     ///
     /// # Errors
     ///
@@ -114,7 +119,8 @@ impl Stated {
     fn sets_of(&self, system: &HybridSystem) -> Result<ReachSets, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
         let exclusive = exclusive(&self.scene, &self.contacts);
-        let options = SetOptions { exclusive, ..SetOptions::default() };
+        let words = Arc::new(self.words());
+        let options = SetOptions { exclusive, words, ..SetOptions::default() };
         let sets = ReachSets::new(system, start, goal, options)?;
         let bodies = &self.scene.bodies;
         if bodies.iter().all(|body| body.first.is_none()) {
@@ -147,11 +153,24 @@ impl Stated {
         // Lengths couple axes.
         let apart_or_few = few || apart && self.contacts.iter().all(is_aligned);
         let has_ball = self.scene.bodies.iter().any(Body::has_ball);
-        match (apart_or_few && !(has_ball && apart), apart) {
-            (true, _) => self.sets_of(&self.system).map(Some),
-            (false, true) => self.sets_of(&loose(self)).map(Some),
-            (false, false) => Ok(None),
-        }
+        let mut system = match (apart_or_few && !(has_ball && apart), apart) {
+            (true, _) => self.system.clone(),
+            (false, true) => loose(self),
+            (false, false) => return Ok(None),
+        };
+        system.most_events = self.most_hits();
+        self.sets_of(&system).map(Some)
+    }
+
+    /// The most hits of a plan, if a rule says so of all hits together.
+    fn most_hits(&self) -> Option<usize> {
+        let rules = self.scene.rules.iter().filter(|rule| rule.window.is_none());
+        let all = |contact: &ContactPair, rule: &DamageRule| {
+            let hits = contact.modes.iter().filter(|mode| mode.is_hit);
+            hits.into_iter().all(|mode| rule.applies(contact, mode.face))
+        };
+        let rules = rules.filter(|rule| self.contacts.iter().all(|contact| all(contact, rule)));
+        rules.filter_map(|rule| rule.count).min()
     }
 
     fn ends(&self, is_start: bool) -> Region {
@@ -191,8 +210,14 @@ impl HorizonModel for ScenePrograms {
 
     fn build(&self, steps: usize) -> Result<SceneProgram, Error> {
         let mut program = self.stated.program(steps)?;
-        program.minimize(0.0)?;
+        // Any plan will do, but where hits couple bodies, a search for few hits refutes sooner.
+        let hits = if self.takes_any_point() { program.hits() } else { Affine::zero() };
+        program.minimize(hits)?;
         Ok(program)
+    }
+
+    fn takes_any_point(&self) -> bool {
+        self.stated.contacts.iter().any(|contact| contact.other.is_some() && contact.bounces())
     }
 
     fn waiting(&self) -> Waiting {
