@@ -8,6 +8,7 @@ use carom::hybrid::reach::ReachSets;
 use carom::hybrid::scene::{Scene, ScenePlan};
 use carom::model::mps;
 use carom::prelude::*;
+use carom::reformulate::lower;
 
 use crate::less::Less;
 use crate::progress::{self, Tell};
@@ -47,7 +48,7 @@ fn answer(task: &SceneTask, tell: &mut Tell<'_>) -> Result<SceneAnswer, Error> {
     if task.files {
         let found = tolerant.as_ref().and_then(|found| found.steps.or(found.refuted_steps));
         let steps = found.or(free.steps).unwrap_or(1);
-        answer.mps = Some(mps::write(scene.plain_program(steps)?.model())?);
+        answer.mps = Some(mps::write(lower(scene.plain_program(steps)?.model())?.model())?);
     }
     Ok(answer)
 }

@@ -5,6 +5,7 @@ use carom::collision_tolerant::{Objective, Plan, PlanningOptions, Scenario};
 use carom::hybrid::Shortest;
 use carom::model::mps;
 use carom::prelude::*;
+use carom::reformulate::lower;
 
 use crate::answer::{Answer, Side};
 use crate::less::Less;
@@ -36,7 +37,7 @@ fn answer(task: &Task, tell: &mut Tell<'_>) -> Result<Answer, Error> {
     if task.files {
         let steps = tolerant.steps.or(tolerant.refuted_steps).unwrap_or(1);
         let program = scenario.program(steps, Objective::Feasibility)?;
-        answer.mps = Some(mps::write(program.model())?);
+        answer.mps = Some(mps::write(lower(program.model())?.model())?);
     }
     Ok(answer)
 }
