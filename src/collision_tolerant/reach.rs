@@ -1,10 +1,12 @@
 //! A scenario as a hybrid system, and as a family of programs over the horizon.
 
+use std::sync::Arc;
+
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions, Words};
 use crate::hybrid::scene::line::half_line;
 use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use crate::hybrid::system::Transition;
@@ -115,12 +117,24 @@ impl Scenario {
     pub fn reach_sets(&self) -> Result<ReachSets, Error> {
         let system = self.hybrid_system()?;
         let (start, goal) = (self.start_state(), self.goal_states());
-        let sets = ReachSets::new(&system, start, goal, SetOptions::default())?;
+        let options = SetOptions { words: Arc::new(words()), ..SetOptions::default() };
+        let sets = ReachSets::new(&system, start, goal, options)?;
         match self.start.acceleration {
             Some(a) => sets.with_first_inputs(&[Interval::point(a)]),
             None => Ok(sets),
         }
     }
+}
+
+/// What explanations call the states.
+fn words() -> Words {
+    let word = |(name, words, unit): (&str, &str, _)| (name.to_owned(), words.to_owned(), unit);
+    let quantities = [
+        ("x", "the position", "m"),
+        ("v", "the velocity", "m/s"),
+        ("a", "the acceleration", "m/s²"),
+    ];
+    Words { quantities: quantities.map(word).to_vec(), event: Some("hit"), ..Words::default() }
 }
 
 /// A scenario as a family of feasibility programs over the horizon.

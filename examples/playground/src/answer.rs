@@ -1,10 +1,11 @@
 //! What the page shows.
 
-use carom::collision_tolerant::{Plan, PlanComparison, Trajectory};
+use carom::collision_tolerant::{Plan, Trajectory};
 use carom::hybrid::Shortest;
 use carom::hybrid::reach::{ReachSet, Tube};
 use serde::Serialize;
 
+use crate::less::Less;
 use crate::task::{LONGEST, Task};
 use crate::words::{self, Finding, Nouns};
 
@@ -20,6 +21,14 @@ pub struct Answer {
     free: Option<Side>,
     tolerant: Option<Side>,
     conclusion: String,
+    /// Why there is no plan on one side or both, in a sentence; `None` if there is one.
+    pub reason: Option<String>,
+    /// The task as a Rust program.
+    pub code: String,
+    /// The last program as a file, if it was asked for.
+    pub mps: Option<String>,
+    /// The sets of one step less.
+    pub less: Option<Less>,
 }
 
 impl Answer {
@@ -29,30 +38,20 @@ impl Answer {
     }
 
     /// The answer to a task.
-    pub fn new(task: &Task, plans: &PlanComparison) -> Self {
-        let [free, tolerant] = [&plans.free, &plans.tolerant]
-            .map(|found| Finding::new(found, |plan| &plan.certificate.replay, task.time_step));
+    pub fn new(task: &Task, free: &Shortest<Plan>, tolerant: &Shortest<Plan>) -> Self {
+        let [slow, fast] = [free, tolerant].map(|found| finding(task, found));
         Answer {
-            error: None,
-            free: Some(Side::new(&plans.free, &free)),
-            tolerant: Some(Side::new(&plans.tolerant, &tolerant)),
-            conclusion: words::conclusion(&free, &tolerant, &NOUNS, LONGEST),
+            free: Some(Side::new(free, &slow)),
+            tolerant: Some(Side::new(tolerant, &fast)),
+            conclusion: words::conclusion(&slow, &fast, &NOUNS, LONGEST),
+            ..Answer::default()
         }
     }
 }
 
-/// Why one step less is not enough.
-#[derive(Debug, Default, Serialize)]
-pub struct Reasons {
-    /// Without collisions.
-    pub free: Option<String>,
-    /// With collisions.
-    pub tolerant: Option<String>,
-}
-
 /// The shortest plan with or without collisions.
 #[derive(Debug, Serialize)]
-struct Side {
+pub struct Side {
     /// Proved to be the shortest.
     found: bool,
     steps: Option<usize>,
@@ -93,7 +92,16 @@ struct Sets {
     to_go: Vec<[f64; 2]>,
 }
 
+fn finding<'a>(task: &Task, found: &'a Shortest<Plan>) -> Finding<'a> {
+    Finding::new(found, |plan| &plan.certificate.replay, task.time_step)
+}
+
 impl Side {
+    /// The answer of one search.
+    pub fn of(task: &Task, found: &Shortest<Plan>) -> Self {
+        Side::new(found, &finding(task, found))
+    }
+
     fn new(plan: &Shortest<Plan>, finding: &Finding<'_>) -> Self {
         let trajectory = plan.plan.as_ref().map(|plan| &plan.trajectory);
         let sets = trajectory.zip(plan.tube.as_ref()).map(|(path, tube)| sets(tube, path));

@@ -4,6 +4,7 @@ use carom::hybrid::Shortest;
 use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan};
 use serde::Serialize;
 
+use crate::less::Less;
 use crate::scene_task::SceneTask;
 use crate::words::{self, Finding, Nouns};
 
@@ -16,11 +17,19 @@ pub struct SceneAnswer {
     free: Option<Side>,
     tolerant: Option<Side>,
     conclusion: String,
+    /// Why there is no plan on one side or both, in a sentence; `None` if there is one.
+    pub reason: Option<String>,
+    /// The task as a Rust program.
+    pub code: String,
+    /// The last program as a file, if it was asked for.
+    pub mps: Option<String>,
+    /// The sets of one step less.
+    pub less: Option<Less>,
 }
 
 /// The shortest plan with or without collisions.
 #[derive(Debug, Serialize)]
-struct Side {
+pub struct Side {
     /// Proved to be the shortest.
     found: bool,
     steps: Option<usize>,
@@ -79,24 +88,31 @@ impl SceneAnswer {
         free: &Shortest<ScenePlan>,
         shorter: Option<&Shortest<ScenePlan>>,
     ) -> Self {
-        let finding =
-            |found| Finding::new(found, |plan: &ScenePlan| &plan.certificate, task.time_step);
-        let careful = finding(free);
+        let careful = finding(task, free);
         let bold = match shorter {
-            Some(shorter) => finding(free).after(finding(shorter)),
-            None => finding(free),
+            Some(shorter) => finding(task, free).after(finding(task, shorter)),
+            None => finding(task, free),
         };
         let plan = shorter.and_then(|found| found.plan.as_ref()).or(free.plan.as_ref());
         SceneAnswer {
-            error: None,
             conclusion: words::conclusion(&careful, &bold, &NOUNS, task.longest),
             free: Some(Side::new(free.plan.as_ref(), &careful)),
             tolerant: Some(Side::new(plan, &bold)),
+            ..SceneAnswer::default()
         }
     }
 }
 
+fn finding<'a>(task: &SceneTask, found: &'a Shortest<ScenePlan>) -> Finding<'a> {
+    Finding::new(found, |plan: &ScenePlan| &plan.certificate, task.time_step)
+}
+
 impl Side {
+    /// The answer of one search.
+    pub fn of(task: &SceneTask, found: &Shortest<ScenePlan>) -> Self {
+        Side::new(found.plan.as_ref(), &finding(task, found))
+    }
+
     fn new(plan: Option<&ScenePlan>, finding: &Finding<'_>) -> Self {
         Side {
             found: finding.is_found(),

@@ -17,48 +17,64 @@ pub struct SceneTask {
     /// The longest plan that is looked for, in s.
     pub longest: f64,
     /// Where bodies may be.
-    room: Sides,
+    pub room: Sides,
     /// Whether the room has walls, to bounce off.
-    walls: bool,
-    bodies: Vec<BodyTask>,
-    /// To be avoided.
-    obstacles: Vec<Obstacle>,
-    /// Of walls and bodies.
-    restitution: f64,
+    pub walls: bool,
+    pub bodies: Vec<BodyTask>,
+    pub obstacles: Vec<Obstacle>,
+    /// Of walls, obstacles and bodies.
+    pub restitution: f64,
     /// On each body and hit, in N s.
-    impulse_limit: Option<f64>,
+    pub impulse_limit: Option<f64>,
+    /// Twice the step, for a quick look.
+    #[serde(default)]
+    coarse: bool,
+    /// Whether the program is asked for as a file.
+    #[serde(default)]
+    pub files: bool,
 }
 
 /// The ranges of a box.
-type Sides = [[f64; 2]; 2];
+pub type Sides = [[f64; 2]; 2];
+
+/// The walls of a room: the name, the normal into the room, and the number of its side's limit.
+pub const WALLS: [(&str, [f64; 2], usize); 4] = [
+    ("left wall", [1.0, 0.0], 0),
+    ("right wall", [-1.0, 0.0], 1),
+    ("lower wall", [0.0, 1.0], 0),
+    ("upper wall", [0.0, -1.0], 1),
+];
 
 /// A body. Its shape is a box if it has `half`, otherwise a disc.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
-struct BodyTask {
-    name: String,
-    mass: f64,
-    half: Option<[f64; 2]>,
+pub struct BodyTask {
+    pub name: String,
+    pub mass: f64,
+    pub half: Option<[f64; 2]>,
     #[serde(default)]
-    radius: f64,
-    start: [f64; 4],
+    pub radius: f64,
+    pub start: [f64; 4],
     /// None for a body that may end anywhere.
-    goal: Option<[f64; 4]>,
-    max_speed: f64,
-    max_acceleration: f64,
+    pub goal: Option<[f64; 4]>,
+    pub max_speed: f64,
+    pub max_acceleration: f64,
 }
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Obstacle {
-    name: String,
-    sides: Sides,
+pub struct Obstacle {
+    pub name: String,
+    pub sides: Sides,
 }
 
 impl SceneTask {
     /// Reads a task.
     pub fn read(text: &str) -> Result<Self, String> {
-        let task: SceneTask = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let mut task: SceneTask = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        if task.coarse {
+            task.time_step *= 2.0;
+        }
         check_time_step(task.time_step).map(|()| task)
     }
 
@@ -80,7 +96,11 @@ impl SceneTask {
             bodies.push(scene.body(body.stated(&room))?);
         }
         if self.walls {
-            scene = scene.with_room("wall", &room, surface);
+            for (name, normal, end) in WALLS {
+                let along = usize::from(normal[0] == 0.0);
+                let at = self.room[along][end] * normal[along];
+                scene.obstacle(Solid::halfspace(name, normal, at, surface))?;
+            }
         }
         for (k, first) in bodies.iter().enumerate() {
             for second in &bodies[k + 1..] {
@@ -88,7 +108,7 @@ impl SceneTask {
             }
         }
         for Obstacle { name, sides } in &self.obstacles {
-            let solid = Solid::cuboid(name, &intervals(sides), Surface::avoid());
+            let solid = Solid::cuboid(name, &intervals(sides), surface);
             scene.obstacle(solid)?;
         }
         Ok(match self.impulse_limit {
@@ -98,6 +118,20 @@ impl SceneTask {
             }
             _ => scene,
         })
+    }
+
+    /// What may be in the way: its name, and the task without it.
+    pub fn parts(&self) -> Vec<(String, SceneTask)> {
+        let mut parts = Vec::new();
+        for k in 0..self.obstacles.len() {
+            let mut rest = self.clone();
+            parts.push((rest.obstacles.remove(k).name, rest));
+        }
+        for k in 1..self.bodies.len() {
+            let mut rest = self.clone();
+            parts.push((rest.bodies.remove(k).name, rest));
+        }
+        parts
     }
 
     /// The largest horizon that is tried, in steps.

@@ -12,21 +12,30 @@ pub const LONGEST: f64 = 30.0;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Task {
-    start: f64,
-    velocity: f64,
-    goal: f64,
-    restitution: f64,
-    impact_limit: Option<f64>,
-    max_speed: f64,
-    max_acceleration: f64,
+    pub start: f64,
+    pub velocity: f64,
+    pub goal: f64,
+    pub restitution: f64,
+    pub impact_limit: Option<f64>,
+    pub max_speed: f64,
+    pub max_acceleration: f64,
     /// Δt.
     pub time_step: f64,
+    /// Twice the step, for a quick look.
+    #[serde(default)]
+    coarse: bool,
+    /// Whether the program is asked for as a file.
+    #[serde(default)]
+    pub files: bool,
 }
 
 impl Task {
     /// Reads a task.
     pub fn read(text: &str) -> Result<Self, String> {
-        let task: Task = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let mut task: Task = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        if task.coarse {
+            task.time_step *= 2.0;
+        }
         check_time_step(task.time_step).map(|()| task)
     }
 
@@ -58,4 +67,9 @@ pub fn check_time_step(time_step: f64) -> Result<(), String> {
     } else {
         Err("the time step must be at least 1 ms".into())
     }
+}
+
+/// A number without the digits that nobody sees.
+pub fn round(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }

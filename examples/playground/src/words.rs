@@ -86,12 +86,8 @@ pub fn conclusion(
     if let (Some(saved), Some(slow), Some(fast)) =
         (free.longer_than(tolerant), free.seconds(), tolerant.seconds())
     {
-        let saving = 100.0 * (slow - fast);
-        return format!(
-            "{hitting} saves {saved:.3} s: {:.2} % of the careful plan's time, {:.2} % of its own.",
-            saving / slow,
-            saving / fast
-        );
+        let share = 100.0 * (slow - fast) / slow;
+        return format!("{hitting} saves {saved:.3} s, {share:.1} % of the careful plan's time.");
     }
     match (free.seconds(), tolerant.seconds()) {
         _ if free.is_none() && tolerant.is_none() => {
@@ -104,7 +100,21 @@ pub fn conclusion(
             format!("{hitting} does not pay here: it makes no plan any faster.")
         }
         (None, None) => "The search was stopped before it found a plan.".into(),
-        _ => "The search was stopped before it was proved that there is no faster plan.".into(),
+        (Some(slow), Some(fast)) if fast < slow => {
+            let saved = number(slow - fast);
+            format!("{hitting} saves {saved} s at least: the search for faster plans was stopped.")
+        }
+        _ => match tolerant.refuted {
+            Some(refuted) => {
+                let least = number((refuted + 1) as f64 * tolerant.time_step);
+                format!(
+                    "The search was stopped: a faster plan, if there is one, takes {least} s or more."
+                )
+            }
+            None => {
+                "The search was stopped before it was proved that there is no faster plan.".into()
+            }
+        },
     }
 }
 
@@ -178,4 +188,15 @@ pub fn sentence(text: &str) -> String {
     let first = letters.next().map(|letter| letter.to_uppercase().to_string());
     let stop = if text.ends_with(['.', '!', '?']) { "" } else { "." };
     format!("{}{}{stop}", first.unwrap_or_default(), letters.as_str())
+}
+
+/// So many steps.
+pub fn steps(count: usize) -> String {
+    if count == 1 { "1 step".into() } else { format!("{count} steps") }
+}
+
+/// A number with at most two digits after the point.
+pub fn number(value: f64) -> String {
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -53,7 +53,7 @@ EDGES = {
     "task=bank&maxAcceleration=0": "no plan",
     "task=bank&velocityX=3&maxSpeed=1": "outside its largest speed",
     "task=bank&velocityX=0&velocityY=0&goalX=1.2&goalY=0.2": "does not pay",
-    "task=pillar&startX=0": "`robot` starts inside `wall 0`; move one of them.",
+    "task=pillar&startX=0": "`robot` starts inside `left wall`; move one of them.",
     "task=pillar&impulseLimit=0": "does not pay",
     "task=pillar&velocityX=-0.5&velocityY=0&startX=0.6&restitution=0.3": "Only a plan that bounces",
     "task=exchange&cartX=0.5": "`carrier` starts inside `cart`; move one of them.",

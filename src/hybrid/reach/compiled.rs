@@ -183,15 +183,18 @@ impl Compiled {
 
     /// The names of a move's transitions, with the choices that they are of if choices are named.
     pub(super) fn name(&self, number: usize) -> String {
-        let name = |&m: &usize| {
-            let name = &self.transitions[m].0;
-            let own = self.choices.iter().position(|numbers| numbers.contains(&m));
-            match own.map(|c| self.choice_names[c].as_str()) {
-                Some(choice) if choice != MODE => format!("{name} of {choice}"),
-                _ => name.clone(),
-            }
-        };
-        self.moves[number].members.iter().map(name).collect::<Vec<_>>().join(" and ")
+        let members = self.moves[number].members.iter();
+        members.map(|&m| self.transition_name(m)).collect::<Vec<_>>().join(" and ")
+    }
+
+    /// The name of a transition, with its choice's.
+    pub(super) fn transition_name(&self, number: usize) -> String {
+        let name = &self.transitions[number].0;
+        let own = self.choices.iter().position(|numbers| numbers.contains(&number));
+        match own.map(|c| self.choice_names[c].as_str()) {
+            Some(choice) if choice != MODE => format!("{name} of {choice}"),
+            _ => name.clone(),
+        }
     }
 }
 

@@ -1,16 +1,18 @@
 //! Explanations of why there is no plan, in words.
 
-use std::fmt;
 use std::sync::Arc;
+
+use web_time::Duration;
 
 use super::set::{Emptied, Place, ReachSet};
 use super::sets::ReachSets;
 use super::step::predecessors;
 use super::tube::Tube;
+use super::words::{Words, number};
 use crate::error::Error;
 use crate::hybrid::system::{Halfspace, HybridSystem, NormLimit};
 use crate::interval::Interval;
-use crate::tolerance::margin_scale;
+use crate::solver::{Interrupt, StopToken};
 
 /// The number of widths by which a domain is enlarged to find out whether it is to blame.
 const LIFTED_WIDTHS: f64 = 1e3;
@@ -23,8 +25,8 @@ const LIFTED_WIDTHS: f64 = 1e3;
 /// let slow = Scenario::paper().with_time_step(0.1).with_max_speed(2.0).collision_free();
 /// let reason = slow.reach_sets()?.explain(40)?.expect("4 s are not enough at 2 m/s");
 /// let text = reason.to_string();
-/// assert!(text.starts_with("no plan has 40 steps: at the end, "), "{text}");
-/// assert!(text.contains("without the lower limit of v"), "{text}");
+/// assert!(text.starts_with("no plan has 40 steps (4 s): at the end, "), "{text}");
+/// assert!(text.contains("without the lower limit of the velocity"), "{text}");
 /// # Ok::<(), carom::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +40,9 @@ pub struct ReachExplanation {
     pub findings: Vec<Finding>,
     /// Single changes that might make a plan possible, in words.
     pub remedies: Vec<String>,
+    /// Δt, in s.
+    pub(super) time_step: f64,
+    pub(super) words: Arc<Words>,
 }
 
 /// The reason why plans with a certain number of events are excluded.
@@ -98,7 +103,29 @@ impl ReachSets {
     ///
     /// As for [`tube`](ReachSets::tube).
     pub fn explain(&mut self, steps: usize) -> Result<Option<ReachExplanation>, Error> {
-        let tube = self.tube(steps)?;
+        self.explain_until(steps, &StopToken::default())
+    }
+
+    /// The same in a limited time: the reason is found first, and then as many of the remedies as there is
+    /// time for. `None` also if there is no time for the reason.
+    ///
+    /// # Errors
+    ///
+    /// As for [`tube`](ReachSets::tube).
+    pub fn explain_within(
+        &mut self,
+        steps: usize,
+        limit: Duration,
+    ) -> Result<Option<ReachExplanation>, Error> {
+        self.explain_until(steps, &StopToken::new(Some(limit), &Interrupt::new()))
+    }
+
+    fn explain_until(
+        &mut self,
+        steps: usize,
+        token: &StopToken,
+    ) -> Result<Option<ReachExplanation>, Error> {
+        let Some(tube) = self.tube_until(steps, token)? else { return Ok(None) };
         let Some(sample) = tube.died() else { return Ok(None) };
         let (sample, findings) = match self.missing_end(steps) {
             Some((at_start, obstacle)) => {
@@ -107,8 +134,9 @@ impl ReachSets {
             }
             None => self.findings(&tube, sample),
         };
-        let remedies = self.remedies(steps)?;
-        Ok(Some(ReachExplanation { steps, sample, findings, remedies }))
+        let remedies = self.remedies(steps, token)?;
+        let (time_step, words) = (self.system().time_step, Arc::clone(&self.options.words));
+        Ok(Some(ReachExplanation { steps, sample, findings, remedies, time_step, words }))
     }
 
     /// The limit that excludes the start or the goal itself.
@@ -157,11 +185,29 @@ impl ReachSets {
             }
             Place::End(_) | Place::Shape => return None,
         };
+        // Of the transitions that a step combines, the one that has the guard.
+        let owner = |m: usize| {
+            let members = &system.moves[m].members;
+            let has = |&&t: &&usize| self.has_guard(t, name);
+            match members.iter().find(has) {
+                Some(&own) => system.transition_name(own),
+                None => system.name(m),
+            }
+        };
         Some(Obstacle::Limit {
             name: name.clone(),
-            transition: taken.map(|m| system.name(m)),
+            transition: taken.map(owner),
             limit,
             nearest: emptied.nearest,
+        })
+    }
+
+    /// Whether a transition has a guard of a name.
+    fn has_guard(&self, number: usize, name: &str) -> bool {
+        let transition = self.system().transitions().nth(number);
+        transition.is_some_and(|transition| {
+            let guards = transition.guards.iter().chain(&transition.prediction_guards);
+            guards.into_iter().any(|guard| guard.name == name)
         })
     }
 
@@ -173,6 +219,7 @@ impl ReachSets {
             return (step + 1, obstacle.map(Finding::of_all).into_iter().collect());
         }
         let needed = self.needed(tube, sample);
+        let has_events = self.system().transitions().any(|transition| transition.is_event);
         let graph = &self.graph;
         let mut findings: Vec<Finding> = Vec::new();
         for (layer, set) in tube.forward[sample].iter().enumerate() {
@@ -184,10 +231,11 @@ impl ReachSets {
             let obstacle = same.or_else(any);
             let modes = graph.modes(node).to_vec();
             // Different dwell times of the same modes are one finding.
-            let known = |f: &Finding| f.events == Some(events) && f.modes == modes;
+            let told = has_events.then_some(events);
+            let known = |f: &Finding| f.events == told && f.modes == modes;
             if let Some(obstacle) = obstacle.filter(|_| !findings.iter().any(known)) {
                 let or_more = events == graph.events && !graph.is_limited;
-                findings.push(Finding { events: Some(events), or_more, modes, obstacle });
+                findings.push(Finding { events: told, or_more, modes, obstacle });
             }
         }
         (sample, findings)
@@ -217,13 +265,13 @@ impl ReachSets {
     }
 
     /// Changes of the system each of which alone lets the sets reach the goal.
-    fn remedies(&self, steps: usize) -> Result<Vec<String>, Error> {
-        let system = self.system();
+    fn remedies(&self, steps: usize, token: &StopToken) -> Result<Vec<String>, Error> {
+        let (system, words) = (self.system(), &self.options.words);
         let mut changes: Vec<(String, HybridSystem)> = Vec::new();
         for (j, (name, range)) in system.inputs.iter().enumerate() {
             let mut changed = system.clone();
             changed.inputs[j].1 = range.map(|range| range.hull(*range * 2.0));
-            changes.push((format!("with twice the range of {name}"), changed));
+            changes.push((format!("with twice the range of {}", words.name(name)), changed));
         }
         for (i, (name, domain)) in system.states.iter().enumerate() {
             let far = LIFTED_WIDTHS * domain.width().max(1.0);
@@ -236,7 +284,8 @@ impl ReachSets {
                     range.lower -= far
                 }
                 let limit = if is_upper { domain.upper } else { domain.lower };
-                let text = format!("without the {word} limit of {name} ({})", number(limit));
+                let (own, unit) = (words.name(name), words.unit(name));
+                let text = format!("without the {word} limit of {own} ({}{unit})", number(limit));
                 changes.push((text, changed));
             }
         }
@@ -286,7 +335,11 @@ impl ReachSets {
         }
         let mut remedies = Vec::new();
         for (text, changed) in changes {
-            if !self.of_system(&changed)?.tube(steps)?.is_empty() {
+            if token.is_over() {
+                break;
+            }
+            let tube = self.of_system(&changed)?.tube_until(steps, token)?;
+            if tube.is_some_and(|tube| !tube.is_empty()) {
                 remedies.push(text);
             }
         }
@@ -326,86 +379,4 @@ fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
         let factors = named.map(|(&i, n)| (system.states[i].0.clone(), n / size)).collect();
         Some(Obstacle::Combination { factors, reached: first / size, needed: second / size })
     })
-}
-
-/// A number, rounded for people.
-fn number(value: f64) -> String {
-    let text = format!("{value:.5}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.into() }
-}
-
-/// "0.3", or "between 0.2 and 0.4".
-fn range(range: &Interval) -> String {
-    let middle = 0.5 * (range.lower + range.upper);
-    if range.upper - range.lower <= 2e-5 * margin_scale(range.magnitude(), 0.0) {
-        return number(middle);
-    }
-    format!("between {} and {}", number(range.lower), number(range.upper))
-}
-
-impl fmt::Display for Obstacle {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Obstacle::Limit { name, transition: None, limit, nearest } => {
-                write!(f, "{name} is missed by at least {}", number(nearest - limit))
-            }
-            Obstacle::Limit { name, transition: Some(transition), limit, nearest } => {
-                let miss = number(nearest - limit);
-                write!(f, "no {transition}: \"{name}\" fails by at least {miss}")
-            }
-            Obstacle::Range { state, reached, needed, given } => {
-                let given = given.iter().map(|(name, at)| format!("{name} is {}", range(at)));
-                let given: Vec<String> = given.collect();
-                if !given.is_empty() {
-                    write!(f, "where {}, ", given.join(" and "))?;
-                }
-                write!(f, "{state} can only be {}, and {} is needed", range(reached), range(needed))
-            }
-            Obstacle::Combination { factors, reached, needed } => {
-                let terms =
-                    factors.iter().map(|(name, factor)| format!("{} {name}", number(*factor)));
-                let sum = terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ");
-                let (reached, needed) = (number(*reached), number(*needed));
-                write!(f, "{sum} can be at most {reached}, and at least {needed} is needed")
-            }
-        }
-    }
-}
-
-impl fmt::Display for ReachExplanation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let steps = |count: usize| match count {
-            1 => "1 step".to_owned(),
-            _ => format!("{count} steps"),
-        };
-        write!(f, "no plan has {}: ", steps(self.steps))?;
-        match self.sample {
-            0 => write!(f, "at the start")?,
-            sample if sample == self.steps => write!(f, "at the end")?,
-            sample => write!(f, "after {}", steps(sample))?,
-        }
-        for (k, finding) in self.findings.iter().enumerate() {
-            f.write_str(if k == 0 { ", " } else { "; " })?;
-            let more = if finding.or_more { " or more" } else { "" };
-            match finding.events {
-                None => {}
-                Some(0) if finding.or_more => {}
-                Some(0) => f.write_str("without an event, ")?,
-                Some(1) if !finding.or_more => f.write_str("with 1 event, ")?,
-                Some(events) => write!(f, "with {events}{more} events, ")?,
-            }
-            for (choice, mode) in &finding.modes {
-                write!(f, "with {choice} {mode}, ")?;
-            }
-            write!(f, "{}", finding.obstacle)?;
-        }
-        if self.findings.is_empty() {
-            f.write_str(", no state is left")?;
-        }
-        if !self.remedies.is_empty() {
-            write!(f, ". It might be possible {}", self.remedies.join(", or "))?;
-        }
-        Ok(())
-    }
 }

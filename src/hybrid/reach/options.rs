@@ -1,5 +1,8 @@
 //! Options of reach sets.
 
+use std::sync::Arc;
+
+use super::words::Words;
 use crate::error::{Error, check_finite, check_length};
 #[cfg(doc)]
 use crate::hybrid::system::HybridSystem;
@@ -39,6 +42,9 @@ pub struct SetOptions {
     /// must say so as well.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) exclusive: Vec<Vec<usize>>,
+    /// What explanations call states, inputs and transitions.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) words: Arc<Words>,
 }
 
 impl Default for SetOptions {
@@ -51,6 +57,7 @@ impl Default for SetOptions {
             disturbance: false,
             directions: Vec::new(),
             exclusive: Vec::new(),
+            words: Arc::default(),
         }
     }
 }

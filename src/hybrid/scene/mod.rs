@@ -30,6 +30,7 @@ mod solid;
 mod statement;
 mod surface;
 mod system;
+mod words;
 
 pub(crate) use axes::region_where;
 pub use body::{Body, Shape};

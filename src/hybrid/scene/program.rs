@@ -43,7 +43,8 @@ impl Scene {
     /// [Sets](Scene::reach_sets) of each axis fix transitions that no plan takes and narrow bounds. No
     /// plan is lost. If they prove that there is none, the row `no_plan_by_reach_sets` contradicts the
     /// bounds, and [`ReachSets::explain`](crate::hybrid::reach::ReachSets::explain) says why. Where hits
-    /// couple axes, by friction, slanted faces or pairs of bodies, there are no such sets.
+    /// couple axes, by friction, slanted faces or pairs of bodies, there are such sets only if a step has
+    /// few combinations of modes.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Solid, Scene, Surface};

@@ -1,20 +1,26 @@
 //! The shortest plan of a scene.
 
+use std::sync::Arc;
+
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair};
 use super::loose::loose;
 use super::plan::ScenePlan;
 use super::program::{SceneProgram, exclusive};
+use super::rule::DamageRule;
 use super::statement::Scene;
 use super::system::Stated;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+#[cfg(doc)]
+use crate::hybrid::shortest_horizon::shortest_horizon;
 use crate::hybrid::shortest_horizon::{
-    HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon,
+    HorizonEvent, HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon_with,
 };
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
+use crate::model::Affine;
 use crate::solver::{Solver, StopToken};
 
 /// How many times longer the steps of the coarser grid are.
@@ -22,7 +28,7 @@ const COARSER: f64 = 8.0;
 
 /// The most combinations of modes of a step for which sets of coupled axes are kept: they are
 /// templates of all states, each image of which costs many times a polygon's.
-const MOST_MOVES: usize = 4;
+const MOST_MOVES: usize = 8;
 
 impl Scene {
     /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
@@ -31,7 +37,8 @@ impl Scene {
     /// [Sets](Scene::reach_sets) are kept for each axis of each body, and refute most horizons. With many
     /// convex obstacles, the last of them are left to the search. Where slanted faces or pairs of bodies
     /// avoid each other, sets know only what that says about each axis. Where hits couple axes, by
-    /// friction, slanted faces or pairs, all of it is left to the search.
+    /// friction, slanted faces or pairs, there are sets of the coupled axes together if a step has up to 8
+    /// combinations of modes; otherwise all of it is left to the search.
     ///
     /// # Errors
     ///
@@ -42,6 +49,20 @@ impl Scene {
         options: &ShortestOptions,
         solver: &mut dyn Solver,
     ) -> Result<Shortest<ScenePlan>, Error> {
+        self.shortest_plan_with(options, solver, &mut |_| {})
+    }
+
+    /// Same as [`shortest_plan`](Scene::shortest_plan), with progress events on the calling thread.
+    ///
+    /// # Errors
+    ///
+    /// As for [`shortest_plan`](Scene::shortest_plan).
+    pub fn shortest_plan_with(
+        &self,
+        options: &ShortestOptions,
+        solver: &mut dyn Solver,
+        progress: &mut dyn FnMut(&HorizonEvent),
+    ) -> Result<Shortest<ScenePlan>, Error> {
         let stated = self.stated()?;
         let waiting = options.waiting(stated.waiting()?);
         let mut options = options.clone();
@@ -49,7 +70,7 @@ impl Scene {
             options.max_steps = options.max_steps.min(longest);
         }
         let task = ScenePrograms { stated, waiting };
-        let found = shortest_horizon(&task, &options, solver)?;
+        let found = shortest_horizon_with(&task, &options, solver, progress)?;
         found.try_map(|Solved { program, solution }| program.plan(&solution))
     }
 
@@ -98,7 +119,8 @@ impl Stated {
     fn sets_of(&self, system: &HybridSystem) -> Result<ReachSets, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
         let exclusive = exclusive(&self.scene, &self.contacts);
-        let options = SetOptions { exclusive, ..SetOptions::default() };
+        let words = Arc::new(self.words());
+        let options = SetOptions { exclusive, words, ..SetOptions::default() };
         let sets = ReachSets::new(system, start, goal, options)?;
         let bodies = &self.scene.bodies;
         if bodies.iter().all(|body| body.first.is_none()) {
@@ -131,11 +153,24 @@ impl Stated {
         // Lengths couple axes.
         let apart_or_few = few || apart && self.contacts.iter().all(is_aligned);
         let has_ball = self.scene.bodies.iter().any(Body::has_ball);
-        match (apart_or_few && !(has_ball && apart), apart) {
-            (true, _) => self.sets_of(&self.system).map(Some),
-            (false, true) => self.sets_of(&loose(self)).map(Some),
-            (false, false) => Ok(None),
-        }
+        let mut system = match (apart_or_few && !(has_ball && apart), apart) {
+            (true, _) => self.system.clone(),
+            (false, true) => loose(self),
+            (false, false) => return Ok(None),
+        };
+        system.most_events = self.most_hits();
+        self.sets_of(&system).map(Some)
+    }
+
+    /// The most hits of a plan, if a rule says so of all hits together.
+    fn most_hits(&self) -> Option<usize> {
+        let rules = self.scene.rules.iter().filter(|rule| rule.window.is_none());
+        let all = |contact: &ContactPair, rule: &DamageRule| {
+            let hits = contact.modes.iter().filter(|mode| mode.is_hit);
+            hits.into_iter().all(|mode| rule.applies(contact, mode.face))
+        };
+        let rules = rules.filter(|rule| self.contacts.iter().all(|contact| all(contact, rule)));
+        rules.filter_map(|rule| rule.count).min()
     }
 
     fn ends(&self, is_start: bool) -> Region {
@@ -175,8 +210,14 @@ impl HorizonModel for ScenePrograms {
 
     fn build(&self, steps: usize) -> Result<SceneProgram, Error> {
         let mut program = self.stated.program(steps)?;
-        program.minimize(0.0)?;
+        // Any plan will do, but where hits couple bodies, a search for few hits refutes sooner.
+        let hits = if self.takes_any_point() { program.hits() } else { Affine::zero() };
+        program.minimize(hits)?;
         Ok(program)
+    }
+
+    fn takes_any_point(&self) -> bool {
+        self.stated.contacts.iter().any(|contact| contact.other.is_some() && contact.bounces())
     }
 
     fn waiting(&self) -> Waiting {

@@ -77,6 +77,12 @@ pub trait HorizonModel {
         HorizonVariables::default()
     }
 
+    /// Whether the objective only guides the search: the first point of a horizon is enough.
+    #[doc(hidden)]
+    fn takes_any_point(&self) -> bool {
+        false
+    }
+
     /// Δt of the programs, in s, for the words of the result; `None` by default.
     fn time_step(&self) -> Option<f64> {
         None

@@ -22,6 +22,9 @@ const MAX_UNDECIDED: usize = 8;
 /// Number of open binaries beyond which a coarser grid is tried. With fewer, a solve is quick.
 const MANY_OPEN: usize = 16;
 
+/// A gap that any point closes, where only the first point is wanted.
+const ANY_GAP: f64 = 1e9;
+
 /// A progress event of a search.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -320,10 +323,16 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let mut relay = |event: &Event| {
             progress(&HorizonEvent::Solving { steps, progress: *event.progress() });
         };
-        match nodes {
+        let gap = self.solver.options().absolute_gap;
+        if self.builder.takes_any_point() {
+            self.solver.options_mut().absolute_gap = ANY_GAP;
+        }
+        let solution = match nodes {
             None => self.token.solve(self.solver, model, &mut relay),
             nodes => look_token(&self.token).solve_within(nodes, self.solver, model, &mut relay),
-        }
+        };
+        self.solver.options_mut().absolute_gap = gap;
+        solution
     }
 
     /// Solves with the binaries restricted to the neighbourhood of a coarser plan's. Returns a

@@ -133,7 +133,9 @@ fn starts_and_goals_outside_the_limits_have_no_plan() {
         let text = sets.explain(7).unwrap().unwrap().to_string();
         assert_eq!(
             text,
-            format!("no plan has 7 steps: {place}, the upper limit of x is missed by at least 1")
+            format!(
+                "no plan has 7 steps (7 s): {place}, the upper limit of x is missed by at least 1"
+            )
         );
     }
 }
@@ -204,7 +206,7 @@ fn one_step_is_no_plural() {
     let far = [Interval::point(5.0), Interval::point(0.0)];
     let mut sets = ReachSets::new(&push(), REST, far, SetOptions::default()).unwrap();
     let text = sets.explain(1).unwrap().unwrap().to_string();
-    assert!(text.starts_with("no plan has 1 step: "), "{text}");
+    assert!(text.starts_with("no plan has 1 step (1 s): "), "{text}");
 }
 
 #[test]

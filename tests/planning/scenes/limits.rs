@@ -1,6 +1,8 @@
 //! Starts and goals against the limits of their bodies, half-spaces of regions, ties at surfaces,
 //! explanations that name what is in the way.
 
+use std::time::Duration;
+
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 use carom::hybrid::{Region, Restitution};
@@ -74,7 +76,27 @@ fn explanations_name_the_obstacle() {
         .with_body(body().with_start(start).with_goal(Region::point([0.2, 0.5, 0.0, 0.0])))
         .with_obstacle(Solid::cuboid("pillar", pillar, Surface::avoid()));
     let text = scene.reach_sets().unwrap().explain(20).unwrap().unwrap().to_string();
-    assert!(text.contains(" of puck at pillar: "), "{text}");
+    let reason = "puck cannot keep clear of pillar: at least ";
+    assert!(
+        text.starts_with("no plan has 20 steps (2 s): after ") && text.contains(reason),
+        "{text}"
+    );
+}
+
+#[test]
+fn explanations_of_scenes_are_sentences() {
+    let far = body().with_start([0.2, 0.5, 0.0, 0.0]).with_goal([1.8, 0.5, 0.0, 0.0]);
+    let scene = Scene::new(0.1).with_body(far);
+    let mut sets = scene.reach_sets().unwrap();
+    let within = Duration::from_secs(3600);
+    let reason = sets.explain_within(8, within).unwrap().unwrap();
+    assert_eq!(Some(&reason), sets.explain(8).unwrap().as_ref());
+    assert_eq!(
+        reason.to_string(),
+        "no plan has 8 steps (0.8 s): at the end, x of puck is at most 1.16 m, and 1.8 m is needed"
+    );
+    // Without time there is nothing to say.
+    assert!(sets.explain_within(8, Duration::ZERO).unwrap().is_none());
 }
 
 #[test]

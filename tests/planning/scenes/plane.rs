@@ -1,6 +1,8 @@
 //! Plans in the plane.
 
-use carom::hybrid::scene::{Body, Scene, ScenePlan, Shape, Solid, Surface};
+use carom::hybrid::scene::{
+    Body, DamageMeasure, DamageRule, Scene, ScenePlan, Shape, Solid, Surface,
+};
 use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -106,4 +108,38 @@ fn two_discs_exchange_momentum() {
     let end = |name| plan.body(name).unwrap().velocity.last().unwrap().clone();
     assert!((end("b")[0] - 1.0).abs() < 1e-6 && end("a")[0].abs() < 1e-6);
     assert!(plan.certificate.momentum_error < 1e-6);
+}
+
+/// A carrier at rest, and a cart in its way to a goal at 3 m.
+fn carrier_and_cart(count: Option<usize>) -> Scene {
+    let lane = [Interval::new(0.0, 6.0), Interval::new(0.0, 1.0)];
+    let body = |name: &str, mass, half: [f64; 2]| {
+        Body::new(name, lane, 3.0, 1.0).with_mass(mass).with_shape(Shape::Box(half.to_vec()))
+    };
+    let carrier = body("carrier", 2.0, [0.3, 0.2])
+        .with_start([0.5, 0.5, 0.0, 0.0])
+        .with_goal([3.0, 0.5, 0.0, 0.0]);
+    let mut scene = Scene::new(0.25);
+    let carrier = scene.body(carrier).unwrap();
+    let cart = body("cart", 1.0, [0.2, 0.2]).with_start([2.2, 0.5, 0.0, 0.0]);
+    let cart = scene.body(cart).unwrap();
+    scene.pair(carrier, cart, bounce(0.8)).unwrap();
+    let rule = DamageRule::new("bumper", DamageMeasure::NormalImpulse).with_per_hit(4.0);
+    scene.with_rule(count.into_iter().fold(rule, DamageRule::with_count))
+}
+
+#[test]
+fn sets_know_how_many_hits_of_two_bodies_are_allowed() {
+    let options = ShortestOptions::default().with_max_steps(40);
+    let known = |count| {
+        let found = carrier_and_cart(count)
+            .shortest_plan(&options, &mut BranchAndBound::default())
+            .unwrap();
+        // Without sets and without an eye on the number of hits, it takes some hundred nodes.
+        assert!(found.nodes() <= 120, "{} nodes", found.nodes());
+        assert_eq!((found.steps, found.refuted_steps), (Some(11), Some(10)));
+        found.sets.unwrap().system().most_events
+    };
+    assert_eq!(known(None), None);
+    assert_eq!(known(Some(1)), Some(1));
 }

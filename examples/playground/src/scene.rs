@@ -1,0 +1,113 @@
+//! Scenes in the plane.
+
+use std::time::Duration;
+
+use carom::Error;
+use carom::hybrid::Shortest;
+use carom::hybrid::reach::ReachSets;
+use carom::hybrid::scene::{Scene, ScenePlan};
+use carom::model::mps;
+use carom::prelude::*;
+use carom::reformulate::lower;
+
+use crate::less::Less;
+use crate::progress::{self, Tell};
+use crate::scene_answer::{SceneAnswer, Side};
+use crate::scene_task::SceneTask;
+use crate::{PATIENCE_WITH_PAIRS, REASON, Reasons, code, refuted, search_options, words};
+
+/// For the search for what is in the way.
+const WITHOUT: Duration = Duration::from_millis(800);
+
+/// Where the first body is.
+const PLANE: [usize; 2] = [0, 1];
+
+/// Answers a task.
+pub fn solve(task: &str, tell: &mut Tell<'_>) -> Result<SceneAnswer, String> {
+    let task = SceneTask::read(task)?;
+    answer(&task, tell).map_err(|error| error.to_string())
+}
+
+fn answer(task: &SceneTask, tell: &mut Tell<'_>) -> Result<SceneAnswer, Error> {
+    let free = plan(&task.free()?, "free", &search_options(task.max_steps()), tell)?;
+    progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free), tell);
+    let scene = task.tolerant()?;
+    // The careful plan is a plan of this scene too, so that only shorter ones are looked for.
+    let mut options = search_options(free.steps.map_or(task.max_steps(), |steps| steps - 1));
+    if task.bodies.len() > 1 {
+        options = options.with_time_limit(PATIENCE_WITH_PAIRS);
+    }
+    let tolerant = match free.steps {
+        Some(1) => None,
+        _ => Some(plan(&scene, "tolerant", &options, tell)?),
+    };
+    let mut answer = SceneAnswer::new(task, &free, tolerant.as_ref());
+    answer.code = code::of_scene(task);
+    answer.less = less(&free, tolerant.as_ref())?;
+    answer.reason = refuted(&free).or_else(|| tolerant.as_ref().and_then(refuted));
+    if task.files {
+        let found = tolerant.as_ref().and_then(|found| found.steps.or(found.refuted_steps));
+        let steps = found.or(free.steps).unwrap_or(1);
+        answer.mps = Some(mps::write(lower(scene.plain_program(steps)?.model())?.model())?);
+    }
+    Ok(answer)
+}
+
+fn plan(
+    scene: &Scene,
+    side: &str,
+    options: &ShortestOptions,
+    tell: &mut Tell<'_>,
+) -> Result<Shortest<ScenePlan>, Error> {
+    let mut progress = progress::refuted(side, tell);
+    let mut solver = BranchAndBound::default();
+    scene.shortest_plan_with(options, &mut solver, &mut progress)
+}
+
+fn less(
+    free: &Shortest<ScenePlan>,
+    tolerant: Option<&Shortest<ScenePlan>>,
+) -> Result<Option<Less>, Error> {
+    let bold = tolerant.map(|found| Less::new("tolerant", found, PLANE)).transpose()?.flatten();
+    match bold {
+        Some(less) => Ok(Some(less)),
+        None => Less::new("free", free, PLANE),
+    }
+}
+
+/// Why plans with so many steps are impossible.
+pub fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, String> {
+    let task = SceneTask::read(task)?;
+    let why = |scene: Result<Scene, Error>, steps: usize| {
+        if steps == 0 {
+            return None;
+        }
+        let scene = scene.ok()?;
+        let known = sets(&scene, steps)?.explain_within(steps, REASON);
+        known.ok().flatten().map(|reason| reason.to_string())
+    };
+    let free = why(task.free(), free).or_else(|| in_the_way(&task, free));
+    Ok(Reasons { free, tolerant: why(task.tolerant(), tolerant) })
+}
+
+/// The sets of a scene that a search uses.
+fn sets(scene: &Scene, steps: usize) -> Option<ReachSets> {
+    let options = search_options(steps).with_time_limit(Duration::ZERO);
+    scene.shortest_plan(&options, &mut BranchAndBound::default()).ok()?.sets
+}
+
+/// What has to go for a careful plan of so many steps.
+fn in_the_way(task: &SceneTask, steps: usize) -> Option<String> {
+    let parts = task.parts();
+    let limit = WITHOUT / (parts.len().max(1) as u32);
+    let enough = parts.into_iter().filter(|_| steps > 0).find_map(|(name, rest)| {
+        let options = search_options(steps).with_time_limit(limit);
+        let found = rest.free().ok()?.shortest_plan(&options, &mut BranchAndBound::default());
+        found.ok()?.steps.map(|found| (name, found))
+    });
+    enough.map(|(name, found)| {
+        let seconds = words::number(found as f64 * task.time_step);
+        let steps = words::steps(steps);
+        format!("`{name}` is in the way of plans of {steps}: without it {seconds} s are enough")
+    })
+}

@@ -1,0 +1,74 @@
+//! A vehicle beside a wall, as in the paper.
+
+use carom::Error;
+use carom::collision_tolerant::{Objective, Plan, PlanningOptions, Scenario};
+use carom::hybrid::Shortest;
+use carom::model::mps;
+use carom::prelude::*;
+use carom::reformulate::lower;
+
+use crate::answer::{Answer, Side};
+use crate::less::Less;
+use crate::progress::{self, Tell};
+use crate::task::Task;
+use crate::{REASON, Reasons, code, refuted, search_options};
+
+/// Position and velocity.
+const PLANE: [usize; 2] = [0, 1];
+
+/// Answers a task.
+pub fn solve(task: &str, tell: &mut Tell<'_>) -> Result<Answer, String> {
+    let task = Task::read(task)?;
+    answer(&task, tell).map_err(|error| error.to_string())
+}
+
+fn answer(task: &Task, tell: &mut Tell<'_>) -> Result<Answer, Error> {
+    let scenario = task.scenario()?;
+    let careful = scenario.clone().collision_free();
+    let mut options = PlanningOptions::default().with_search(search_options(task.max_steps()));
+    let free = plan(&careful, "free", &options, tell)?;
+    progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free), tell);
+    options.upper_hint = free.steps;
+    let tolerant = plan(&scenario, "tolerant", &options, tell)?;
+    let mut answer = Answer::new(task, &free, &tolerant);
+    answer.code = code::of_wall(task);
+    answer.less = less(&free, &tolerant)?;
+    answer.reason = refuted(&free).or_else(|| refuted(&tolerant));
+    if task.files {
+        let steps = tolerant.steps.or(tolerant.refuted_steps).unwrap_or(1);
+        let program = scenario.program(steps, Objective::Feasibility)?;
+        answer.mps = Some(mps::write(lower(program.model())?.model())?);
+    }
+    Ok(answer)
+}
+
+fn plan(
+    scenario: &Scenario,
+    side: &str,
+    options: &PlanningOptions,
+    tell: &mut Tell<'_>,
+) -> Result<Shortest<Plan>, Error> {
+    let mut progress = progress::refuted(side, tell);
+    scenario.shortest_plan_with(options, &mut BranchAndBound::default(), &mut progress)
+}
+
+fn less(free: &Shortest<Plan>, tolerant: &Shortest<Plan>) -> Result<Option<Less>, Error> {
+    match Less::new("tolerant", tolerant, PLANE)? {
+        Some(less) => Ok(Some(less)),
+        None => Less::new("free", free, PLANE),
+    }
+}
+
+/// Why plans with so many steps are impossible.
+pub fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, String> {
+    let scenario = Task::read(task)?.scenario().map_err(|error| error.to_string())?;
+    let why = |scenario: &Scenario, steps: usize| {
+        if steps == 0 {
+            return None;
+        }
+        let reason = scenario.reach_sets().and_then(|mut sets| sets.explain_within(steps, REASON));
+        reason.ok().flatten().map(|reason| reason.to_string())
+    };
+    let tolerant = why(&scenario, tolerant);
+    Ok(Reasons { free: why(&scenario.collision_free(), free), tolerant })
+}

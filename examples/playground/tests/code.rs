@@ -1,0 +1,67 @@
+//! The Rust programs of tasks compile: they are the examples of this package.
+//!
+//! `UPDATE=1 cargo test` writes them anew.
+
+use std::path::Path;
+
+use carom_playground::{plan_scene_with, plan_with};
+use serde_json::{Value, json};
+
+fn code(answer: &str) -> String {
+    let answer: Value = serde_json::from_str(answer).unwrap();
+    assert_eq!(answer["error"], Value::Null);
+    answer["code"].as_str().unwrap().to_owned()
+}
+
+fn check(name: &str, code: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name);
+    let text = format!("//! What the page shows as the program of a task.\n\n{code}");
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(&path, &text).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "{}", path.display());
+}
+
+fn wall(limit: Value) -> Value {
+    json!({
+        "start": 4, "velocity": -10, "goal": 0.3, "restitution": 0.3, "impactLimit": limit,
+        "maxSpeed": 15, "maxAcceleration": 6, "timeStep": 0.05,
+    })
+}
+
+fn pillar() -> Value {
+    json!({
+        "timeStep": 2, "longest": 30, "room": [[0, 4], [0, 3]], "walls": true,
+        "restitution": 0.6, "impulseLimit": null,
+        "bodies": [{ "name": "robot", "mass": 10, "radius": 0.16, "start": [0.8, 1.5, -0.0, 0.0],
+            "goal": [3.5, 1.2, 0, 0], "maxSpeed": 0.5, "maxAcceleration": 0.15 }],
+        "obstacles": [{ "name": "pillar", "sides": [[1.7, 2.3], [0.9, 2.2]] }],
+    })
+}
+
+fn vehicles() -> Value {
+    let vehicle = |name: &str, mass: f64, half: Value, start: Value, goal: Value| {
+        json!({ "name": name, "mass": mass, "half": half, "start": start, "goal": goal,
+            "maxSpeed": 3, "maxAcceleration": 1 })
+    };
+    let at_rest = json!([2, 0.5, 0, 0]);
+    json!({
+        "timeStep": 0.5, "longest": 10, "room": [[0, 6], [0, 1]], "walls": false,
+        "restitution": 0.8, "impulseLimit": 4,
+        "bodies": [
+            vehicle("carrier", 2.0, json!([0.3, 0.2]), json!([0.5, 0.5, 2, 0]), at_rest),
+            vehicle("cart", 1.0, json!([0.2, 0.2]), json!([2.2, 0.5, 0, 0]), Value::Null),
+        ],
+        "obstacles": [],
+    })
+}
+
+#[test]
+fn code_of_tasks_is_that_of_the_examples() {
+    let wall = |limit| code(&plan_with(&wall(limit).to_string(), &mut |_| {}));
+    check("wall.rs", &wall(Value::Null));
+    check("gentle_hits.rs", &wall(json!(9.5)));
+    let scene = |task: Value| code(&plan_scene_with(&task.to_string(), &mut |_| {}));
+    check("pillar.rs", &scene(pillar()));
+    check("two_vehicles.rs", &scene(vehicles()));
+}

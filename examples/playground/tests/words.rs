@@ -1,0 +1,120 @@
+//! What a visitor reads where there is no plan, and what comes with a plan.
+
+use carom_playground::{explain, explain_scene, plan_scene_with, plan_with};
+use serde_json::{Value, json};
+
+fn puck(start: [f64; 4], goal: [f64; 2], block: [[f64; 2]; 2]) -> Value {
+    json!({
+        "timeStep": 0.2, "longest": 5, "room": [[0, 2], [0, 1]], "walls": true,
+        "restitution": 0.5, "impulseLimit": null,
+        "bodies": [{ "name": "puck", "mass": 1, "start": start, "goal": [goal[0], goal[1], 0, 0],
+            "maxSpeed": 3, "maxAcceleration": 3 }],
+        "obstacles": [{ "name": "block", "sides": block }],
+    })
+}
+
+const CORNER: [[f64; 2]; 2] = [[0.4, 0.6], [0.8, 1.0]];
+
+fn scene(task: &Value) -> Value {
+    serde_json::from_str(&plan_scene_with(&task.to_string(), &mut |_| {})).unwrap()
+}
+
+fn wall(changed: &[(&str, f64)]) -> (Value, String) {
+    let mut task = json!({
+        "start": 10, "velocity": 0, "goal": 0.3, "restitution": 0, "impactLimit": null,
+        "maxSpeed": 15, "maxAcceleration": 6, "timeStep": 0.05,
+    });
+    for (key, value) in changed {
+        task[*key] = json!(value);
+    }
+    let text = task.to_string();
+    (serde_json::from_str(&plan_with(&text, &mut |_| {})).unwrap(), text)
+}
+
+#[test]
+fn a_goal_in_an_obstacle_is_said_at_once() {
+    let task = puck([1.2, 0.5, 0.0, 0.0], [0.5, 0.9], CORNER);
+    assert_eq!(scene(&task)["error"], "`puck` ends inside `block`; move one of them.");
+    let task = puck([-0.1, 0.5, 0.0, 0.0], [0.5, 0.2], CORNER);
+    assert!(scene(&task)["error"].as_str().unwrap().contains("`puck` starts"), "{}", scene(&task));
+    let (answer, _) = wall(&[("goal", -0.5)]);
+    assert_eq!(answer["error"], "`vehicle` ends inside `wall`; move one of them.");
+}
+
+#[test]
+fn where_no_plan_is_there_is_a_reason() {
+    let (answer, _) = wall(&[("start", 4.0), ("velocity", -10.0), ("impactLimit", 4.0)]);
+    assert_eq!(
+        answer["reason"],
+        "No plan has 600 steps (30 s): after 9 steps (0.45 s), the lower limit of the position is missed by \
+         at least 0.02 m. It might be possible without the lower limit of the position (0 m)."
+    );
+    let task = puck([0.3, 0.5, -3.0, 0.0], [1.5, 0.5], CORNER);
+    let answer = scene(&task);
+    assert_eq!(
+        answer["reason"],
+        "No plan has 25 steps (5 s): after 1 step (0.2 s), puck cannot keep clear of left wall: at least \
+         0.24 m are missing."
+    );
+    let text = answer.to_string();
+    for jargon in ["no dip", "clear and", "beyond 0", "ends in front"] {
+        assert!(!text.contains(jargon), "{text}");
+    }
+}
+
+#[test]
+fn one_step_less_is_explained_and_drawn() {
+    let (answer, task) = wall(&[]);
+    let less = &answer["less"];
+    let (side, steps) = (less["side"].as_str().unwrap(), less["steps"].as_u64().unwrap());
+    assert_eq!((side, steps), ("tolerant", answer["tolerant"]["steps"].as_u64().unwrap() - 1));
+    let samples = less["forward"].as_array().unwrap().len();
+    assert_eq!(samples, less["backward"].as_array().unwrap().len());
+    assert_eq!(samples as u64, steps + 1);
+    let free = answer["free"]["steps"].as_u64().unwrap() as usize - 1;
+    let why: Value = serde_json::from_str(&explain(&task, free, steps as usize)).unwrap();
+    assert_eq!(
+        why["free"],
+        "no plan has 51 steps (2.55 s): at the end, where the position is 0.3 m, the velocity is at most \
+         -0.27 m/s, and 0 m/s is needed. It might be possible with twice the range of the acceleration"
+    );
+
+    let task = puck([1.2, 0.2, 2.0, 2.0], [0.4, 0.2], CORNER);
+    let answer = scene(&task);
+    let free = answer["free"]["steps"].as_u64().unwrap() as usize - 1;
+    let why: Value = serde_json::from_str(&explain_scene(&task.to_string(), free, 0)).unwrap();
+    assert_eq!(
+        why["free"],
+        "no plan has 10 steps (2 s): at the end, where x of puck is 0.4 m and y of puck is 0.2 m, the \
+         velocity of puck along x is at most -0.23 m/s, and 0 m/s is needed. It might be possible with \
+         twice the range of the acceleration of puck along x"
+    );
+}
+
+#[test]
+fn news_come_while_it_plans() {
+    let mut news: Vec<Value> = Vec::new();
+    let task = puck([1.2, 0.2, 2.0, 2.0], [0.4, 0.2], CORNER);
+    plan_scene_with(&task.to_string(), &mut |text| news.push(serde_json::from_str(text).unwrap()));
+    let found = news.iter().position(|news| !news["found"].is_null()).unwrap();
+    assert!(news[..found].iter().all(|news| news["side"] == "free"));
+    assert!(
+        news[..found]
+            .windows(2)
+            .all(|pair| pair[0]["refuted"].as_u64() < pair[1]["refuted"].as_u64())
+    );
+    assert!(news[found]["found"]["plan"].is_object());
+    assert!(news[found + 1..].iter().all(|news| news["side"] == "tolerant"));
+}
+
+#[test]
+fn files_and_coarse_plans_are_asked_for() {
+    let mut task = puck([1.2, 0.2, 2.0, 2.0], [0.4, 0.2], CORNER);
+    assert_eq!(scene(&task)["mps"], Value::Null);
+    task["files"] = json!(true);
+    task["coarse"] = json!(true);
+    let answer = scene(&task);
+    assert_eq!(answer["error"], Value::Null);
+    assert!(answer["mps"].as_str().is_some_and(|text| text.contains("ENDATA")), "{answer}");
+    assert_eq!(answer["free"]["plan"]["timeStep"], 0.4);
+}
