@@ -5,7 +5,6 @@ use carom::hybrid::Shortest;
 use carom::hybrid::reach::{ReachSet, Tube};
 use serde::Serialize;
 
-use crate::less::Less;
 use crate::task::{LONGEST, Task};
 use crate::words::{self, Finding, Nouns};
 
@@ -27,8 +26,6 @@ pub struct Answer {
     pub code: String,
     /// The last program as a file, if it was asked for.
     pub mps: Option<String>,
-    /// The sets of one step less.
-    pub less: Option<Less>,
 }
 
 impl Answer {

@@ -67,6 +67,19 @@ pub fn explain_scene(task: &str, free: usize, tolerant: usize) -> String {
     text(&scene::reasons(task, free, tolerant).unwrap_or_default())
 }
 
+/// The sets that exclude a plan of so many steps with collisions (`tolerant`), or without (`free`);
+/// `null` if sets exclude neither, or nothing is asked (0 steps).
+#[wasm_bindgen]
+pub fn less(task: &str, free: usize, tolerant: usize) -> String {
+    text(&less::of_wall(task, free, tolerant).unwrap_or_default())
+}
+
+/// The same for a scene.
+#[wasm_bindgen]
+pub fn less_scene(task: &str, free: usize, tolerant: usize) -> String {
+    text(&less::of_scene(task, free, tolerant).unwrap_or_default())
+}
+
 /// As [`plan`], outside a page.
 pub fn plan_with(task: &str, tell: &mut Tell<'_>) -> String {
     text(&wall::solve(task, tell).unwrap_or_else(|error| Answer::of_error(&error)))

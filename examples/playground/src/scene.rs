@@ -8,9 +8,8 @@ use carom::hybrid::reach::ReachSets;
 use carom::hybrid::scene::{Scene, ScenePlan};
 use carom::model::mps;
 use carom::prelude::*;
-use carom::reformulate::lower;
+use carom::reformulate;
 
-use crate::less::Less;
 use crate::progress::{self, Tell};
 use crate::scene_answer::{SceneAnswer, Side};
 use crate::scene_task::SceneTask;
@@ -18,9 +17,6 @@ use crate::{PATIENCE_WITH_PAIRS, REASON, Reasons, code, refuted, search_options,
 
 /// For the search for what is in the way.
 const WITHOUT: Duration = Duration::from_millis(800);
-
-/// Where the first body is.
-const PLANE: [usize; 2] = [0, 1];
 
 /// Answers a task.
 pub fn solve(task: &str, tell: &mut Tell<'_>) -> Result<SceneAnswer, String> {
@@ -43,12 +39,12 @@ fn answer(task: &SceneTask, tell: &mut Tell<'_>) -> Result<SceneAnswer, Error> {
     };
     let mut answer = SceneAnswer::new(task, &free, tolerant.as_ref());
     answer.code = code::of_scene(task);
-    answer.less = less(&free, tolerant.as_ref())?;
     answer.reason = refuted(&free).or_else(|| tolerant.as_ref().and_then(refuted));
     if task.files {
         let found = tolerant.as_ref().and_then(|found| found.steps.or(found.refuted_steps));
         let steps = found.or(free.steps).unwrap_or(1);
-        answer.mps = Some(mps::write(lower(scene.plain_program(steps)?.model())?.model())?);
+        let program = scene.plain_program(steps)?;
+        answer.mps = Some(mps::write(reformulate::lower(program.model())?.model())?);
     }
     Ok(answer)
 }
@@ -62,17 +58,6 @@ fn plan(
     let mut progress = progress::refuted(side, tell);
     let mut solver = BranchAndBound::default();
     scene.shortest_plan_with(options, &mut solver, &mut progress)
-}
-
-fn less(
-    free: &Shortest<ScenePlan>,
-    tolerant: Option<&Shortest<ScenePlan>>,
-) -> Result<Option<Less>, Error> {
-    let bold = tolerant.map(|found| Less::new("tolerant", found, PLANE)).transpose()?.flatten();
-    match bold {
-        Some(less) => Ok(Some(less)),
-        None => Less::new("free", free, PLANE),
-    }
 }
 
 /// Why plans with so many steps are impossible.

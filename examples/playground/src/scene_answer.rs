@@ -4,7 +4,6 @@ use carom::hybrid::Shortest;
 use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan};
 use serde::Serialize;
 
-use crate::less::Less;
 use crate::scene_task::SceneTask;
 use crate::words::{self, Finding, Nouns};
 
@@ -23,8 +22,6 @@ pub struct SceneAnswer {
     pub code: String,
     /// The last program as a file, if it was asked for.
     pub mps: Option<String>,
-    /// The sets of one step less.
-    pub less: Option<Less>,
 }
 
 /// The shortest plan with or without collisions.

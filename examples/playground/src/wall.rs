@@ -8,13 +8,9 @@ use carom::prelude::*;
 use carom::reformulate::lower;
 
 use crate::answer::{Answer, Side};
-use crate::less::Less;
 use crate::progress::{self, Tell};
 use crate::task::Task;
 use crate::{REASON, Reasons, code, refuted, search_options};
-
-/// Position and velocity.
-const PLANE: [usize; 2] = [0, 1];
 
 /// Answers a task.
 pub fn solve(task: &str, tell: &mut Tell<'_>) -> Result<Answer, String> {
@@ -32,7 +28,6 @@ fn answer(task: &Task, tell: &mut Tell<'_>) -> Result<Answer, Error> {
     let tolerant = plan(&scenario, "tolerant", &options, tell)?;
     let mut answer = Answer::new(task, &free, &tolerant);
     answer.code = code::of_wall(task);
-    answer.less = less(&free, &tolerant)?;
     answer.reason = refuted(&free).or_else(|| refuted(&tolerant));
     if task.files {
         let steps = tolerant.steps.or(tolerant.refuted_steps).unwrap_or(1);
@@ -50,13 +45,6 @@ fn plan(
 ) -> Result<Shortest<Plan>, Error> {
     let mut progress = progress::refuted(side, tell);
     scenario.shortest_plan_with(options, &mut BranchAndBound::default(), &mut progress)
-}
-
-fn less(free: &Shortest<Plan>, tolerant: &Shortest<Plan>) -> Result<Option<Less>, Error> {
-    match Less::new("tolerant", tolerant, PLANE)? {
-        Some(less) => Ok(Some(less)),
-        None => Less::new("free", free, PLANE),
-    }
 }
 
 /// Why plans with so many steps are impossible.

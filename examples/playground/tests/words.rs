@@ -1,6 +1,6 @@
 //! What a visitor reads where there is no plan, and what comes with a plan.
 
-use carom_playground::{explain, explain_scene, plan_scene_with, plan_with};
+use carom_playground::{explain, explain_scene, less, plan_scene_with, plan_with};
 use serde_json::{Value, json};
 
 fn puck(start: [f64; 4], goal: [f64; 2], block: [[f64; 2]; 2]) -> Value {
@@ -65,7 +65,9 @@ fn where_no_plan_is_there_is_a_reason() {
 #[test]
 fn one_step_less_is_explained_and_drawn() {
     let (answer, task) = wall(&[]);
-    let less = &answer["less"];
+    let step_before = |side: &str| answer[side]["steps"].as_u64().unwrap() as usize - 1;
+    let found = less(&task, step_before("free"), step_before("tolerant"));
+    let less: Value = serde_json::from_str(&found).unwrap();
     let (side, steps) = (less["side"].as_str().unwrap(), less["steps"].as_u64().unwrap());
     assert_eq!((side, steps), ("tolerant", answer["tolerant"]["steps"].as_u64().unwrap() - 1));
     let samples = less["forward"].as_array().unwrap().len();

@@ -1,252 +1,225 @@
-// The page: sliders, things to drag and links hold the task, two workers plan it, the charts show the
-// answer.
-import { drawCurves, drawPhase, drawTrack } from "./charts.js";
-import { drawScene, makeMovable, speeds } from "./plane.js";
+// The page: sliders, things to drag and links hold the task, workers plan it, pictures show the answer.
+import { SIDES } from "./charts.js";
+import * as form from "./form.js";
+import { makeMovable } from "./handles.js";
+import { outdateLess, redrawLess, showLess } from "./less.js";
+import { allowed, link, numbers, readLink } from "./link.js";
+import { loadPlanner } from "./load.js";
+import * as pace from "./pace.js";
+import { drawCharts, drawTask, duration } from "./pictures.js";
 import { Planners } from "./planners.js";
-import { KINDS, allowed, link, numbers, readLink } from "./tasks.js";
+import { Player } from "./player.js";
+import * as results from "./results.js";
+import { asPicture, copy, download } from "./save.js";
+import { KINDS } from "./tasks.js";
 
-const SIDES = ["free", "tolerant"];
+/** After so long without a change, what was planned coarsely is planned, and the reasons are asked for, in ms. */
+const REST = 150;
+
 const $ = selector => document.querySelector(selector);
 const page = document.documentElement;
 let [name, state] = readLink(location.hash);
 let kind = KINDS[name];
-let answer = null;
 let planners = null;
-let asked = { id: 0, at: 0 };
+/** The last answer, of the task as it stands or of an older one. */
+let answer = null;
+/** The last request, and since when an answer is missing. */
+let asked = { id: 0, at: 0, isCoarse: false };
+/** What moves the pictures of the task, and the charts. */
 let views = [];
-let shownTime = 0;
-let playing = false;
+let charted = { views: [] };
+let redraw = 0;
+let resting = 0;
+let linking = 0;
+let hasPlayed = false;
 
-// --- the task: sliders, link ---
+const player = new Player({ button: $("#play"), slider: $("#time"), clock: $("#clock"),
+  show: time => { if (answer) [...views, ...charted.views].forEach(view => view.show(time)); } });
 
-function said(knob) {
-  const value = state[knob.key];
-  if (knob.none && value >= knob.max) return knob.none;
-  return `${value.toFixed(knob.digits).replace("-", "−")}${knob.unit ? ` ${knob.unit}` : ""}`;
-}
+// --- the task ---
 
-/** The words, sliders and examples of a kind of task. */
-function showKind() {
-  kind = KINDS[name];
-  page.dataset.kind = name;
-  $("#title").textContent = kind.title;
-  $("#intro").textContent = kind.intro;
-  $("#kinds").innerHTML = Object.entries(KINDS).map(([key, { short }]) =>
-    `<a href="#${link(key, KINDS[key].defaults)}"${key === name ? ' aria-current="page"' : ""}>${short}</a>`).join("");
-  $("#presets").innerHTML = Object.keys(kind.presets).map(label => `<button type="button" data-preset="${label}">${label}</button>`).join("");
-  for (const part of document.querySelectorAll("[data-for]")) part.hidden = (part.dataset.for === "scene") !== Boolean(kind.room);
-  $("#sliders").replaceChildren(...kind.knobs.map(makeSlider));
-}
-
-function makeSlider(knob) {
-  const row = document.createElement("div");
-  row.className = "slider";
-  const [min, max, step] = knob.values ? [0, knob.values.length - 1, 1] : [knob.min, knob.max, knob.step];
-  row.innerHTML = `<label for="${knob.key}">${knob.label}</label><output for="${knob.key}"></output>` +
-    `<input id="${knob.key}" name="${knob.key}" type="range" min="${min}" max="${max}" step="${step}">`;
-  knob.input = row.querySelector("input");
-  knob.output = row.querySelector("output");
-  knob.input.addEventListener("input", () => {
-    const value = Number(knob.input.value);
-    state[knob.key] = knob.values ? knob.values[value] : allowed(kind, knob, value);
-    changed();
-  });
-  return row;
-}
-
-function showSliders() {
-  for (const knob of kind.knobs) {
-    const value = state[knob.key];
-    knob.input.value = knob.values ? knob.values.indexOf(value) : value;
-    knob.output.textContent = said(knob);
-    knob.input.setAttribute("aria-valuetext", said(knob));
-  }
-}
-
-/** Another kind of task, or another state of it: the pictures of the old one go. */
+/** Another kind of task: the pictures and numbers of the old one go. */
 function begin() {
-  stop();
-  shownTime = 0;
+  kind = KINDS[name];
+  player.stop();
+  player.time = 0;
   answer = null;
-  showKind();
+  hasPlayed = false;
+  form.showKind(name, (key, value) => { state[key] = value; changed(); });
+  for (const side of SIDES) results.showSide(side, null);
+  $("#reason").textContent = "";
+  $("#verdict").textContent = planners ? "Planning …" : "Loading the planner …";
+  showLess(null);
   changed();
 }
 
+/** The state changed: everything that belongs to the old one is out of date from now on. */
 function changed() {
-  showSliders();
-  const hash = link(name, state);
-  history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
+  form.showSliders(kind, state);
+  results.setStale(true);
+  outdateLess();
   page.dataset.state = "planning";
-  if (kind.room) draw();
-  asked.at = performance.now();
-  asked.id = planners.ask(kind.task(state), Boolean(kind.room));
-  page.dataset.asked = asked.id;
-  clearTimeout(asked.slow);
-  asked.slow = setTimeout(() => { $("#took").textContent = "planning …"; }, 500);
+  draw();
+  clearTimeout(linking);
+  linking = setTimeout(saveLink, REST);
+  const isDrag = pace.isDrag();
+  if (planners) ask(isDrag);
 }
 
-/** Moves something of a scene to a place. */
-function move(own, place) {
+function ask(isDrag) {
+  clearTimeout(resting);
+  const whole = kind.task(state), task = isDrag ? pace.preview(name, kind, whole) : whole;
+  const isCoarse = task !== whole;
+  results.begin();
+  asked = { id: planners.plan({ task, isScene: Boolean(kind.room), name, isCoarse }), at: performance.now(), isCoarse };
+  page.dataset.asked = asked.id;
+}
+
+/** A link holds the state. Browsers refuse to be told too often. */
+function saveLink() {
+  clearTimeout(linking);
+  const hash = link(name, state);
+  try {
+    history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
+  } catch { /* The next one. */ }
+}
+
+/** Sets numbers, or moves them by so many steps of theirs. */
+function move(pairs, bySteps) {
   const before = link(name, state);
   for (const number of numbers(kind)) {
-    const axis = [`${own}X`, `${own}Y`].indexOf(number.key);
-    if (axis >= 0) state[number.key] = allowed(kind, number, place[axis]);
+    const pair = pairs.find(([key]) => key === number.key);
+    if (pair) state[number.key] = allowed(kind, number, bySteps ? state[number.key] + pair[1] * number.step : pair[1]);
   }
-  if (link(name, state) === before) return;
-  stop();
-  changed();
+  if (link(name, state) !== before) changed();
 }
 
 // --- the answer ---
 
-function heard({ id, answer: found, reasons, failure }) {
-  if (failure) return fail(`The planner failed: ${failure}. Reload the page.`);
-  if (reasons) return showReasons(id, reasons);
-  clearTimeout(asked.slow);
-  answer = found;
-  if (found.error) fail(found.error); else show(found);
-  requestAnimationFrame(() => {
-    page.dataset.drawn = id;
-    page.dataset.latency = (performance.now() - asked.at).toFixed(1);
-    $("#took").textContent = `planned and drawn in ${Math.round(performance.now() - asked.at)} ms`;
-  });
+function heard(message) {
+  const { id, job } = message, isLatest = id === asked.id;
+  if (message.replaced) return pace.learn(job.name, job.isCoarse, message.took);
+  if (message.failure && job && job.what !== "plan") return isLatest && (job.what === "files" ? saveProgram({}) : showReasons(id, {}));
+  if (message.failure) return isLatest && fail(`The planner failed: ${message.failure}. Change something, or reload the page.`, id);
+  if (message.files) return isLatest && saveProgram(message.files);
+  if (message.less !== undefined) return isLatest && showLess(message.less, answer, kind, state);
+  if (message.reasons) return isLatest && showReasons(id, message.reasons);
+  if (message.progress) return isLatest && !job.isCoarse && showProgress(message.progress);
+  pace.learn(job.name, job.isCoarse, message.took);
+  if (job.name !== name) return;
+  show(message.answer);
+  page.dataset.pictures = Number(page.dataset.pictures ?? 0) + 1;
+  if (!isLatest) return;
+  if (job.isCoarse) resting = setTimeout(() => ask(false), REST);
+  else settle(id, message);
 }
 
-function fail(sentence) {
-  answer = null;
-  page.dataset.state = "failed";
-  $(".stage").classList.add("failed");
-  $("#verdict").textContent = sentence;
-  for (const side of SIDES) showSide(side, null);
-  draw();
+/** The answer to the task as it stands has come, or none will. */
+function settle(id, { answer: found, job }) {
+  saveLink();
+  results.end();
+  results.setStale(false, SIDES, id);
+  const error = found?.error ?? !found;
+  page.dataset.state = error ? "failed" : "planned";
+  $("#code").textContent = found?.code ?? "";
+  $("#code-part").hidden = !found?.code;
+  if (!found || found.error) showLess(null);
+  const at = asked.at;
+  requestAnimationFrame(() => {
+    page.dataset.drawn = id;
+    page.dataset.latency = (performance.now() - at).toFixed(1);
+    $("#took").textContent = `planned and drawn in ${Math.round(performance.now() - at)} ms`;
+  });
+  if (error) return showReasons(id, {});
+  // One step less than the shortest plan; without a plan, the longest one that was refuted.
+  const steps = SIDES.map(side => found[side].found ? found[side].steps - 1 : found[side].refuted);
+  resting = setTimeout(() => planners.also({ ...job, what: "explain", steps }), REST);
 }
 
 function show(found) {
-  page.dataset.state = "planned";
-  $(".stage").classList.toggle("failed", SIDES.every(side => !found[side].steps));
-  $("#verdict").textContent = found.conclusion;
-  for (const side of SIDES) showSide(side, found[side]);
-  const start = !playing && shownTime === 0;
+  answer = found.error ? null : found;
+  if (found.error) results.showFailure(found.error); else results.showAnswer(found);
   draw();
-  if (start && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
 
-function showSide(name, side) {
-  const text = (selector, words) => $(`[data-side=${name}] ${selector}`).textContent = words;
-  text(".seconds", side?.steps ? `${side.seconds.toFixed(3)} s` : "–");
-  text(".steps", side?.steps ? `${side.steps} ${side.steps === 1 ? "step" : "steps"}` : side ? "no plan" : "");
-  text(".proof", side?.proof ?? "");
-  text(".hits", (side?.plan?.hits ?? []).map(hit =>
-    `Hit: ${hit.contact} at ${hit.time.toFixed(2)} s with ${hit.speed.toFixed(2)} m/s, ${Math.hypot(...hit.impulse).toFixed(2)} N s.`).join(" "));
-  text(".why", "");
+function fail(sentence, id) {
+  answer = null;
+  results.showFailure(sentence);
+  draw();
+  settle(id, {});
 }
 
 function showReasons(id, reasons) {
-  for (const name of SIDES) {
-    const why = reasons[name];
-    $(`[data-side=${name}] .why`).textContent = why ? `${why[0].toUpperCase()}${why.slice(1)}.` : "";
-  }
+  results.showReasons(reasons);
   page.dataset.explained = id;
 }
 
-// --- pictures ---
+/** How far the planner is; one side may be known already. */
+function showProgress(progress) {
+  results.showProgress(progress);
+  if (!progress.found) return;
+  answer = { ...answer, [progress.side]: progress.found };
+  for (const side of SIDES) if (side !== progress.side) delete answer[side];
+  results.showSide(progress.side, progress.found);
+  results.setStale(false, [progress.side], asked.id);
+  draw();
+}
 
+function cancel() {
+  planners.cancel();
+  results.showCancelled();
+  page.dataset.state = "cancelled";
+  page.dataset.drawn = page.dataset.explained = asked.id;
+}
+
+/** The pictures, once a frame at most; the charts only where the answer is another one. */
 function draw() {
-  views = kind.room ? drawScenes() : drawWall();
-  const length = duration();
-  $("#time").max = length;
-  for (const control of [$("#time"), $("#play")]) control.disabled = !length;
-  showTime(Math.min(shownTime, length));
-}
-
-function drawWall() {
-  const curves = { free: answer?.free?.curve, tolerant: answer?.tolerant?.curve };
-  const sets = answer?.tolerant?.sets?.length ? answer.tolerant.sets : answer?.free?.sets ?? [];
-  const charts = ["position", "velocity", "acceleration"].map(name => drawChart($(`#chart-${name}`), name, curves));
-  return [drawTrack($("#track"), curves, state), ...charts, drawPhase($("#phase"), curves, sets)];
-}
-
-function drawScenes() {
-  const task = kind.task(state), motions = SIDES.map(side => answer?.[side]?.plan);
-  const scenes = SIDES.map((side, k) => drawScene($(`#scene-${side}`), side, motions[k], kind, task, state));
-  const charts = [0, 1].map(k => {
-    const body = task.bodies[k], place = $(`#speed-${k}`), figure = place.closest("figure");
-    figure.hidden = !body;
-    if (!body) return [];
-    figure.querySelector(".who").textContent = `${body.name[0].toUpperCase()}${body.name.slice(1)}`;
-    const curves = Object.fromEntries(SIDES.map((side, i) => [side, motions[i] && speeds(motions[i], k)]));
-    return drawChart(place, "speed", curves);
-  });
-  return [...scenes, ...charts.flat()];
-}
-
-/** A chart over time in which a visitor can point at a time. */
-function drawChart(place, name, curves) {
-  const view = drawCurves(place, name, curves);
-  place.onpointermove = event => {
-    if (!duration() || event.pointerType === "mouse" && !event.buttons) return;
-    stop();
-    showTime(view.timeAt(event.clientX - place.getBoundingClientRect().left));
-  };
-  return view;
-}
-
-/** Of the longer plan, in s; 0 if there is none. */
-function duration() {
-  return Math.max(...SIDES.map(side => answer?.[side]?.steps && (answer[side].curve ?? answer[side].plan) ? answer[side].seconds : 0));
-}
-
-function showTime(time) {
-  shownTime = time;
-  if (answer) views.forEach(view => view.show(time));
-  $("#time").value = time;
-  $("#time").setAttribute("aria-valuetext", `${time.toFixed(2)} s`);
-  $("#clock").textContent = `${time.toFixed(2)} s`;
-}
-
-let frame = 0;
-function play(on) {
-  playing = on;
-  $("#play").textContent = on ? "❚❚" : "▶";
-  $("#play").setAttribute("aria-label", on ? "Pause" : "Play");
-  cancelAnimationFrame(frame);
-  if (!on) return;
-  let last = performance.now();
-  const tick = now => {
-    const next = shownTime + (now - last) / 1000;
-    last = now;
-    if (next >= duration()) {
-      showTime(duration());
-      return play(false);
+  redraw ||= requestAnimationFrame(() => {
+    redraw = 0;
+    views = drawTask(kind, state, answer, pace.isHeld() && views[0]?.view ? views : null);
+    if (charted.answer !== answer || charted.width !== innerWidth || charted.kind !== kind) {
+      const point = time => { if (player.length) { player.stop(); player.at(time); } };
+      charted = { answer, kind, width: innerWidth, views: drawCharts(kind, state, answer, point) };
     }
-    showTime(next);
-    frame = requestAnimationFrame(tick);
-  };
-  frame = requestAnimationFrame(tick);
+    player.begin(duration(answer));
+    if (answer && !hasPlayed && player.length && page.dataset.state !== "planning") {
+      hasPlayed = true;
+      if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play(true);
+    }
+  });
 }
-const stop = () => playing && play(false);
 
 // --- the rest of the page ---
 
+function saveProgram(files) {
+  $("#save-mps").textContent = "Program (MPS)";
+  $("#saved").textContent = files.mps ? "" : "There is no program of this task to save.";
+  if (files.mps) download(`carom_${name}.mps`, "text/plain", files.mps);
+}
+
 function listen() {
-  $("#play").addEventListener("click", () => {
-    if (!playing && shownTime >= duration() - 1e-6) showTime(0);
-    play(!playing);
-  });
-  $("#time").addEventListener("input", () => { stop(); showTime(Number($("#time").value)); });
   $("#presets").addEventListener("click", event => {
     const label = event.target.dataset.preset;
     if (!label) return;
     state = { ...kind.defaults, ...kind.presets[label] };
-    stop();
-    shownTime = 0;
+    player.stop();
+    player.time = 0;
+    hasPlayed = false;
     changed();
   });
-  SIDES.forEach((side, k) => makeMovable($(`#scene-${side}`), () => views[k], own => [state[`${own}X`], state[`${own}Y`]], move));
-  $("#link").addEventListener("click", async () => {
-    await navigator.clipboard?.writeText(location.href).catch(() => {});
-    $("#link").textContent = "Copied";
-    setTimeout(() => $("#link").textContent = "Copy link", 1500);
+  for (const [place, k] of [["#track", 0], ["#scene-free", 0], ["#scene-tolerant", 1]]) {
+    makeMovable($(place), () => ({ view: views[k].view, kind, state }), (...change) => { player.stop(); move(...change); });
+  }
+  pace.watchPointer(() => { if (asked.isCoarse) ask(false); });
+  $("#cancel").addEventListener("click", cancel);
+  $("#link").addEventListener("click", () => { saveLink(); copy($("#link"), location.href); });
+  $("#copy").addEventListener("click", () => copy($("#copy"), $("#code").textContent));
+  $("#save-svg").addEventListener("click", () => download(`carom_${name}.svg`, "image/svg+xml", asPicture(kind.title)));
+  $("#save-json").addEventListener("click", () =>
+    download(`carom_${name}.json`, "application/json", `${JSON.stringify({ task: kind.task(state), answer }, null, 1)}\n`));
+  $("#save-mps").addEventListener("click", () => {
+    $("#save-mps").textContent = "Writing …";
+    planners?.also({ what: "files", task: kind.task(state), isScene: Boolean(kind.room), name });
   });
   $("#theme").addEventListener("click", () => {
     const dark = page.dataset.theme ? page.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
@@ -254,17 +227,18 @@ function listen() {
   });
   addEventListener("hashchange", () => { [name, state] = readLink(location.hash); begin(); });
   let width = innerWidth;
-  addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; draw(); } });
+  addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; draw(); redrawLess(); } });
+  // In the site, the documentation is above this page.
+  for (const part of document.querySelectorAll("[data-site]")) part.hidden = !/\/playground\/[^/]*$/.test(location.pathname);
 }
 
-showKind();
-showSliders();
 listen();
+begin();
 try {
-  const response = await fetch(new URL("./pkg/carom_playground_bg.wasm", import.meta.url));
-  const module = await WebAssembly.compileStreaming(response.clone()).catch(async () => WebAssembly.compile(await response.arrayBuffer()));
+  const { module, note } = await loadPlanner();
+  $("#note").textContent = note;
   planners = new Planners(module, heard);
-  changed();
+  ask(false);
 } catch (error) {
-  fail(`The planner could not be loaded: ${error}. The page needs WebAssembly and a web server that serves this folder.`);
+  fail(error.message, 0);
 }

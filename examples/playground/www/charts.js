@@ -1,6 +1,6 @@
 // Charts as SVG text, as wide as their place, so that letters keep their size on every screen.
 
-const SIDES = ["free", "tolerant"];
+export const SIDES = ["free", "tolerant"];
 export const round = value => Math.round(value * 100) / 100;
 
 /** The width of a place; of a hidden one, any that can be drawn. */
@@ -17,7 +17,7 @@ export function ticks(low, high, count) {
 }
 
 /** The range of some values, with a margin, never empty. */
-function range(values, least) {
+export function range(values, least) {
   let low = Infinity, high = -Infinity;
   for (const value of values) { low = Math.min(low, value); high = Math.max(high, value); }
   if (low > high) [low, high] = [0, 1];
@@ -25,7 +25,7 @@ function range(values, least) {
   return [low - margin, high + margin];
 }
 
-class Plane {
+export class Plane {
   constructor(width, height, x, y) {
     const [left, right, top, bottom] = [44, 14, 10, 26];
     Object.assign(this, { width, height, x, y, left, right, top, bottom });
@@ -112,44 +112,6 @@ export function drawPhase(place, curves, sets) {
         const dot = place.querySelector(`.dot.${side}`);
         dot.setAttribute("cx", plane.px(at(curves[side], "position", t)));
         dot.setAttribute("cy", plane.py(at(curves[side], "velocity", t)));
-      }
-    },
-  };
-}
-
-/** The wall, the goal, and a vehicle for each plan. */
-export function drawTrack(place, curves, task) {
-  const shown = SIDES.filter(side => curves[side]);
-  const width = widthOf(place), height = 178;
-  const all = shown.flatMap(side => curves[side].position);
-  const [, high] = range([0, task.start, task.goal, ...all], 0.4);
-  const wall = 22, px = x => round(wall + Math.max(x, -0.5) / high * (width - wall - 34));
-  const lanes = { free: 62, tolerant: 118 };
-  const goal = px(task.goal);
-  const label = goal > width - 90 ? "end" : "start";
-  const words = { free: "without collisions", tolerant: "with collisions" };
-  const lane = side => `<line class="rail" x1="${wall}" x2="${width - 8}" y1="${lanes[side] + 14}" y2="${lanes[side] + 14}"/>` +
-    `<text class="${side}" x="${width - 8}" y="${lanes[side] - 14}" text-anchor="end">${words[side]}</text>`;
-  const hits = shown.flatMap(side => curves[side].impacts.map((hit, k) =>
-    `<g class="hits" data-side="${side}" data-time="${hit.time}" visibility="hidden"><path class="spark" d="M${wall + 3} ${lanes[side]}l9 -13m-9 13l15 -5m-15 5l15 7"/></g>` +
-    (k ? "" : `<text class="${side}" x="${wall + 6}" y="${lanes[side] + 32}">hits at ${hit.before.toFixed(2)} m/s, leaves at ${hit.after.toFixed(2)} m/s</text>`)));
-  const marks = ticks(0, high, width / 90).map(t => `<text x="${px(t)}" y="${height - 4}" text-anchor="middle">${t}${t ? "" : " m"}</text>`);
-  const bodies = shown.map(side => `<g class="vehicle" data-side="${side}"><rect class="body ${side}" x="0" y="-9" width="22" height="18" rx="5"/><circle cx="5" cy="12" r="3.5" class="wall"/><circle cx="17" cy="12" r="3.5" class="wall"/></g>`);
-  place.innerHTML = `<svg viewBox="0 0 ${width} ${height}" height="${height}" role="img" aria-label="the vehicle moving beside its wall, with and without collisions">` +
-    `<rect class="wall" x="0" y="26" width="${wall}" height="${lanes.tolerant - 12}" rx="2"/>` +
-    `<line class="goal" x1="${goal}" x2="${goal}" y1="22" y2="${lanes.tolerant + 14}"/><text class="goal" x="${goal}" y="16" text-anchor="${label}">goal</text>` +
-    `${SIDES.map(lane).join("")}${hits.join("")}${marks.join("")}${bodies.join("")}</svg>`;
-  const vehicles = [...place.querySelectorAll(".vehicle")];
-  const sparks = [...place.querySelectorAll(".hits")];
-  return {
-    show: t => {
-      for (const vehicle of vehicles) {
-        const side = vehicle.dataset.side;
-        vehicle.setAttribute("transform", `translate(${px(at(curves[side], "position", t))} ${lanes[side]})`);
-      }
-      for (const spark of sparks) {
-        const since = t - Number(spark.dataset.time);
-        spark.setAttribute("visibility", since >= 0 && since < 0.15 ? "visible" : "hidden");
       }
     },
   };

@@ -8,8 +8,16 @@ const knob = (key, label, unit, min, max, step, digits, more) => ({ key, label, 
 const restitution = label => knob("restitution", label, "", 0, 1, 0.005, 3);
 const timeStep = values => ({ key: "timeStep", label: "Time step", unit: "s", values, digits: 3 });
 const limit = value => value >= NO_LIMIT ? null : value;
+
+// What can be dragged: a place, of which `x` and `y` are the numbers in the state, or the arrow of a velocity.
+const body = (name, label, number) => ({ name, label, kind: "body", body: number, x: `${name}X`, y: `${name}Y` });
+const goal = { name: "goal", label: "Goal", kind: "goal", x: "goalX", y: "goalY" };
+const obstacle = (name, label, half) => ({ name, label, kind: "obstacle", half, x: `${name}X`, y: `${name}Y` });
+const arrow = (y = "velocityY") => ({ name: "velocity", label: "Velocity", kind: "velocity", of: "start", x: "velocityX", y });
+
 const point = (state, name) => [state[`${name}X`], state[`${name}Y`]];
-const around = ([x, y], [w, h]) => [[x - w, x + w], [y - h, y + h]];
+const millimetres = value => Math.round(1000 * value) / 1000;
+const around = ([x, y], [w, h]) => [[x - w, x + w], [y - h, y + h]].map(ends => ends.map(millimetres));
 
 const wall = {
   title: "Hit the wall to be faster",
@@ -25,7 +33,12 @@ const wall = {
     knob("maxAcceleration", "Largest acceleration", "m/s²", 0, 12, 0.25, 2),
     timeStep(STEPS),
   ],
-  handles: [],
+  handles: [
+    { name: "start", label: "Start", kind: "body", x: "start" },
+    { name: "velocity", label: "Velocity", kind: "velocity", of: "start", x: "velocity" },
+    { name: "goal", label: "Goal", kind: "goal", x: "goal" },
+  ],
+  coarsest: 0.04,
   defaults: { start: 10, velocity: 0, goal: 0.3, restitution: 0, impactLimit: NO_LIMIT, maxSpeed: 15, maxAcceleration: 6, timeStep: 0.005 },
   presets: {
     "Plastic wall": {},
@@ -55,11 +68,9 @@ const bank = {
     knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 6, 0.25, 2),
     timeStep([0.05, 0.1, 0.2, 0.5]),
   ],
-  handles: [
-    { name: "start", label: "Puck", kind: "body", body: 0 },
-    { name: "goal", label: "Goal", kind: "goal" },
-    { name: "block", label: "Block", kind: "obstacle", half: [0.1, 0.1] },
-  ],
+  handles: [body("start", "Puck", 0), goal, obstacle("block", "Block", [0.1, 0.1]), arrow()],
+  arrow: 0.12,
+  coarsest: 0.2,
   defaults: { velocityX: 2, velocityY: 2, restitution: 0.9, maxSpeed: 3, maxAcceleration: 3, timeStep: 0.05,
     startX: 1.2, startY: 0.2, goalX: 0.4, goalY: 0.2, blockX: 0.5, blockY: 0.7 },
   presets: {
@@ -89,11 +100,9 @@ const pillar = {
     knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 0.5, 0.025, 3),
     timeStep([0.5, 1, 2]),
   ],
-  handles: [
-    { name: "start", label: "Robot", kind: "body", body: 0 },
-    { name: "goal", label: "Goal", kind: "goal" },
-    { name: "pillar", label: "Pillar", kind: "obstacle", half: [0.3, 0.65] },
-  ],
+  handles: [body("start", "Robot", 0), goal, obstacle("pillar", "Pillar", [0.3, 0.65]), arrow()],
+  arrow: 1.5,
+  coarsest: 2,
   defaults: { velocityX: -0.4, velocityY: 0.3, restitution: 0.6, impulseLimit: NO_LIMIT, maxSpeed: 0.5, maxAcceleration: 0.15, timeStep: 0.5,
     startX: 0.8, startY: 1.5, goalX: 3.5, goalY: 1.2, pillarX: 2, pillarY: 1.55 },
   presets: {
@@ -124,11 +133,9 @@ const exchange = {
     knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 2, 0.1, 1),
     timeStep([0.25, 0.5]),
   ],
-  handles: [
-    { name: "start", label: "Carrier", kind: "body", body: 0 },
-    { name: "cart", label: "Cart", kind: "body", body: 1 },
-    { name: "goal", label: "Goal", kind: "goal" },
-  ],
+  handles: [body("start", "Carrier", 0), body("cart", "Cart", 1), goal, arrow(null)],
+  arrow: 0.25,
+  coarsest: 0.5,
   defaults: { velocityX: 2, restitution: 0.8, impulseLimit: 4, mass: 1, maxSpeed: 3, maxAcceleration: 1, timeStep: 0.25,
     startX: 0.5, startY: 0.5, cartX: 2.2, cartY: 0.5, goalX: 2, goalY: 0.5 },
   presets: {
@@ -150,33 +157,3 @@ const exchange = {
 };
 
 export const KINDS = { wall, bank, pillar, exchange };
-
-/** What a state may hold: the sliders, and the two coordinates of what can be dragged. */
-export function numbers(kind) {
-  const places = kind.handles.flatMap(({ name }) => ["X", "Y"].map((axis, k) =>
-    ({ key: name + axis, min: kind.room[k][0], max: kind.room[k][1], step: 0.05 })));
-  return [...kind.knobs, ...places];
-}
-
-/** The nearest value that a number can take. */
-export function allowed(kind, number, value) {
-  if (!Number.isFinite(value)) return kind.defaults[number.key];
-  if (number.values) return number.values.reduce((a, b) => Math.abs(b - value) < Math.abs(a - value) ? b : a);
-  const steps = Math.round((Math.min(number.max, Math.max(number.min, value)) - number.min) / number.step);
-  return Number((number.min + steps * number.step).toFixed(3));
-}
-
-/** The kind and the state that a link holds. */
-export function readLink(hash) {
-  const given = new URLSearchParams(hash.slice(1));
-  const name = Object.hasOwn(KINDS, given.get("task")) ? given.get("task") : "wall";
-  const kind = KINDS[name], state = { ...kind.defaults };
-  for (const number of numbers(kind)) if (given.has(number.key)) state[number.key] = allowed(kind, number, Number(given.get(number.key)));
-  return [name, state];
-}
-
-/** The link of a state: what differs from the defaults. */
-export function link(name, state) {
-  const changed = numbers(KINDS[name]).map(({ key }) => [key, state[key]]).filter(([key, value]) => value !== KINDS[name].defaults[key]);
-  return new URLSearchParams(name === "wall" ? changed : [["task", name], ...changed]).toString();
-}

@@ -1,24 +1,38 @@
-// One planner. The page ends this worker when its answer is out of date.
-import init, { explain, explain_scene, plan, plan_scene } from "./pkg/carom_playground.js";
+// One planner. The page ends this worker when what it does is out of date.
+import init, * as planner from "./pkg/carom_playground.js";
 
 let ready;
+
+const call = (job, what, ...more) =>
+  JSON.parse(planner[job.isScene ? `${what}_scene` : what](JSON.stringify(job.task), ...more));
+
+/** News are told some twenty times a second, and whatever was found at once. */
+function telling(job) {
+  let last = 0;
+  return text => {
+    const isFound = !text.endsWith('"found":null}'), now = performance.now();
+    if (!isFound && now - last < 50) return;
+    last = now;
+    postMessage({ id: job.id, progress: JSON.parse(text) });
+  };
+}
+
+function done(job) {
+  if (job.what === "plan") return { answer: call(job, "plan", telling(job)) };
+  if (job.what === "files") return { files: call({ ...job, task: { ...job.task, files: true } }, "plan", () => {}) };
+  postMessage({ id: job.id, less: call(job, "less", ...job.steps), more: true });
+  return { reasons: call(job, "explain", ...job.steps) };
+}
+
 onmessage = async ({ data }) => {
   try {
     if (data.module) {
       ready = init({ module_or_path: data.module });
       await ready;
-      postMessage({ ready: true });
-      return;
+      return postMessage({ ready: true });
     }
     await ready;
-    const { id, task, isScene } = data;
-    const text = JSON.stringify(task);
-    const answer = JSON.parse((isScene ? plan_scene : plan)(text));
-    postMessage({ id, answer });
-    if (answer.error) return postMessage({ id, reasons: {} });
-    // One step less than the shortest plan; without a plan, the longest one that was refuted.
-    const less = side => side.found ? side.steps - 1 : side.refuted;
-    postMessage({ id, reasons: JSON.parse((isScene ? explain_scene : explain)(text, less(answer.free), less(answer.tolerant))) });
+    postMessage({ id: data.id, ...done(data) });
   } catch (error) {
     postMessage({ id: data.id, failure: String(error) });
   }

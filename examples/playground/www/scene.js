@@ -1,18 +1,20 @@
 // A scene seen from above, once without and once with collisions: the room, what can be dragged, the
 // paths, and the bodies moving.
 import { round, ticks, widthOf } from "./charts.js";
+import { drawHandles, focus, focused } from "./handles.js";
 
 const MARGIN = { left: 34, right: 12, top: 12, bottom: 24 };
 const WORDS = { free: "Without collisions", tolerant: "With collisions" };
 
 /** Metres to pixels and back, on equal axes. */
-class View {
-  constructor(place, room) {
-    const [[left, right], [low, high]] = room;
+export class View {
+  constructor(place, kind) {
+    const [[left, right], [low, high]] = kind.room;
     this.width = widthOf(place);
     this.scale = (this.width - MARGIN.left - MARGIN.right) / (right - left);
+    this.speed = kind.arrow * this.scale;
     this.height = Math.ceil((high - low) * this.scale) + MARGIN.top + MARGIN.bottom;
-    this.room = room;
+    this.room = kind.room;
     this.px = x => round(MARGIN.left + (x - left) * this.scale);
     this.py = y => round(MARGIN.top + (high - y) * this.scale);
     this.metres = (x, y) => [left + (x - MARGIN.left) / this.scale, high - (y - MARGIN.top) / this.scale];
@@ -80,68 +82,23 @@ function hitMark(view, side, hit) {
   return `${ring}<path class="impulse" d="M${x + 6 * dx} ${y + 6 * dy}L${tx} ${ty}m${round(-8 * dx - 4 * dy)} ${round(-8 * dy + 4 * dx)}L${tx} ${ty}l${round(-8 * dx + 4 * dy)} ${round(-8 * dy - 4 * dx)}"/>`;
 }
 
-function handle(view, task, state, own, focusable) {
-  const [x, y] = [state[`${own.name}X`], state[`${own.name}Y`]];
-  const inside = {
-    obstacle: () => shape(view, own, "obstacle"),
-    goal: () => `<path class="goal" d="M-9 0H9M0 -9V9"/><circle class="goal" r="6"/>`,
-    body: () => shape(view, task.bodies[own.body], "start"),
-  }[own.kind]();
-  const high = { obstacle: () => -own.half[1] * view.scale - 6, goal: () => 25, body: () => -13 }[own.kind]();
-  const label = `<text class="tag" y="${round(high)}" text-anchor="middle">${own.label}</text>`;
-  const role = focusable ? `tabindex="0" role="slider" aria-roledescription="movable" aria-label="${own.label}: arrow keys move it" ` +
-    `aria-valuemin="${view.room[0][0]}" aria-valuemax="${view.room[0][1]}" aria-valuenow="${x}" aria-valuetext="${x} m, ${y} m"` : `aria-hidden="true"`;
-  return `<g class="handle" data-handle="${own.name}" transform="translate(${view.px(x)} ${view.py(y)})" ${role}><circle class="grip" r="22"/>${inside}${label}</g>`;
-}
-
 /** Draws one side; returns what moves its bodies. */
 export function drawScene(place, side, motion, kind, task, state) {
-  const view = new View(place, kind.room);
+  const view = new View(place, kind);
   const numbers = motion ? motion.bodies.map((_, k) => k) : [];
   const paths = numbers.map(k => `<path class="curve ${side} body-${k}" d="${path(view, motion, k)}"/>`).join("");
   const hits = motion ? motion.hits.map(hit => hitMark(view, side, hit)).join("") : "";
   const movers = numbers.map(k => `<g class="mover">${shape(view, task.bodies[k], `body ${side} body-${k}`)}</g>`).join("");
-  const handles = kind.handles.map(own => handle(view, task, state, own, side === "free")).join("");
-  const focused = place.contains(document.activeElement) ? document.activeElement.dataset.handle : null;
+  const outline = own => own.kind === "obstacle" ? shape(view, own, "obstacle") : shape(view, task.bodies[own.body], "start");
+  const handles = drawHandles(view, kind, state, outline, side === "free");
+  const own = focused(place);
   // A group, so that what can be moved is not hidden inside an image.
   place.innerHTML = `<svg viewBox="0 0 ${view.width} ${view.height}" height="${view.height}" role="group" aria-label="${WORDS[side]}: the scene from above, in m">` +
     `${view.ground(task.walls)}<g class="plan">${paths}${hits}${movers}</g>${handles}</svg>`;
-  if (focused) place.querySelector(`[data-handle="${focused}"]`).focus();
+  focus(place, own);
   const groups = [...place.querySelectorAll(".mover")];
   return {
-    metres: view.metres,
+    view,
     show: time => groups.forEach((group, k) => group.setAttribute("transform", `translate(${view.at(placeAt(motion, k, time))})`)),
   };
-}
-
-/**
- * Lets a visitor drag, or move by arrow keys, what a scene shows. `view()` is what is drawn,
- * `position(name)` is where something is, and `move(name, place)` moves it, all in m.
- */
-export function makeMovable(place, view, position, move) {
-  let held = null;
-  const where = event => {
-    const frame = place.getBoundingClientRect();
-    return view().metres(event.clientX - frame.left, event.clientY - frame.top);
-  };
-  place.addEventListener("pointerdown", event => {
-    const name = event.target.closest("[data-handle]")?.dataset.handle;
-    if (!name || event.button) return;
-    const at = where(event);
-    held = { name, by: position(name).map((value, k) => value - at[k]) };
-    place.setPointerCapture(event.pointerId);
-    place.querySelector(`[data-handle="${name}"][tabindex]`)?.focus({ preventScroll: true });
-    event.preventDefault();
-  });
-  place.addEventListener("pointermove", event => {
-    if (held) move(held.name, where(event).map((value, k) => value + held.by[k]));
-  });
-  for (const end of ["pointerup", "pointercancel"]) place.addEventListener(end, () => { held = null; });
-  place.addEventListener("keydown", event => {
-    const name = event.target.closest("[data-handle]")?.dataset.handle, far = event.shiftKey ? 0.25 : 0.05;
-    const by = { ArrowLeft: [-far, 0], ArrowRight: [far, 0], ArrowDown: [0, -far], ArrowUp: [0, far] }[event.key];
-    if (!name || !by) return;
-    event.preventDefault();
-    move(name, position(name).map((value, k) => value + by[k]));
-  });
 }

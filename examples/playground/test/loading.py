@@ -1,0 +1,35 @@
+"""What the page says where its planner cannot be loaded, or arrives as it should not."""
+
+from served import PAGE, Served
+
+# What is wrong with the server, and a word of the sentence that must come.
+FAULTS = {
+    "missing": "the server answers 404 for pkg/carom_playground_bg.wasm",
+    "html": "is not WebAssembly",
+    "cut": "is damaged or incomplete",
+}
+
+
+def says_what_is_missing(browser):
+    for fault, word in FAULTS.items():
+        with Served(fault) as address:
+            browser.call("POST", "url", {"url": f"{address}/"})
+            browser.wait("document.documentElement.dataset.state === 'failed'", fault)
+            verdict = browser.text("#verdict")
+            print(f"{fault}: {verdict}")
+            assert word in verdict, f"no {word!r}"
+    # Compressed without saying so: works, and says so.
+    with Served("gzip") as address:
+        browser.call("POST", "url", {"url": f"{address}/"})
+        browser.wait("document.documentElement.dataset.state === 'planned'", "a plan")
+        note = browser.text("#note")
+        print(f"gzip: {note}")
+        assert "Content-Encoding" in note
+    # As a file.
+    browser.call("POST", "url", {"url": (PAGE / "index.html").as_uri()})
+    browser.wait("document.querySelector('#verdict code')", "a sentence")
+    print(f"file: {browser.text('#verdict')}")
+    assert "python3 -m http.server" in browser.text("#verdict")
+    assert browser.run("return document.querySelector('.controls').getClientRects().length") == 0
+    # Browsers tell their console about all of this.
+    browser.call("POST", "se/log", {"type": "browser"})
