@@ -134,7 +134,12 @@ fn words() -> Words {
         ("v", "the velocity", "m/s"),
         ("a", "the acceleration", "m/s²"),
     ];
-    Words { quantities: quantities.map(word).to_vec(), event: Some("hit"), ..Words::default() }
+    let flight = ("flight", "the vehicle cannot stop in front of the wall", Some("m"));
+    Words {
+        quantities: quantities.map(word).to_vec(),
+        transitions: vec![(flight.0.into(), flight.1.into(), flight.2)],
+        event: Some("hit"),
+    }
 }
 
 /// A scenario as a family of feasibility programs over the horizon.

@@ -67,7 +67,7 @@ pub enum Obstacle {
     Limit {
         /// Its name.
         name: String,
-        /// The transition, if the limit is a guard.
+        /// The transition, if the limit is a guard and not a rule of the user's.
         transition: Option<String>,
         /// The limit.
         limit: f64,
@@ -94,6 +94,22 @@ pub enum Obstacle {
         /// The smallest value that is needed.
         needed: f64,
     },
+}
+
+/// The obstacles that tell why no transition is left: the first one, and rules of the user's.
+fn telling(obstacles: impl Iterator<Item = Obstacle>) -> Vec<Obstacle> {
+    let mut told: Vec<Obstacle> = Vec::new();
+    let name_of = |obstacle: &Obstacle| match obstacle {
+        Obstacle::Limit { name, transition: None, .. } => Some(name.clone()),
+        _ => None,
+    };
+    for obstacle in obstacles {
+        let name = name_of(&obstacle);
+        if told.is_empty() || name.is_some() && !told.iter().any(|known| name_of(known) == name) {
+            told.push(obstacle);
+        }
+    }
+    told
 }
 
 impl ReachSets {
@@ -185,6 +201,15 @@ impl ReachSets {
             }
             Place::End(_) | Place::Shape => return None,
         };
+        if taken.is_some_and(|m| system.moves[m].members.iter().any(|t| self.is_rule(*t, name))) {
+            let name = format!("{name} ({})", number(limit));
+            return Some(Obstacle::Limit {
+                name,
+                transition: None,
+                limit,
+                nearest: emptied.nearest,
+            });
+        }
         // Of the transitions that a step combines, the one that has the guard.
         let owner = |m: usize| {
             let members = &system.moves[m].members;
@@ -202,6 +227,15 @@ impl ReachSets {
         })
     }
 
+    /// Whether a transition has a guard of a name that is a limit which the user has set.
+    fn is_rule(&self, number: usize, name: &str) -> bool {
+        let transition = self.system().transitions().nth(number);
+        transition.is_some_and(|transition| {
+            let guards = transition.guards.iter().chain(&transition.prediction_guards);
+            guards.into_iter().any(|guard| guard.is_limit && guard.name == name)
+        })
+    }
+
     /// Whether a transition has a guard of a name.
     fn has_guard(&self, number: usize, name: &str) -> bool {
         let transition = self.system().transitions().nth(number);
@@ -215,8 +249,8 @@ impl ReachSets {
         if tube.reached(sample).next().is_none() {
             // The forward sets became empty by themselves.
             let Some((step, emptied)) = &self.emptied else { return (sample, Vec::new()) };
-            let obstacle = self.obstacle(step + 1, emptied);
-            return (step + 1, obstacle.map(Finding::of_all).into_iter().collect());
+            let obstacles = emptied.iter().filter_map(|emptied| self.obstacle(step + 1, emptied));
+            return (step + 1, telling(obstacles).into_iter().map(Finding::of_all).collect());
         }
         let needed = self.needed(tube, sample);
         let has_events = self.system().transitions().any(|transition| transition.is_event);

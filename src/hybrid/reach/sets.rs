@@ -64,8 +64,8 @@ pub struct ReachSets {
     backward: Vec<Shared>,
     /// From this step on, the forward sets no longer grow.
     settled: Option<usize>,
-    /// The step after which all forward sets are empty, and what emptied one of them.
-    pub(super) emptied: Option<(usize, Emptied)>,
+    /// The step after which all forward sets are empty, and what emptied them.
+    pub(super) emptied: Option<(usize, Vec<Emptied>)>,
 }
 
 impl ReachSets {
@@ -342,7 +342,7 @@ impl ReachSets {
         let graph = Arc::clone(&self.graph);
         let now = &self.forward[step];
         let mut next: Layers = vec![None; now.len()];
-        let mut emptied = None;
+        let mut emptied = Vec::new();
         for (layer, set) in now.iter().enumerate() {
             let Some(set) = set else { continue };
             let (node, events) = graph.node_and_events(layer);
@@ -353,7 +353,7 @@ impl ReachSets {
                 };
                 match successors(&system, &after, edge.taken, set) {
                     Ok(image) => add(&mut next[graph.layer(edge.to, events)], image),
-                    Err(reason) => emptied = emptied.or(Some((step, reason))),
+                    Err(reason) => emptied.push(reason),
                 }
             }
         }
@@ -368,7 +368,7 @@ impl ReachSets {
             self.settled = Some(step);
         }
         if next.iter().all(Option::is_none) && self.emptied.is_none() {
-            self.emptied = emptied;
+            self.emptied = Some((step, emptied));
         }
         self.forward.push(Arc::new(next));
     }

@@ -178,6 +178,18 @@ fn an_explanation_names_sets_and_ranges() {
     let text = text.unwrap().unwrap().to_string();
     assert!(text.ends_with("or without the limit on the impact speed (3)"), "{text}");
     assert_eq!(scenario.reach_sets().unwrap().explain(485).unwrap(), None);
+    // Where all ways end, what the vehicle cannot do, and the rule that forbids the rest.
+    let fast = scenario.with_start(Endpoint::at_rest(4.0).with_velocity(-10.0));
+    let gentle = DamageRule::default().with_per_hit(4.0);
+    let explained = fast.with_damage(gentle).reach_sets().unwrap().explain(6000);
+    let text = explained.unwrap().unwrap().to_string();
+    assert_eq!(
+        text,
+        "no plan has 6000 steps (30 s): after 93 steps (0.47 s), the vehicle cannot stop in front of the \
+         wall: at least 0.001 m are missing; the limit on the impact speed (4) is missed by at least 3.21. \
+         It might be possible with twice the range of the acceleration, or without the limit on the \
+         impact speed (4)"
+    );
 }
 
 #[test]
