@@ -104,17 +104,18 @@ pub fn conclusion(
             let saved = number(slow - fast);
             format!("{hitting} saves {saved} s at least: the search for faster plans was stopped.")
         }
-        _ => match tolerant.refuted {
-            Some(refuted) => {
-                let least = number((refuted + 1) as f64 * tolerant.time_step);
-                format!(
-                    "The search was stopped: a faster plan, if there is one, takes {least} s or more."
-                )
+        (slow, _) => {
+            let less = slow.map_or("at all".to_owned(), |s| format!("less than {} s", number(s)));
+            match tolerant.refuted {
+                Some(refuted) => {
+                    let least = number((refuted + 1) as f64 * tolerant.time_step);
+                    format!(
+                        "{hitting} takes {least} s or more, proved; whether it takes {less} is open."
+                    )
+                }
+                None => format!("Whether {} takes {less} is open.", hitting.to_lowercase()),
             }
-            None => {
-                "The search was stopped before it was proved that there is no faster plan.".into()
-            }
-        },
+        }
     }
 }
 

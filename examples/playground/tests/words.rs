@@ -44,10 +44,14 @@ fn a_goal_in_an_obstacle_is_said_at_once() {
 #[test]
 fn where_no_plan_is_there_is_a_reason() {
     let (answer, _) = wall(&[("start", 4.0), ("velocity", -10.0), ("impactLimit", 4.0)]);
-    assert_eq!(
-        answer["reason"],
-        "No plan has 600 steps (30 s): after 9 steps (0.45 s), the lower limit of the position is missed by \
-         at least 0.02 m. It might be possible without the lower limit of the position (0 m)."
+    // Remedies follow if there is time for them.
+    let reason = answer["reason"].as_str().unwrap();
+    assert!(
+        reason.starts_with(
+            "No plan has 600 steps (30 s): after 9 steps (0.45 s), the lower limit of the position is missed by \
+         at least 0.02 m."
+        ),
+        "{reason}"
     );
     let task = puck([0.3, 0.5, -3.0, 0.0], [1.5, 0.5], CORNER);
     let answer = scene(&task);
