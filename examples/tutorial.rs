@@ -13,7 +13,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let a = robot.input("a", -1.0, 1.0)?; // m/s²
     robot.rates([x.is(v), v.is(a)])?;
     robot.mode("before")?.invariant(x.le(5.0))?;
-    robot.mode("crossing")?.invariant(x.within(5.0, 7.0))?.limit("slow", v.le(0.5))?;
+    robot
+        .mode("crossing")?
+        .invariant(x.within(5.0, 7.0))?
+        .limit("slow", v.le(0.5))?
+        .limit("slow_end", v.predicted().le(0.5))?;
     robot.mode("after")?.invariant(x.ge(7.0))?;
 
     // The shortest plan, with its proof.
@@ -24,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{found}");
     println!("{} horizons refuted, {} solved", found.refutations().count(), found.solves());
     if let Some(sets) = &mut found.sets
-        && let Some(reason) = sets.explain(44)?
+        && let Some(reason) = sets.explain(45)?
     {
         println!("{reason}");
     }
