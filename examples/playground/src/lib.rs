@@ -31,6 +31,9 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Time for a search for plans in which bodies hit each other, of which there are many.
 const PATIENCE_WITH_PAIRS: Duration = Duration::from_millis(900);
 
+/// Time for the search for plans with collisions while something is being dragged.
+const PATIENCE_OF_DRAGS: Duration = Duration::from_millis(150);
+
 /// Time for each of the two reasons that a page asks for when plans are drawn.
 const REASON: Duration = Duration::from_millis(600);
 

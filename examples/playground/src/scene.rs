@@ -13,7 +13,9 @@ use carom::reformulate;
 use crate::progress::{self, Tell};
 use crate::scene_answer::{SceneAnswer, Side};
 use crate::scene_task::SceneTask;
-use crate::{PATIENCE_WITH_PAIRS, REASON, Reasons, code, refuted, search_options, words};
+use crate::{
+    PATIENCE_OF_DRAGS, PATIENCE_WITH_PAIRS, REASON, Reasons, code, refuted, search_options, words,
+};
 
 /// For the search for what is in the way.
 const WITHOUT: Duration = Duration::from_millis(800);
@@ -30,7 +32,9 @@ fn answer(task: &SceneTask, tell: &mut Tell<'_>) -> Result<SceneAnswer, Error> {
     let scene = task.tolerant()?;
     // The careful plan is a plan of this scene too, so that only shorter ones are looked for.
     let mut options = search_options(free.steps.map_or(task.max_steps(), |steps| steps - 1));
-    if task.bodies.len() > 1 {
+    if task.hurried {
+        options = options.with_time_limit(PATIENCE_OF_DRAGS);
+    } else if task.bodies.len() > 1 {
         options = options.with_time_limit(PATIENCE_WITH_PAIRS);
     }
     let tolerant = match free.steps {

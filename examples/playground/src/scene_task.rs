@@ -29,6 +29,9 @@ pub struct SceneTask {
     /// Twice the step, for a quick look.
     #[serde(default)]
     coarse: bool,
+    /// Whether it is being dragged, so that little time is spent on the search with collisions.
+    #[serde(default)]
+    pub hurried: bool,
     /// Whether the program is asked for as a file.
     #[serde(default)]
     pub files: bool,

@@ -20,11 +20,12 @@ export function isDrag() {
   return held || since < DRAG;
 }
 
-/** A task while it is being dragged: each level has twice the step of the one before. */
+/** A task while it is being dragged: each level has twice the step of the one before, and scenes are hurried. */
 export function preview(name, kind, task) {
   let { timeStep } = task, level = 0;
-  while (level < (levels[name] ?? 0) && 2 * timeStep <= kind.coarsest + 1e-9) [timeStep, level] = [2 * timeStep, level + 1];
-  return level ? { ...task, timeStep } : task;
+  while (level < (levels[name] ?? 0) && timeStep < kind.coarsest - 1e-9) [timeStep, level] = [Math.min(2 * timeStep, kind.coarsest), level + 1];
+  const own = level ? { ...task, timeStep } : task;
+  return "bodies" in own ? { ...own, hurried: true } : own;
 }
 
 /** Learns from a plan of a task that took so long, in ms. */
