@@ -32,7 +32,7 @@ window.seen = [];
 addEventListener("DOMContentLoaded", () => {
   for (const name of ["#progress", "[data-side=free] .seconds", "[data-side=tolerant] .seconds"]) {
     const node = document.querySelector(name);
-    new MutationObserver(() => window.seen.push(`${name}: ${node.textContent}`)).observe(node, { childList: true, characterData: true, subtree: true });
+    if (node) new MutationObserver(() => window.seen.push(`${name}: ${node.textContent}`)).observe(node, { childList: true, characterData: true, subtree: true });
   }
 });
 """
