@@ -126,7 +126,7 @@ impl Scenario {
     }
 }
 
-/// What explanations call the states.
+/// The names of the states in explanations.
 fn words() -> Words {
     let word = |(name, words, unit): (&str, &str, _)| (name.to_owned(), words.to_owned(), unit);
     let quantities = [

@@ -67,7 +67,7 @@ pub(crate) fn to_svg(
     finish([LEFT + wide + RIGHT, top + ABOVE], title, &about, &body)
 }
 
-/// What is drawn over what.
+/// The order in which marks are drawn, later ones over earlier ones.
 fn described(charts: &[Chart]) -> String {
     let mut parts = Vec::new();
     for chart in charts {

@@ -59,7 +59,7 @@ pub(super) struct LabelPlace {
     gap: f64,
 }
 
-/// What is drawn in a frame already.
+/// The marks that are drawn in a frame already.
 #[derive(Debug)]
 pub(super) struct Room {
     bounds: Rectangle,

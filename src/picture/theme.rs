@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::COLOURS;
 use super::marks::escaped;
 
-/// What bodies bounce off, and what they avoid.
+/// The obstacles that bodies bounce off, and those that they avoid.
 pub(crate) const SOLID: &str = "solid";
 pub(crate) const AVOIDED: &str = "avoided";
 

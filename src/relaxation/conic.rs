@@ -156,8 +156,8 @@ impl Ladder {
         let began = Instant::now();
         let form = ConicForm::new(program);
         let (result, z) = match method {
-            ConicMethod::Clarabel => self.conic.0.solve_cones(&form, &effort),
-            ConicMethod::InteriorPoint => self.conic.1.solve_cones(&form, &effort),
+            ConicMethod::Clarabel => self.conic.solve_cones(&form, &effort),
+            ConicMethod::InteriorPoint => self.conic_interior.solve_cones(&form, &effort),
         };
         self.note_conic(method, result.iterations, began.elapsed());
         let (result, multipliers) = form.lift(result, z);

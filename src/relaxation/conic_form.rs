@@ -91,14 +91,10 @@ impl<'a> ConicForm<'a> {
 
     fn write_cones(&mut self) {
         let ConicForm { whole, cones, place, names, has_column, .. } = self;
-        let mut at = vec![FIXED; whole.columns.len()];
-        let mut count = 0;
-        for (j, at) in at.iter_mut().enumerate() {
-            if has_column.get(j).is_none_or(|has| *has) {
-                *at = count;
-                count += 1;
-            }
-        }
+        let at = match has_column.is_empty() {
+            true => (0..whole.columns.len()).collect(),
+            false => places(has_column),
+        };
         let mut sum = vec![None; whole.columns.len()];
         names.iter().for_each(|name| sum[name.column] = Some(*name));
         cones.first.push(0);
@@ -277,41 +273,43 @@ fn are_bounds_implied(program: &Reduced, name: NamedSum, cone: &ReducedCone) -> 
         && range[1].min(of_cone[1]) <= upper + room(upper)
 }
 
+/// The place of each that is kept among these.
+fn places(has: &[bool]) -> Vec<usize> {
+    let mut at = vec![FIXED; has.len()];
+    let kept = at.iter_mut().zip(has).filter(|(_, has)| **has);
+    kept.enumerate().for_each(|(k, (at, _))| *at = k);
+    at
+}
+
+/// The values of those that are kept.
+fn kept<T: Copy>(values: &[T], has: &[bool]) -> Vec<T> {
+    values.iter().zip(has).filter(|(_, has)| **has).map(|(value, _)| *value).collect()
+}
+
 /// Some columns and rows of a program, without its cones.
 fn part(whole: &Reduced, has_column: &[bool], has_row: &[bool]) -> Reduced {
-    let mut at = vec![FIXED; whole.columns.len()];
-    let kept = at.iter_mut().zip(has_column).filter(|(_, has)| **has);
-    kept.enumerate().for_each(|(k, (at, _))| *at = k);
-    let of_columns = |values: &[f64]| -> Vec<f64> {
-        values.iter().zip(has_column).filter(|(_, has)| **has).map(|(v, _)| *v).collect()
-    };
-    let of_rows = |values: &[f64]| -> Vec<f64> {
-        values.iter().zip(has_row).filter(|(_, has)| **has).map(|(v, _)| *v).collect()
-    };
-    let named = |names: &[usize], has: &[bool]| -> Vec<usize> {
-        names.iter().zip(has).filter(|(_, has)| **has).map(|(name, _)| *name).collect()
-    };
+    let at = places(has_column);
     let vectors = |matrix: &Compressed, has: &[bool]| {
-        let mut kept = Compressed::with_capacity(has.len(), matrix.index.len());
+        let mut own = Compressed::with_capacity(has.len(), matrix.index.len());
         for k in (0..has.len()).filter(|k| has[*k]) {
             // Columns that are not here have no entries but in rows that are not here either.
-            kept.push(matrix.entries(k).map(|(j, a)| (at[j], a)));
+            own.push(matrix.entries(k).map(|(j, a)| (at[j], a)));
         }
-        kept
+        own
     };
     Reduced {
-        columns: named(&whole.columns, has_column),
+        columns: kept(&whole.columns, has_column),
         values: whole.values.clone(),
         quadratic: vectors(&whole.quadratic, has_column),
-        linear: of_columns(&whole.linear),
+        linear: kept(&whole.linear, has_column),
         offset: whole.offset,
         rows: vectors(&whole.rows, has_row),
-        origin: named(&whole.origin, has_row),
-        row_lower: of_rows(&whole.row_lower),
-        row_upper: of_rows(&whole.row_upper),
-        lower: of_columns(&whole.lower),
-        upper: of_columns(&whole.upper),
-        steepness: of_columns(&whole.steepness),
+        origin: kept(&whole.origin, has_row),
+        row_lower: kept(&whole.row_lower, has_row),
+        row_upper: kept(&whole.row_upper, has_row),
+        lower: kept(&whole.lower, has_column),
+        upper: kept(&whole.upper, has_column),
+        steepness: kept(&whole.steepness, has_column),
         cones: Vec::new(),
         is_cut_off: false,
         spread: whole.spread,

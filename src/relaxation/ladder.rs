@@ -114,7 +114,8 @@ pub struct Ladder {
     prover: Prover,
     reducer: Reducer,
     /// Solve programs with cones.
-    pub(super) conic: (ClarabelRelaxation, InteriorPoint),
+    pub(super) conic: ClarabelRelaxation,
+    pub(super) conic_interior: InteriorPoint,
     /// The cuts that the multipliers of the last program with cones are, with their multipliers.
     pub(super) cone_cuts: Vec<(ConeCut, f64)>,
 }
@@ -153,8 +154,19 @@ impl Ladder {
         fallback: Option<LadderMethod>,
     ) -> Self {
         let (records, spent, prover, reducer) = Default::default();
-        let (conic, cone_cuts) = Default::default();
-        Ladder { warm, cold, fallback, records, spent, prover, reducer, conic, cone_cuts }
+        let (conic, conic_interior, cone_cuts) = Default::default();
+        Ladder {
+            warm,
+            cold,
+            fallback,
+            records,
+            spent,
+            prover,
+            reducer,
+            conic,
+            conic_interior,
+            cone_cuts,
+        }
     }
 
     /// Proves bounds, in the memory that the ladder has for that.

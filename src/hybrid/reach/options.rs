@@ -42,7 +42,7 @@ pub struct SetOptions {
     /// must say so as well.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) exclusive: Vec<Vec<usize>>,
-    /// What explanations call states, inputs and transitions.
+    /// The names of states, inputs and transitions in explanations.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) words: Arc<Words>,
 }

@@ -1,4 +1,4 @@
-//! What states, inputs and transitions are called in explanations, with units.
+//! Names of states, inputs and transitions in explanations, with units.
 
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
@@ -45,7 +45,7 @@ impl Words {
         }
     }
 
-    /// What cannot be done without a transition.
+    /// The sentence that says what cannot be done without a transition.
     pub(super) fn undone(&self, transition: &str) -> Option<(&str, Option<&'static str>)> {
         let found = self.transitions.iter().find(|(own, ..)| own == transition);
         found.map(|(_, words, unit)| (words.as_str(), *unit))
@@ -113,7 +113,7 @@ pub(super) fn range(range: &Interval, unit: &str) -> String {
     format!("between {lower} and {upper}{unit}")
 }
 
-/// What is reached and what is needed, of two ranges that do not meet.
+/// The reached and the needed end of two ranges that do not meet.
 pub(super) fn apart(reached: &Interval, needed: &Interval, unit: &str) -> String {
     let is_below = reached.upper < needed.lower;
     let (end, goal) = match is_below {

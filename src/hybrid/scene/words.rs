@@ -1,4 +1,4 @@
-//! What explanations call the states, inputs and contacts of a scene.
+//! Names of the states, inputs and contacts of a scene in explanations.
 
 use super::axes::AXES;
 use super::contact::ContactPair;
@@ -23,7 +23,7 @@ impl Stated {
         Words { quantities, transitions, event: Some("hit") }
     }
 
-    /// What cannot be done where a contact's transitions are impossible.
+    /// The sentence that says what cannot be done where a contact's transitions are impossible.
     fn undone(&self, contact: &ContactPair) -> Vec<(String, String, Option<&'static str>)> {
         let body = &self.scene.bodies[contact.body].name;
         let other = match (contact.obstacle, contact.other) {

@@ -20,7 +20,7 @@ pub(super) struct ConeIterate {
     size: Vec<f64>,
     /// The scaled point.
     scaled: Vec<f64>,
-    /// What the slacks are to lose, besides the effect of the step of the multipliers.
+    /// The amount that the slacks are to lose, besides the effect of the step of the multipliers.
     push: Vec<f64>,
     slack_move: Vec<f64>,
     dual_move: Vec<f64>,

@@ -109,9 +109,9 @@ impl InteriorPoint {
             return RelaxationResult::nothing(program);
         }
         at.start(scaled);
-        let linear = !run.keeps_state();
+        let keeps_state = run.keeps_state();
         let mut spent = 0;
-        let parent = effort.warm.filter(|_| !linear).and_then(WarmState::get::<ParentIterate>);
+        let parent = effort.warm.filter(|_| keeps_state).and_then(WarmState::get::<ParentIterate>);
         if let Some(parent) = parent {
             at.resume(program, scaled, parent, resumed);
             let result = run.iterate(at, kkt, (kept, results), true);
@@ -124,13 +124,13 @@ impl InteriorPoint {
         }
         // Without curvature a start in the middle of the box wastes iterations; with it, it is better,
         // unless it is so far out that the first steps are negligible.
-        if linear && !at.improve_start(scaled, kkt, effort.token) {
+        if !keeps_state && !at.improve_start(scaled, kkt, effort.token) {
             return RelaxationResult::nothing(program);
         }
         let mut result = run.iterate(at, kkt, (kept, results), false);
         let lost =
             result.claim == RelaxationClaim::Unknown && result.iterations <= EARLY_ITERATIONS;
-        if lost && !linear && !effort.token.is_over() {
+        if lost && keeps_state && !effort.token.is_over() {
             at.start(scaled);
             if at.improve_start(scaled, kkt, effort.token) {
                 spent += result.iterations;

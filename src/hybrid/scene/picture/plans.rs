@@ -1,4 +1,4 @@
-//! What a picture shows: a scene and its plans.
+//! The scene and the plans that a picture shows.
 
 use super::motion::Motion;
 use crate::error::{Error, check_length};

@@ -1,4 +1,4 @@
-//! What of a scene is visible.
+//! The visible part of a scene.
 
 use super::plans::ScenePicture;
 use crate::hybrid::scene::geometry::{Side, corners, dot};
@@ -8,7 +8,7 @@ use crate::hybrid::scene::statement::Scene;
 /// The longer side of the drawing, in pixels.
 pub(super) const SIZE: f64 = 640.0;
 
-/// What is visible before and after a plan over time, as a part of its duration.
+/// The time that is visible before and after a plan, as a part of its duration.
 pub(super) const MARGIN: f64 = 0.03;
 
 /// Obstacles are shown as far as this from the paths, as a part of the size of these.
@@ -32,7 +32,7 @@ pub(super) struct View {
 pub(super) struct Track {
     pub(super) axis: usize,
     pub(super) across: Option<f64>,
-    /// What is visible along the axis, in m.
+    /// The visible range along the axis, in m.
     pub(super) range: [f64; 2],
 }
 

@@ -1,4 +1,4 @@
-//! What is said in a picture.
+//! The sentences and names in a picture.
 
 use super::motion::Motion;
 use super::plans::ScenePicture;
@@ -12,7 +12,7 @@ pub(super) fn short(value: f64) -> String {
     plain((100.0 * value).round() / 100.0)
 }
 
-/// What a path is called: the plan where several race, and the body where there are several.
+/// The name of a path: the plan where several race, and the body where there are several.
 pub(super) fn name(picture: &ScenePicture, number: usize) -> String {
     let bodies = picture.scene.bodies.len();
     let (plan, body) =
@@ -24,7 +24,7 @@ pub(super) fn name(picture: &ScenePicture, number: usize) -> String {
     }
 }
 
-/// What stands beside a path. Where there are several bodies, their ends have their names.
+/// The names beside a path. Where there are several bodies, their ends have their names.
 pub(super) fn beside(picture: &ScenePicture, number: usize) -> String {
     let is_named = picture.plans.len() == 1 && picture.scene.bodies.len() > 1;
     if is_named { String::new() } else { name(picture, number) }
