@@ -9,6 +9,7 @@
 //! * `facts` - rows of the program, and those derived from them
 //! * `bounds` - bounds with the facts that they follow from
 //! * `combination` - sums of facts with bounds on their rounding
+//! * `convexity` - the proof that the objective is convex
 //! * `relaxed`, `cones` - multipliers of relaxations as sums of facts
 //! * `tree` - the splits
 //! * `log` - the text
@@ -16,6 +17,7 @@
 mod bounds;
 mod combination;
 mod cones;
+mod convexity;
 mod facts;
 mod log;
 mod relaxed;
@@ -29,6 +31,7 @@ use crate::search::{Decision, Fork};
 use crate::solver::{Options, StopToken};
 use bounds::Bounds;
 use combination::Combination;
+use convexity::Convexity;
 use facts::Facts;
 use log::{Log, Names};
 use relaxed::Relaxer;
@@ -132,7 +135,10 @@ pub(crate) fn prove(
     if let Err(failure) = result {
         let why = match failure {
             Failure::Limit => "a limit came before the end of the proof",
-            Failure::Whole(_) => "no sum of facts closes this context",
+            Failure::Whole(ref point) => {
+                eprintln!("WHOLE {:?}", point.as_ref().map(|p| p.len()));
+                "no sum of facts closes this context"
+            }
         };
         log.remark(why);
     }
@@ -145,6 +151,12 @@ impl ProofWriter<'_, '_> {
     fn run(&mut self, guide: &Guide) -> Result<(), Failure> {
         for fact in 0..self.facts.len() as u32 {
             self.bounds.enqueue(fact);
+        }
+        if self.relaxer.program.quadratic.compute_nnz() > 0 {
+            let Convexity { factor, deficits } = Convexity::of(&self.relaxer.program);
+            let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack > 0.0);
+            self.log.convexity(lacking, &factor);
+            self.relaxer.deficits = deficits;
         }
         self.close(guide, Part::Node(0))
     }

@@ -1,0 +1,154 @@
+//! The proof that an objective is convex: a factor `L` and what the diagonal lacks, `d`, such that
+//! `P + diag(d) - L L'` is diagonally dominant.
+
+use std::collections::BTreeMap;
+
+use crate::program::Program;
+use crate::semidefinite::blocks;
+use crate::sum::Sum;
+
+/// What the factor leaves of each diagonal entry, for rounding (no unit).
+const LEFT: f64 = 1e-12;
+
+/// The largest block that is factorised without regard to its zeros.
+const DENSE: usize = 500;
+
+/// A factor by columns, and the deficits by column of the program.
+#[derive(Debug, Default)]
+pub(super) struct Convexity {
+    pub(super) factor: Vec<Vec<(usize, f64)>>,
+    pub(super) deficits: Vec<f64>,
+}
+
+/// A symmetric matrix by columns of its lower triangle.
+type Lower = Vec<BTreeMap<usize, f64>>;
+
+impl Convexity {
+    /// Of the objective of a program.
+    pub(super) fn of(program: &Program) -> Self {
+        let n = program.column_count();
+        let mut products = Vec::new();
+        for j in 0..n {
+            let (rows, values) = program.quadratic_column(j);
+            let upper = rows.iter().zip(values).filter(|(i, _)| **i <= j);
+            products.extend(upper.map(|(&i, &p)| (i, j, p)));
+        }
+        let mut convexity = Convexity { factor: Vec::new(), deficits: vec![0.0; n] };
+        for (names, entries) in blocks(&products) {
+            let mut matrix: Lower = vec![BTreeMap::new(); names.len()];
+            for (i, j, p) in entries {
+                *matrix[i.min(j)].entry(i.max(j)).or_default() += p;
+            }
+            convexity.add(&names, &matrix);
+        }
+        convexity
+    }
+
+    /// Adds a block.
+    fn add(&mut self, names: &[usize], matrix: &Lower) {
+        if lacking(matrix, &[]).iter().all(|&lack| lack == 0.0) {
+            return;
+        }
+        let factor = if names.len() <= DENSE { dense_factor(matrix) } else { factor(matrix) };
+        for (k, lack) in lacking(matrix, &factor).into_iter().enumerate() {
+            self.deficits[names[k]] = lack;
+        }
+        let name = |column: Vec<(usize, f64)>| -> Vec<(usize, f64)> {
+            column.into_iter().map(|(i, value)| (names[i], value)).collect()
+        };
+        self.factor.extend(factor.into_iter().map(name));
+    }
+}
+
+/// By row, what the diagonal of `A - L L'` lacks of the sum of the other magnitudes.
+fn lacking(matrix: &Lower, factor: &[Vec<(usize, f64)>]) -> Vec<f64> {
+    let n = matrix.len();
+    // By entry: the sum, and the magnitudes of its terms.
+    let mut rest: Vec<BTreeMap<usize, (Sum, f64)>> = vec![BTreeMap::new(); n];
+    for (j, column) in matrix.iter().enumerate() {
+        for (&i, &a) in column {
+            rest[j].insert(i, (Sum::new(a), 0.0));
+        }
+    }
+    for column in factor {
+        for (k, &(j, b)) in column.iter().enumerate() {
+            for &(i, a) in &column[k..] {
+                let (sum, size) = rest[j].entry(i).or_default();
+                sum.add_product(-a, b);
+                *size += (a * b).abs();
+            }
+        }
+    }
+    let mut lack = vec![Sum::default(); n];
+    for (j, column) in rest.into_iter().enumerate() {
+        for (i, (sum, size)) in column {
+            let value = sum.value();
+            let error = if size > 0.0 { 1e-25 * size + f64::EPSILON * value.abs() } else { 0.0 };
+            if i == j {
+                lack[j].add(error - value);
+            } else {
+                lack[i].add(value.abs() + error);
+                lack[j].add(value.abs() + error);
+            }
+        }
+    }
+    let most = |sum: Sum| match sum.value() {
+        lack if lack > 0.0 => lack * (1.0 + 8.0 * f64::EPSILON),
+        _ => 0.0,
+    };
+    lack.into_iter().map(most).collect()
+}
+
+/// The pivot of a column, given the entry of the matrix: not less than what is left for rounding.
+fn pivot(value: f64, entry: f64) -> f64 {
+    value.max(LEFT * entry.abs()).max(f64::MIN_POSITIVE).sqrt()
+}
+
+/// `L` with `L L' = A` but for rounding, and for pivots that are not positive.
+fn dense_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
+    let n = matrix.len();
+    let mut work = vec![vec![0.0; n]; n];
+    for (j, column) in matrix.iter().enumerate() {
+        column.iter().for_each(|(&i, &a)| work[j][i] = a);
+        work[j][j] *= 1.0 - LEFT;
+    }
+    for k in 0..n {
+        let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
+        let root = pivot(work[k][k], entry);
+        work[k][k] = root;
+        work[k][k + 1..].iter_mut().for_each(|a| *a /= root);
+        let column = work[k].clone();
+        for j in k + 1..n {
+            let b = column[j];
+            if b != 0.0 {
+                work[j][j..].iter_mut().zip(&column[j..]).for_each(|(a, c)| *a -= c * b);
+            }
+        }
+    }
+    let entries = |(j, column): (usize, Vec<f64>)| {
+        let below = column.into_iter().enumerate().skip(j);
+        below.filter(|(_, value)| *value != 0.0).collect()
+    };
+    work.into_iter().enumerate().map(entries).collect()
+}
+
+/// The same, with its zeros left out.
+fn factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
+    let n = matrix.len();
+    let mut work = matrix.clone();
+    let mut columns = Vec::with_capacity(n);
+    for k in 0..n {
+        let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
+        let value = work[k].remove(&k).unwrap_or(0.0) - LEFT * entry.abs();
+        let root = pivot(value, entry);
+        let below: Vec<(usize, f64)> =
+            std::mem::take(&mut work[k]).into_iter().map(|(i, a)| (i, a / root)).collect();
+        for (p, &(j, b)) in below.iter().enumerate() {
+            for &(i, a) in &below[p..] {
+                *work[j].entry(i).or_default() -= a * b;
+            }
+        }
+        columns.push(std::iter::once((k, root)).chain(below).collect());
+    }
+    columns
+}
