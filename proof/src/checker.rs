@@ -6,7 +6,7 @@
 //! contradiction. Once context 0 is closed, there is no such point.
 
 use crate::bounds::{Bounds, Side};
-use crate::exact::Dyadic;
+use crate::exact::{Dyadic, Plain};
 use crate::linear_rules::{self, Sums};
 use crate::program::{Claim, Program};
 use crate::quadratic_rules::{self, Quadratic};
@@ -154,7 +154,11 @@ impl Checker {
         let (lower, upper) = self.bounds.of(column);
         if lower <= upper {
             let name = self.name(column);
-            return rejected(format!("column {name} may be from {lower} to {upper}"));
+            return rejected(format!(
+                "column {name} may be from {} to {}",
+                Plain(lower),
+                Plain(upper)
+            ));
         }
         self.close()
     }
@@ -222,6 +226,7 @@ impl Checker {
             return rejected("`p` must stand in context 0, once");
         }
         if let Some((column, deficit)) = deficits.iter().find(|entry| entry.1 < 0.0) {
+            let deficit = Plain(*deficit);
             return rejected(format!("the deficit {deficit} of column {column} is negative"));
         }
         self.convexity = Some((deficits, Vec::new()));
@@ -262,7 +267,7 @@ impl Checker {
     /// Opens the first side of a split, `form <= value`.
     fn split(&mut self, form: Form, value: f64) -> Result<(), Refusal> {
         if !is_whole(value) {
-            return rejected(format!("{value} is not whole, or too large"));
+            return rejected(format!("{} is not whole, or too large", Plain(value)));
         }
         match &form {
             Form::Column(column) => {

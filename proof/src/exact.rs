@@ -137,8 +137,18 @@ impl Dyadic {
 
 impl fmt::Display for Dyadic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = self.nearest();
-        if value != 0.0 && !(1e-5..1e16).contains(&value.abs()) {
+        Plain(self.nearest()).fmt(f)
+    }
+}
+
+/// A float in a text: with an exponent where it would be long without.
+#[derive(Debug, Clone, Copy)]
+pub struct Plain(pub f64);
+
+impl fmt::Display for Plain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Plain(value) = self;
+        if value.is_finite() && *value != 0.0 && !(1e-5..1e16).contains(&value.abs()) {
             write!(f, "{value:e}")
         } else {
             write!(f, "{value}")

@@ -22,7 +22,7 @@ pub use program::Claim;
 pub use text::Failure;
 
 use checker::Checker;
-use exact::Dyadic;
+use exact::Plain;
 use program::Program;
 use std::fmt;
 use std::io::BufRead;
@@ -47,9 +47,9 @@ impl fmt::Display for Proved {
         match self.claim {
             Claim::Infeasible => write!(f, "no point")?,
             Claim::Bound(bound) if self.is_maximisation => {
-                write!(f, "objective <= {}", Dyadic::from_f64(0.0 - bound))?;
+                write!(f, "objective <= {}", Plain(0.0 - bound))?;
             }
-            Claim::Bound(bound) => write!(f, "objective >= {}", Dyadic::from_f64(bound))?,
+            Claim::Bound(bound) => write!(f, "objective >= {}", Plain(bound))?,
         }
         write!(f, " ({} steps)", self.steps)
     }

@@ -1,7 +1,7 @@
 //! The rules for linear rows: a bound from a row, and a combination of rows.
 
 use crate::bounds::{Bounds, Side};
-use crate::exact::{Dyadic, Number, Sum};
+use crate::exact::{Dyadic, Number, Plain, Sum};
 use crate::rows::Row;
 use crate::text::{Refusal, Words, rejected};
 use std::cmp::Ordering;
@@ -31,7 +31,7 @@ pub(crate) fn bound(
         return rejected("the fact does not contain the column");
     };
     if is_integral && value.fract() != 0.0 {
-        return rejected(format!("the column is integral, and {value} is not whole"));
+        return rejected(format!("the column is integral, and {} is not whole", Plain(value)));
     }
     let is_upper = (side == Side::Upper) == (coefficient.sign() == Ordering::Greater);
     let limit = if is_upper { &row.upper } else { &row.lower };
@@ -66,7 +66,8 @@ pub(crate) fn bound(
         Ordering::Greater => Ok(()),
         Ordering::Equal if !is_integral => Ok(()),
         _ => rejected(format!(
-            "the fact does not imply the bound {value}: with {}, it holds with {} to spare",
+            "the fact does not imply the bound {}: with {}, it holds with {} to spare",
+            Plain(value),
             if is_integral { "the next whole number" } else { "the column at it" },
             excess.negated(),
         )),
@@ -105,6 +106,7 @@ pub(crate) fn combination(
     let side = sums.total.take()?;
     if let Some((fact, multiplier)) = missing {
         let which = if multiplier > 0.0 { "lower" } else { "upper" };
+        let multiplier = Plain(multiplier);
         return rejected(format!("fact {fact} has no {which} side, for multiplier {multiplier}"));
     }
     let mut row = Row::combination(&mut terms, &mut sums.column)?;
@@ -133,7 +135,7 @@ pub(crate) fn contradiction(row: &Row, bounds: &Bounds, sums: &mut Sums) -> Resu
 
 fn in_words(number: Number<'_>) -> String {
     match number {
-        Number::Float(value) => Dyadic::from_f64(value).to_string(),
+        Number::Float(value) => Plain(value).to_string(),
         Number::Exact(value) => value.to_string(),
     }
 }

@@ -1,6 +1,6 @@
 //! What a point of a log is: its objective, and how far it violates the program.
 
-use crate::exact::{Dyadic, Number, OutOfRange, Sum};
+use crate::exact::{Dyadic, Number, OutOfRange, Plain, Sum};
 use crate::program::Program;
 use crate::rows::Row;
 use std::cmp::Ordering;
@@ -17,7 +17,7 @@ pub struct Point {
 
 impl fmt::Display for Point {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let violation = Dyadic::from_f64(self.violation);
+        let violation = Plain(self.violation);
         write!(f, "point: objective {}, largest violation {violation}", self.objective)
     }
 }

@@ -1,7 +1,7 @@
 //! The rules for the objective and for cones: squares on their own, convexity, tangents.
 
 use crate::bounds::Bounds;
-use crate::exact::{Dyadic, Number, OutOfRange, Sum};
+use crate::exact::{Dyadic, Number, OutOfRange, Plain, Sum};
 use crate::linear_rules::Sums;
 use crate::program::{Cone, Objective};
 use crate::rows::{Row, Term};
@@ -55,7 +55,8 @@ impl Quadratic {
     pub(crate) fn define(&mut self, own: usize, column: usize, weight: f64) -> Result<(), Refusal> {
         if !(weight > 0.0 && (2.0 * weight).is_finite()) {
             return rejected(format!(
-                "the weight {weight} of a square is not positive, or too large"
+                "the weight {} of a square is not positive, or too large",
+                Plain(weight)
             ));
         }
         let (own, column) = (own as u32, column as u32);
