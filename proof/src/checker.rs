@@ -1,0 +1,388 @@
+//! The stack of contexts, and the commands of a proof.
+//!
+//! Context 0 assumes a point of the program, with `objective <= b` if that is the bound of the claim.
+//! A context holds bounds of columns, and facts: rows that the point satisfies. Every command derives
+//! one more of them, opens a context with one more assumption, or closes the one it stands in by a
+//! contradiction. Once context 0 is closed, there is no such point.
+
+use crate::bounds::{Bounds, Side};
+use crate::exact::{Dyadic, Plain};
+use crate::linear_rules::{self, Sums};
+use crate::program::{Claim, Program};
+use crate::quadratic_rules::{self, Quadratic};
+use crate::rows::Row;
+use crate::text::{Refusal, Words, rejected, unreadable};
+
+/// A form with whole coefficients over integral columns, or a single column.
+#[derive(Debug)]
+enum Form {
+    Column(usize),
+    Entries(Vec<(u32, f64)>),
+}
+
+/// What follows once a context is closed.
+#[derive(Debug)]
+enum Kind {
+    /// The claim.
+    Claim,
+    /// The other side of the split, `form >= value + 1`.
+    FirstSide(Form, f64),
+    /// The context around it is closed as well.
+    SecondSide,
+    /// The row is a fact of the context around it.
+    Lemma(Row),
+}
+
+#[derive(Debug)]
+struct Context {
+    kind: Kind,
+    /// How many facts, and changes of bounds, there were when it was opened.
+    facts: usize,
+    mark: usize,
+}
+
+/// The deficits of a command `p`, and the columns of its factor so far.
+type Convexity = (Vec<(u32, f64)>, Vec<Vec<(u32, f64)>>);
+
+/// A proof up to some line.
+#[derive(Debug)]
+pub(crate) struct Checker {
+    pub(crate) program: Program,
+    pub(crate) facts: Vec<Row>,
+    pub(crate) sums: Sums,
+    objective: Quadratic,
+    bounds: Bounds,
+    /// Empty once the claim is proved.
+    contexts: Vec<Context>,
+    convexity: Option<Convexity>,
+    steps: u64,
+}
+
+impl Checker {
+    pub(crate) fn new(mut program: Program) -> Self {
+        let mut bounds = Bounds::default();
+        for column in &program.columns {
+            bounds.push(column.lower, column.upper);
+        }
+        let facts = std::mem::take(&mut program.rows);
+        let root = Context { kind: Kind::Claim, facts: facts.len(), mark: 0 };
+        Checker {
+            objective: Quadratic::new(&program.objective, program.columns.len()),
+            program,
+            facts,
+            sums: Sums::default(),
+            bounds,
+            contexts: vec![root],
+            convexity: None,
+            steps: 0,
+        }
+    }
+
+    /// Checks a command. At the last one, returns how many there were before it.
+    pub(crate) fn step(&mut self, words: &mut Words<'_>) -> Result<Option<u64>, Refusal> {
+        let command = words.word("a command")?;
+        if command == "end" {
+            return self.end(words).map(Some);
+        }
+        self.steps += 1;
+        if self.contexts.is_empty() {
+            return rejected("the claim is proved, so that only `end` can follow");
+        }
+        if self.convexity.is_some() && command != "l" {
+            return rejected("`p` and its columns, up to `l 0`, must not be interrupted");
+        }
+        match command {
+            "b" => self.bound(words)?,
+            "d" => self.empty_domain(words)?,
+            "x" => self.contradiction(words)?,
+            "k" => self.combination(words)?,
+            "t" => self.tangent(words)?,
+            "q" => self.cone(words)?,
+            "y" => self.define(words)?,
+            "z" => self.square(words)?,
+            "p" => self.deficits(words)?,
+            "l" => self.factor(words)?,
+            "s" => self.split_column(words)?,
+            "f" => self.split_form(words)?,
+            "m" => self.lemma(words)?,
+            _ => {
+                let begin: String = command.chars().take(10).collect();
+                return unreadable(format!("there is no command `{begin}`"));
+            }
+        }
+        words.end()?;
+        Ok(None)
+    }
+
+    fn end(&mut self, words: &mut Words<'_>) -> Result<u64, Refusal> {
+        let said = words.word("the number of commands")?.parse::<u64>();
+        words.end()?;
+        let steps = self.steps;
+        match said {
+            Ok(said) if said == steps => {}
+            _ => return rejected(format!("there are {steps} commands, other than `end` says")),
+        }
+        if let Some(depth) = self.contexts.len().checked_sub(1) {
+            return rejected(format!("the claim is not proved: context {depth} is not closed"));
+        }
+        Ok(steps)
+    }
+
+    /// A point may stand at any place, also behind the proof.
+    pub(crate) fn count_point(&mut self) {
+        self.steps += 1;
+    }
+
+    fn bound(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let column = words.index("column", self.bounds.len())?;
+        let side = side(words)?;
+        let value = words.number("the bound")?;
+        let fact = words.index("fact", self.facts.len())?;
+        if !self.bounds.is_tighter(column, side, value) {
+            return Ok(());
+        }
+        let is_integral = self.is_integral(column);
+        let Some(row) = self.facts.get(fact) else { return Ok(()) };
+        let bound = (column, side, value);
+        linear_rules::bound(row, bound, is_integral, &self.bounds, &mut self.sums)?;
+        self.tighten(column, side, value);
+        Ok(())
+    }
+
+    fn empty_domain(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let column = words.index("column", self.bounds.len())?;
+        let (lower, upper) = self.bounds.of(column);
+        if lower <= upper {
+            let name = self.name(column);
+            return rejected(format!(
+                "column {name} may be from {} to {}",
+                Plain(lower),
+                Plain(upper)
+            ));
+        }
+        self.close()
+    }
+
+    fn contradiction(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let multipliers = linear_rules::multipliers(words, self.facts.len())?;
+        let row = linear_rules::combination(&self.facts, &multipliers, &mut self.sums)?;
+        linear_rules::contradiction(&row, &self.bounds, &mut self.sums)?;
+        self.close()
+    }
+
+    fn combination(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let multipliers = linear_rules::multipliers(words, self.facts.len())?;
+        let row = linear_rules::combination(&self.facts, &multipliers, &mut self.sums)?;
+        self.facts.push(row);
+        Ok(())
+    }
+
+    fn tangent(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let Claim::Bound(limit) = self.program.claim else {
+            return rejected("without a bound to prove, nothing is known of the objective");
+        };
+        let point = words.entries(self.bounds.len())?;
+        self.facts.push(self.objective.tangent(&point, limit, &self.bounds, &mut self.sums)?);
+        Ok(())
+    }
+
+    fn cone(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let index = words.index("cone", self.program.cones.len())?;
+        let Some(cone) = self.program.cones.get(index) else { return Ok(()) };
+        let count = words.count("the number of entries")?;
+        if count != cone.tail.len() {
+            return rejected(format!("cone {index} has {} columns", cone.tail.len()));
+        }
+        let mut u = Vec::new();
+        for _ in 0..count {
+            u.push(words.number("an entry of u")?);
+        }
+        self.facts.push(quadratic_rules::cone_tangent(cone, &u, &mut self.sums.column)?);
+        Ok(())
+    }
+
+    fn define(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let column = words.index("column", self.bounds.len())?;
+        let weight = words.number("the weight")?;
+        if !self.is_root() || self.objective.is_proved() {
+            return rejected("`y` must stand in context 0, before `p`");
+        }
+        self.objective.define(self.bounds.len(), column, weight)?;
+        self.bounds.push(0.0, f64::INFINITY);
+        Ok(())
+    }
+
+    fn square(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let column = words.index("column", self.bounds.len())?;
+        let point = words.number("the point")?;
+        let row = self.objective.square_tangent(column, point, &mut self.sums.column)?;
+        self.facts.push(row);
+        Ok(())
+    }
+
+    fn deficits(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let deficits = words.entries(self.bounds.len())?;
+        if !self.is_root() || self.objective.is_proved() {
+            return rejected("`p` must stand in context 0, once");
+        }
+        if let Some((column, deficit)) = deficits.iter().find(|entry| entry.1 < 0.0) {
+            let deficit = Plain(*deficit);
+            return rejected(format!("the deficit {deficit} of column {column} is negative"));
+        }
+        self.convexity = Some((deficits, Vec::new()));
+        Ok(())
+    }
+
+    fn factor(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let entries = words.entries(self.bounds.len())?;
+        let Some((deficits, mut factor)) = self.convexity.take() else {
+            return rejected("`l` without `p`");
+        };
+        if entries.is_empty() {
+            return self.objective.prove(deficits, &factor, &mut self.sums);
+        }
+        factor.push(entries);
+        self.convexity = Some((deficits, factor));
+        Ok(())
+    }
+
+    fn split_column(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let column = words.index("column", self.bounds.len())?;
+        let value = words.number("the value")?;
+        if !self.is_integral(column) {
+            return rejected(format!("column {} is not integral", self.name(column)));
+        }
+        self.split(Form::Column(column), value)
+    }
+
+    fn split_form(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let value = words.number("the value")?;
+        let entries = words.entries(self.program.columns.len())?;
+        if !self.is_whole(&entries) {
+            return rejected("the form is not whole: its columns or its coefficients");
+        }
+        self.split(Form::Entries(entries), value)
+    }
+
+    /// Opens the first side of a split, `form <= value`.
+    fn split(&mut self, form: Form, value: f64) -> Result<(), Refusal> {
+        if !is_whole(value) {
+            return rejected(format!("{} is not whole, or too large", Plain(value)));
+        }
+        match &form {
+            Form::Column(column) => {
+                let column = *column;
+                self.open(Kind::FirstSide(form, value));
+                self.tighten(column, Side::Upper, value);
+            }
+            Form::Entries(entries) => {
+                let row = Row::new(entries.clone(), None, Some(Dyadic::from_f64(value)));
+                self.open(Kind::FirstSide(form, value));
+                self.facts.push(row);
+            }
+        }
+        Ok(())
+    }
+
+    fn lemma(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let side = side(words)?;
+        let value = words.number("the value")?;
+        let entries = words.entries(self.bounds.len())?;
+        // Not to hold means to be beyond the value, or at least at it; whole numbers are beyond the
+        // next one, or at least at it.
+        let next = match side {
+            _ if !self.is_whole(&entries) || !is_whole(value) => 0.0,
+            Side::Lower => -1.0,
+            Side::Upper => 1.0,
+        };
+        let beyond = Dyadic::from_f64(value + next);
+        let value = Dyadic::from_f64(value);
+        let (row, negation) = match side {
+            Side::Lower => (
+                Row::new(entries.clone(), Some(value), None),
+                Row::new(entries, None, Some(beyond)),
+            ),
+            Side::Upper => (
+                Row::new(entries.clone(), None, Some(value)),
+                Row::new(entries, Some(beyond), None),
+            ),
+        };
+        self.open(Kind::Lemma(row));
+        self.facts.push(negation);
+        Ok(())
+    }
+
+    fn open(&mut self, kind: Kind) {
+        let (facts, mark) = (self.facts.len(), self.bounds.mark());
+        self.contexts.push(Context { kind, facts, mark });
+    }
+
+    /// Closes the context, and all that are closed by that; opens the other side of a split.
+    fn close(&mut self) -> Result<(), Refusal> {
+        while let Some(context) = self.contexts.pop() {
+            if !matches!(context.kind, Kind::Claim) {
+                self.facts.truncate(context.facts);
+                self.bounds.undo(context.mark);
+            }
+            match context.kind {
+                Kind::Claim | Kind::SecondSide => {}
+                Kind::FirstSide(Form::Column(column), value) => {
+                    self.open(Kind::SecondSide);
+                    self.tighten(column, Side::Lower, value + 1.0);
+                    break;
+                }
+                Kind::FirstSide(Form::Entries(entries), value) => {
+                    self.open(Kind::SecondSide);
+                    let value = Dyadic::from_f64(value + 1.0);
+                    self.facts.push(Row::new(entries, Some(value), None));
+                    break;
+                }
+                Kind::Lemma(row) => {
+                    self.facts.push(row);
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn tighten(&mut self, column: usize, side: Side, value: f64) {
+        let is_lasting = self.is_root();
+        self.bounds.tighten(column, side, value, is_lasting);
+    }
+
+    fn is_root(&self) -> bool {
+        self.contexts.len() == 1
+    }
+
+    /// Defined columns are not integral.
+    fn is_integral(&self, column: usize) -> bool {
+        self.program.columns.get(column).is_some_and(|column| column.is_integral)
+    }
+
+    /// Whether a form is a whole number at every point.
+    fn is_whole(&self, entries: &[(u32, f64)]) -> bool {
+        let mut terms = entries.iter().filter(|entry| entry.1 != 0.0);
+        terms.all(|&(column, value)| self.is_integral(column as usize) && value.fract() == 0.0)
+    }
+
+    fn name(&self, column: usize) -> String {
+        match self.program.columns.get(column) {
+            Some(found) if !found.name.is_empty() => format!("{column} ({})", found.name),
+            _ => column.to_string(),
+        }
+    }
+}
+
+/// Whether a number is whole, and so are its neighbours.
+fn is_whole(value: f64) -> bool {
+    value.fract() == 0.0 && value.abs() < 9_007_199_254_740_991.0
+}
+
+fn side(words: &mut Words<'_>) -> Result<Side, Refusal> {
+    match words.word("`L` or `U`")? {
+        "L" => Ok(Side::Lower),
+        "U" => Ok(Side::Upper),
+        _ => unreadable("a side is neither `L` nor `U`"),
+    }
+}

@@ -1,0 +1,93 @@
+//! Checks the proofs that `carom` writes, in exact arithmetic and without a line of carom.
+//!
+//! A log states a program, claims a bound of its objective or that it has no point, and proves that in
+//! small steps. Rules and format are on the page "Proofs" of carom's guide (`docs/proofs.md`).
+//!
+//! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations), `linear_rules`
+//! and `quadratic_rules` (each rule with its reason), `bounds`, `checker` (contexts and commands);
+//! `text`, `program` and `point` read and judge what is beside the proof.
+
+mod bounds;
+mod checker;
+pub mod exact;
+mod linear_rules;
+mod point;
+mod program;
+mod quadratic_rules;
+mod rows;
+mod text;
+
+pub use point::Point;
+pub use program::Claim;
+pub use text::Failure;
+
+use checker::Checker;
+use exact::Plain;
+use program::Program;
+use std::fmt;
+use std::io::BufRead;
+use text::{Lines, Refusal, rejected, unreadable};
+
+/// What a log proves.
+#[derive(Debug, Clone)]
+pub struct Proved {
+    /// The claim, which holds at every point that satisfies the program exactly.
+    pub claim: Claim,
+    /// Whether the model maximises; the claim is that of the minimisation in the log.
+    pub is_maximisation: bool,
+    /// The number of commands.
+    pub steps: u64,
+    /// The points of the log, judged.
+    pub points: Vec<Point>,
+}
+
+impl fmt::Display for Proved {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "proved: ")?;
+        match self.claim {
+            Claim::Infeasible => write!(f, "no point")?,
+            Claim::Bound(bound) if self.is_maximisation => {
+                write!(f, "objective <= {}", Plain(0.0 - bound))?;
+            }
+            Claim::Bound(bound) => write!(f, "objective >= {}", Plain(bound))?,
+        }
+        write!(f, " ({} steps)", self.steps)
+    }
+}
+
+/// Checks a log, line by line.
+///
+/// # Errors
+///
+/// A [`Failure`] names the first line that is not valid, and why.
+pub fn check(log: impl BufRead) -> Result<Proved, Failure> {
+    let mut lines = Lines::new(log);
+    check_lines(&mut lines).map_err(|refusal| lines.at_line(refusal))
+}
+
+fn check_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Proved, Refusal> {
+    let program = Program::read(lines)?;
+    let rows = program.rows.len();
+    let mut checker = Checker::new(program);
+    let mut points = Vec::new();
+    loop {
+        let Some(mut words) = lines.next()? else {
+            return rejected("the log ends without a line `end`");
+        };
+        if words.is_at("a") {
+            words.word("a")?;
+            checker.count_point();
+            let entries = words.entries(checker.program.columns.len())?;
+            words.end()?;
+            let rows = checker.facts.get(..rows).unwrap_or_default();
+            let sum = &mut checker.sums.column;
+            points.push(Point::judge(&entries, &checker.program, rows, sum)?);
+        } else if let Some(steps) = checker.step(&mut words)? {
+            if lines.next()?.is_some() {
+                return unreadable("the log goes on behind `end`");
+            }
+            let Program { claim, is_maximisation, .. } = checker.program;
+            return Ok(Proved { claim, is_maximisation, steps, points });
+        }
+    }
+}

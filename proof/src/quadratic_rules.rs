@@ -1,0 +1,247 @@
+//! The rules for the objective and for cones: squares on their own, convexity, tangents.
+
+use crate::bounds::Bounds;
+use crate::exact::{Dyadic, Number, OutOfRange, Plain, Sum};
+use crate::linear_rules::Sums;
+use crate::program::{Cone, Objective};
+use crate::rows::{Row, Term};
+use crate::text::{Refusal, rejected};
+use std::cmp::Ordering;
+
+/// Entries of a column of a matrix.
+type Entries = Vec<(u32, f64)>;
+
+/// The objective `1/2 x'Px + linear x + constant`, plus the defined columns.
+#[derive(Debug)]
+pub(crate) struct Quadratic {
+    constant: f64,
+    linear: Entries,
+    /// The rows of `P`. Entries of the same column are added.
+    rows: Vec<Entries>,
+    squares: Vec<Square>,
+    /// `d` with `P + diag(d)` positive semidefinite, once that is proved.
+    deficits: Option<Entries>,
+}
+
+/// A defined column, `weight * column^2`.
+#[derive(Debug, Clone, Copy)]
+struct Square {
+    own: u32,
+    column: u32,
+    weight: f64,
+}
+
+const ONE: Number<'static> = Number::Float(1.0);
+
+impl Quadratic {
+    pub(crate) fn new(objective: &Objective, columns: usize) -> Self {
+        let mut rows = vec![Vec::new(); columns];
+        for &(row, column, value) in &objective.triangle {
+            push(&mut rows, row, (column, value));
+            if row != column {
+                push(&mut rows, column, (row, value));
+            }
+        }
+        let (constant, linear) = (objective.constant, objective.linear.clone());
+        Quadratic { constant, linear, rows, squares: Vec::new(), deficits: None }
+    }
+
+    /// Whether convexity is proved.
+    pub(crate) fn is_proved(&self) -> bool {
+        self.deficits.is_some()
+    }
+
+    /// Takes `weight * column^2` out of `P`, as column `own`.
+    pub(crate) fn define(&mut self, own: usize, column: usize, weight: f64) -> Result<(), Refusal> {
+        if !(weight > 0.0 && (2.0 * weight).is_finite()) {
+            return rejected(format!(
+                "the weight {} of a square is not positive, or too large",
+                Plain(weight)
+            ));
+        }
+        let (own, column) = (own as u32, column as u32);
+        push(&mut self.rows, column, (column, -2.0 * weight));
+        self.rows.push(Vec::new());
+        self.squares.push(Square { own, column, weight });
+        Ok(())
+    }
+
+    /// The tangent of a defined column at `column = point`.
+    pub(crate) fn square_tangent(
+        &self,
+        own: usize,
+        point: f64,
+        sum: &mut Sum,
+    ) -> Result<Row, Refusal> {
+        let Some(square) = self.squares.iter().find(|square| square.own as usize == own) else {
+            return rejected(format!("column {own} is not defined as a square"));
+        };
+        let slope = (square.column, -2.0 * square.weight, Number::Float(point));
+        let mut row = Row::combination(&mut [(square.own, 1.0, ONE), slope], sum)?;
+        sum.subtract(square.weight, point);
+        let product = sum.take()?;
+        sum.add(&product, point);
+        row.lower = Some(sum.take()?);
+        Ok(row)
+    }
+
+    /// Accepts deficits `d`: `P + diag(d) - LL'` must be diagonally dominant.
+    ///
+    /// A diagonally dominant matrix with a diagonal that is not negative is positive semidefinite, and
+    /// so is `LL'`.
+    pub(crate) fn prove(
+        &mut self,
+        deficits: Entries,
+        factor: &[Entries],
+        sums: &mut Sums,
+    ) -> Result<(), Refusal> {
+        let mut factor_rows = vec![Vec::new(); self.rows.len()];
+        for (entries, k) in factor.iter().zip(0_u32..) {
+            for &(row, value) in entries {
+                push(&mut factor_rows, row, (k, value));
+            }
+        }
+        let mut diagonal = deficits.iter().copied().peekable();
+        for ((own, factor_row), index) in self.rows.iter().zip(&factor_rows).zip(0_u32..) {
+            let mut terms: Vec<Term<'_>> = as_terms(own).collect();
+            if let Some((column, value)) = diagonal.next_if(|entry| entry.0 == index) {
+                terms.push((column, value, ONE));
+            }
+            for &(k, value) in factor_row {
+                for &(column, other) in factor.get(k as usize).into_iter().flatten() {
+                    terms.push((column, -value, Number::Float(other)));
+                }
+            }
+            let row = Row::combination(&mut terms, &mut sums.column)?;
+            for (column, value) in row.entries() {
+                if column == index || value.sign() == Ordering::Less {
+                    sums.total.add(value, 1.0);
+                } else {
+                    sums.total.subtract(value, 1.0);
+                }
+            }
+            let dominance = sums.total.take()?;
+            if dominance.sign() == Ordering::Less {
+                let missing = dominance.negated();
+                return rejected(format!("row {index} is not diagonally dominant, by {missing}"));
+            }
+        }
+        self.deficits = Some(deficits);
+        Ok(())
+    }
+
+    fn has_squares(&self, sum: &mut Sum) -> Result<bool, Refusal> {
+        for row in self.rows.iter().filter(|row| !row.is_empty()) {
+            let mut terms: Vec<Term<'_>> = as_terms(row).collect();
+            if Row::combination(&mut terms, sum)?.entries().next().is_some() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// What `objective <= limit` says of a point, with the tangent of the objective at `point`:
+    ///
+    /// `gradient x <= limit - objective(point) + gradient point + slack`,
+    /// `slack = 1/2 sum d_j max(|lower_j - point_j|, |upper_j - point_j|)^2`.
+    ///
+    /// Because `1/2 (x - point)'P(x - point) >= -1/2 sum d_j (x_j - point_j)^2 >= -slack`.
+    pub(crate) fn tangent(
+        &self,
+        point: &[(u32, f64)],
+        limit: f64,
+        bounds: &Bounds,
+        sums: &mut Sums,
+    ) -> Result<Row, Refusal> {
+        if self.deficits.is_none() && self.has_squares(&mut sums.column)? {
+            return rejected("the objective has squares, and `p` has not proved that it is convex");
+        }
+        let at = |column: u32| {
+            let place = point.binary_search_by_key(&column, |entry| entry.0);
+            place.ok().and_then(|k| point.get(k)).map_or(0.0, |entry| entry.1)
+        };
+        let mut terms: Vec<Term<'_>> = as_terms(&self.linear).collect();
+        terms.extend(self.squares.iter().map(|square| (square.own, 1.0, ONE)));
+        for &(column, value) in point.iter().filter(|entry| entry.1 != 0.0) {
+            for &(other, entry) in self.rows.get(column as usize).into_iter().flatten() {
+                terms.push((other, entry, Number::Float(value)));
+            }
+        }
+        let mut row = Row::combination(&mut terms, &mut sums.column)?;
+
+        // `gradient point - objective(point)` is `1/2 point'P point - constant`.
+        for (column, coefficient) in row.entries() {
+            sums.total.add(coefficient, at(column));
+        }
+        for &(column, coefficient) in &self.linear {
+            sums.total.subtract(coefficient, at(column));
+        }
+        for square in &self.squares {
+            sums.total.subtract(1.0, at(square.own));
+        }
+        for &(column, deficit) in self.deficits.iter().flatten().filter(|entry| entry.1 > 0.0) {
+            let (lower, upper) = bounds.of(column as usize);
+            if !lower.is_finite() || !upper.is_finite() {
+                return rejected(format!("column {column} has a deficit and is not bounded"));
+            }
+            let square = farthest_square(lower, upper, at(column), &mut sums.column)?;
+            sums.total.add(&square, deficit);
+        }
+        let half = sums.total.take()?.half();
+        sums.total.add(&half, 1.0);
+        sums.total.subtract(self.constant, 1.0);
+        sums.total.add(limit, 1.0);
+        row.upper = Some(sums.total.take()?);
+        Ok(row)
+    }
+}
+
+/// The square of the distance from a value to the farther of two bounds.
+fn farthest_square(
+    lower: f64,
+    upper: f64,
+    value: f64,
+    sum: &mut Sum,
+) -> Result<Dyadic, OutOfRange> {
+    let mut farthest = Dyadic::zero();
+    for bound in [lower, upper] {
+        sum.add(bound, 1.0);
+        sum.subtract(value, 1.0);
+        let distance = sum.take()?;
+        sum.add(&distance, &distance);
+        let square = sum.take()?;
+        sum.add(&square, 1.0);
+        sum.subtract(&farthest, 1.0);
+        if sum.take_sign()? == Ordering::Greater {
+            farthest = square;
+        }
+    }
+    Ok(farthest)
+}
+
+/// `head - u tail >= 0`, which holds in a cone if `|u| <= 1`.
+pub(crate) fn cone_tangent(cone: &Cone, u: &[f64], sum: &mut Sum) -> Result<Row, Refusal> {
+    for &value in u {
+        sum.add(value, value);
+    }
+    sum.subtract(1.0, 1.0);
+    let excess = sum.take()?;
+    if excess.sign() == Ordering::Greater {
+        return rejected(format!("the square of |u| exceeds 1 by {excess}"));
+    }
+    let mut terms: Vec<Term<'_>> = vec![(cone.head, 1.0, ONE)];
+    terms.extend(cone.tail.iter().zip(u).map(|(&column, &value)| (column, -value, ONE)));
+    let mut row = Row::combination(&mut terms, sum)?;
+    row.lower = Some(Dyadic::zero());
+    Ok(row)
+}
+
+fn as_terms(entries: &Entries) -> impl Iterator<Item = Term<'_>> {
+    entries.iter().map(|&(column, value)| (column, value, ONE))
+}
+
+fn push(rows: &mut [Entries], row: u32, entry: (u32, f64)) {
+    if let Some(entries) = rows.get_mut(row as usize) {
+        entries.push(entry);
+    }
+}

@@ -1,0 +1,175 @@
+//! Tangents of the objective and of cones, squares of their own, and the proof of convexity.
+
+use crate::log::{Header, broken, verdict};
+
+/// x² - 2x + y² with x in [-3, 3], y in [1, 3]: at least 0.
+const BOWL: Header = Header {
+    columns: &["c -3 3 x", "c 1 3 y"],
+    rows: &[],
+    cones: &[],
+    linear: "1 0 -2",
+    squares: "2 0 0 2 1 1 2",
+    claim: "bound -0.125",
+};
+const NOT_PROVED: &str =
+    "rejected: the objective has squares, and `p` has not proved that it is convex";
+
+#[test]
+fn a_tangent_of_the_objective() {
+    let log = BOWL.log("p 0\n l 0\n t 2 0 1 1 1\n x 1 0 -1");
+    broken(
+        &log,
+        &[
+            ("t 2 0 1 1 1", "t 2 0 1 1 0.5", {
+                "rejected: the combination is no contradiction: it holds with 0.125 to spare"
+            }),
+            ("t 2 0 1 1 1", "t 2 0 1 0 1", "unreadable: column 0 is listed twice"),
+            ("bound -0.125", "bound 0", {
+                "rejected: the combination is no contradiction: it holds with 0 to spare"
+            }),
+            ("bound -0.125", "bound 0.25", {
+                "rejected: the combination is no contradiction: it holds with 0.25 to spare"
+            }),
+            ("claim bound -0.125", "claim infeasible", {
+                "rejected: without a bound to prove, nothing is known of the objective"
+            }),
+            ("c 1 3 y", "c 0 3 y", {
+                "rejected: the combination is no contradiction: it holds with 1.875 to spare"
+            }),
+        ],
+    );
+    assert_eq!(verdict(&BOWL.log("t 2 0 1 1 1\n x 1 0 -1")), NOT_PROVED);
+}
+
+#[test]
+fn a_linear_objective_needs_no_proof_of_convexity() {
+    let line = Header { squares: "", claim: "bound -6.5", ..BOWL };
+    broken(
+        &line.log("t 0\n x 1 0 -1"),
+        &[("bound -6.5", "bound -6", {
+            "rejected: the combination is no contradiction: it holds with 0 to spare"
+        })],
+    );
+}
+
+#[test]
+fn deficits_cost_slack() {
+    // xy over a box is convex up to 1/2 (x² + y²), at most 1/2 (3² + 3²) from its tangent at 0.
+    let saddle = Header {
+        columns: &["c -3 3 x", "c -3 3 y"],
+        linear: "",
+        squares: "1 0 1 1",
+        claim: "bound -9.5",
+        ..BOWL
+    };
+    broken(
+        &saddle.log("p 2 0 1 1 1\n l 0\n t 0\n x 1 0 -1"),
+        &[
+            ("bound -9.5", "bound -8.5", {
+                "rejected: the combination is no contradiction: it holds with 0.5 to spare"
+            }),
+            ("p 2 0 1 1 1", "p 2 0 1 1 0.5", {
+                "rejected: row 1 is not diagonally dominant, by 0.5"
+            }),
+            ("p 2 0 1 1 1", "p 2 0 -1 1 1", { "rejected: the deficit -1 of column 0 is negative" }),
+            ("t 0", "t 1 0 1", {
+                "rejected: the combination is no contradiction: it holds with 6 to spare"
+            }),
+            ("c -3 3 x", "c -3 inf x", "rejected: column 0 has a deficit and is not bounded"),
+            ("c -3 3 y", "c -4 3 y", {
+                "rejected: the combination is no contradiction: it holds with 3 to spare"
+            }),
+        ],
+    );
+}
+
+#[test]
+fn a_factor_proves_convexity() {
+    // (x + 2y)² is not diagonally dominant.
+    let square = Header {
+        columns: &["c -3 3 x", "c -3 3 y"],
+        linear: "",
+        squares: "3 0 0 2 0 1 4 1 1 8",
+        claim: "bound -0.5",
+        ..BOWL
+    };
+    broken(
+        &square.log("p 0\n l 2 0 1 1 2\n l 2 0 1 1 2\n l 0\n t 0\n x 1 0 -1"),
+        &[
+            ("p 0\nl 2 0 1 1 2\nl 2 0 1 1 2\nl 0", "p 0\nl 2 0 1 1 2\nl 0", {
+                "rejected: row 0 is not diagonally dominant, by 1"
+            }),
+            ("l 0", "x 0", "rejected: `p` and its columns, up to `l 0`, must not be interrupted"),
+            ("l 0\nt 0", "l 0\np 0", "rejected: `p` must stand in context 0, once"),
+            ("l 0\nt 0", "l 0\nl 0", "rejected: `l` without `p`"),
+            ("0 1 4", "0 1 5", "rejected: row 0 is not diagonally dominant, by 1"),
+            ("p 0\nl 2 0 1 1 2", "p 0\nl 2 0 1.5 1 2", {
+                "rejected: row 0 is not diagonally dominant, by 2.25"
+            }),
+        ],
+    );
+    let inside = square.log("m U 5 1 0 1\n p 0");
+    assert_eq!(verdict(&inside), "rejected: `p` must stand in context 0, once");
+}
+
+#[test]
+fn squares_of_their_own() {
+    // The whole of P goes into x² and y², so that no proof of convexity is left to do.
+    let steps = "y 0 1\n y 1 1\n t 0\n z 2 1\n z 3 1\n x 3 0 -1 1 1 2 1";
+    broken(
+        &BOWL.log(steps),
+        &[
+            ("y 0 1", "y 0 0.5", NOT_PROVED),
+            ("y 0 1", "y 0 2", NOT_PROVED),
+            ("y 0 1", "y 0 -1", {
+                "rejected: the weight -1 of a square is not positive, or too large"
+            }),
+            ("y 0 1", "y 0 1e308", {
+                "rejected: the weight 1e308 of a square is not positive, or too large"
+            }),
+            ("y 0 1", "y 2 1", "rejected: there is no column 2; their number is 2"),
+            ("z 2 1", "z 1 1", "rejected: column 1 is not defined as a square"),
+            ("z 2 1", "z 2 0.5", {
+                "rejected: the combination is no contradiction: it holds with 2.125 to spare"
+            }),
+            ("y 1 1\nt 0", "p 0\nl 0\ny 1 1\nt 0", {
+                "rejected: `y` must stand in context 0, before `p`"
+            }),
+        ],
+    );
+    let inside = BOWL.log("m U 5 1 0 1\n y 0 1");
+    assert_eq!(verdict(&inside), "rejected: `y` must stand in context 0, before `p`");
+}
+
+#[test]
+fn a_tangent_of_a_cone() {
+    // h >= |(x, y)| with x >= 3, y >= 4, h <= 4.25.
+    let cone = Header {
+        columns: &["c 0 4.25 h", "c 3 9 x", "c 4 9 y"],
+        cones: &["0 2 1 2"],
+        claim: "infeasible",
+        ..Header::default()
+    };
+    broken(
+        &cone.log("q 0 2 0.5 0.75\n x 1 0 1"),
+        &[
+            ("q 0 2 0.5 0.75", "q 0 2 1 0.75", {
+                "rejected: the square of |u| exceeds 1 by 0.5625"
+            }),
+            ("q 0 2 0.5 0.75", "q 0 2 0.6 0.8", {
+                "rejected: the square of |u| exceeds 1 by 4.4408920985006264e-17"
+            }),
+            ("q 0 2 0.5 0.75", "q 0 1 1", "rejected: cone 0 has 2 columns"),
+            ("q 0 2 0.5 0.75", "q 1 2 0 1", "rejected: there is no cone 1; their number is 1"),
+            ("c 0 4.25 h", "c 0 4.75 h", {
+                "rejected: the combination is no contradiction: it holds with 0.25 to spare"
+            }),
+            ("x 1 0 1", "x 1 0 -1", "rejected: fact 0 has no upper side, for multiplier -1"),
+        ],
+    );
+    // A column may be in a cone twice.
+    let twice = Header { cones: &["0 2 1 1"], ..cone };
+    assert_eq!(verdict(&twice.log("q 0 2 0.5 0.8\n b 0 L 3.5 0\n x 0")), {
+        "rejected: the combination is no contradiction: it holds with 0 to spare"
+    });
+}

@@ -1,0 +1,255 @@
+//! Small integer programs that are answered by trying all points, and proofs of that for the checker.
+
+use std::fmt::Write as _;
+
+/// A row: sides and coefficients.
+pub(crate) type Row = (Option<i64>, Option<i64>, Vec<i64>);
+
+/// Minimise `linear x + sum squares_j x_j²` over whole x within bounds, rows and a cone.
+#[derive(Debug, Clone)]
+pub(crate) struct Small {
+    pub(crate) bounds: Vec<(i64, i64)>,
+    pub(crate) rows: Vec<Row>,
+    /// `x_head >= |(x_j for j in tail)|`.
+    pub(crate) cone: Option<(usize, Vec<usize>)>,
+    pub(crate) linear: Vec<i64>,
+    pub(crate) squares: Vec<i64>,
+    /// `None` claims that there is no point.
+    pub(crate) claim: Option<f64>,
+}
+
+impl Small {
+    /// The least objective of all points, by trying them all.
+    pub(crate) fn best(&self) -> Option<i64> {
+        self.best_from(&mut Vec::new())
+    }
+
+    fn best_from(&self, x: &mut Vec<i64>) -> Option<i64> {
+        let Some(&(lower, upper)) = self.bounds.get(x.len()) else {
+            let fits = self.violated_row(x).is_none() && self.violated_cone(x).is_none();
+            return fits.then(|| self.objective(x));
+        };
+        let mut best = None;
+        for value in lower..=upper {
+            x.push(value);
+            let found = self.best_from(x);
+            x.pop();
+            best = [best, found].into_iter().flatten().min();
+        }
+        best
+    }
+
+    /// Whether the claim is true.
+    pub(crate) fn is_true(&self) -> bool {
+        match (self.claim, self.best()) {
+            (_, None) => true,
+            (None, Some(_)) => false,
+            (Some(bound), Some(best)) => best as f64 >= bound,
+        }
+    }
+
+    fn objective(&self, x: &[i64]) -> i64 {
+        let squares = x.iter().zip(&self.squares).map(|(x, a)| a * x * x);
+        dot(&self.linear, x) + squares.sum::<i64>()
+    }
+
+    /// A row that a point violates, and whether it does so with its upper side.
+    fn violated_row(&self, x: &[i64]) -> Option<(usize, bool)> {
+        self.rows.iter().enumerate().find_map(|(k, (lower, upper, row))| {
+            let value = dot(row, x);
+            let is_above = upper.is_some_and(|upper| value > upper);
+            let is_below = lower.is_some_and(|lower| value < lower);
+            (is_above || is_below).then_some((k, is_above))
+        })
+    }
+
+    /// The tail of the cone, if a point violates it.
+    fn violated_cone(&self, x: &[i64]) -> Option<Vec<i64>> {
+        let (head, tail) = self.cone.as_ref()?;
+        let tail: Vec<i64> = tail.iter().map(|&j| x[j]).collect();
+        let squares: i64 = tail.iter().map(|v| v * v).sum();
+        (x[*head] < 0 || x[*head] * x[*head] < squares).then_some(tail)
+    }
+
+    pub(crate) fn header(&self) -> String {
+        let mut log = format!("carom proof 1\nsense min\ncolumns {}\n", self.bounds.len());
+        for (j, (lower, upper)) in self.bounds.iter().enumerate() {
+            let _ = writeln!(log, "c i {lower} {upper} x{j}");
+        }
+        let _ = writeln!(log, "rows {}", self.rows.len());
+        for (lower, upper, row) in &self.rows {
+            let side = |side: &Option<i64>| side.map(|side| side.to_string());
+            let lower = side(lower).unwrap_or("-inf".into());
+            let upper = side(upper).unwrap_or("inf".into());
+            let _ = writeln!(log, "r {lower} {upper} {}", entries(row));
+        }
+        let _ = writeln!(log, "cones {}", usize::from(self.cone.is_some()));
+        if let Some((head, tail)) = &self.cone {
+            let tail: Vec<String> = tail.iter().map(|j| format!(" {j}")).collect();
+            let _ = writeln!(log, "q {head} {}{}", tail.len(), tail.concat());
+        }
+        let squares: Vec<String> = (0..self.squares.len())
+            .filter(|&j| self.squares[j] != 0)
+            .map(|j| format!(" {j} {j} {}", 2 * self.squares[j]))
+            .collect();
+        let _ = writeln!(log, "objective 0\ng {}", entries(&self.linear));
+        let _ = writeln!(log, "h {}{}", squares.len(), squares.concat());
+        match self.claim {
+            Some(bound) => log + &format!("claim bound {bound}\nproof\n"),
+            None => log + "claim infeasible\nproof\n",
+        }
+    }
+}
+
+fn dot(a: &[i64], b: &[i64]) -> i64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn entries(values: &[i64]) -> String {
+    let pairs: Vec<String> = values.iter().enumerate().map(|(j, v)| format!(" {j} {v}")).collect();
+    format!("{}{}", values.len(), pairs.concat())
+}
+
+/// Writes proofs: all columns are split until they are fixed, and each point is refuted. `choices` decide
+/// in which of several ways.
+pub(crate) struct Writer<'a> {
+    small: &'a Small,
+    choices: &'a [u8],
+    used: usize,
+    facts: usize,
+    has_own_squares: bool,
+    pub(crate) lines: Vec<String>,
+}
+
+impl<'a> Writer<'a> {
+    pub(crate) fn new(small: &'a Small, choices: &'a [u8]) -> Self {
+        let facts = small.rows.len();
+        let mut writer =
+            Writer { small, choices, used: 0, facts, has_own_squares: false, lines: Vec::new() };
+        writer.write();
+        writer
+    }
+
+    fn choice(&mut self, many: u8) -> u8 {
+        self.used += 1;
+        self.choices[self.used % self.choices.len()] % many
+    }
+
+    fn line(&mut self, line: String) {
+        self.lines.push(line);
+    }
+
+    fn fact(&mut self, line: String) -> usize {
+        self.line(line);
+        self.facts += 1;
+        self.facts - 1
+    }
+
+    fn write(&mut self) {
+        self.has_own_squares = self.choice(2) == 0;
+        if self.has_own_squares {
+            for (j, &square) in self.small.squares.iter().enumerate().filter(|(_, s)| **s != 0) {
+                self.line(format!("y {j} {square}"));
+            }
+        } else {
+            self.line("p 0".into());
+            self.line("l 0".into());
+        }
+        let mut bounds = self.small.bounds.clone();
+        self.tree(&mut bounds);
+        let steps = self.lines.len();
+        self.line(format!("end {steps}"));
+    }
+
+    /// Refutes all points within bounds.
+    fn tree(&mut self, bounds: &mut Vec<(i64, i64)>) {
+        if let Some(j) = bounds.iter().position(|(lower, upper)| lower > upper) {
+            self.line(format!("d {j}"));
+            return;
+        }
+        let Some(j) = bounds.iter().position(|(lower, upper)| lower < upper) else {
+            let x: Vec<i64> = bounds.iter().map(|b| b.0).collect();
+            return self.point(&x);
+        };
+        let (lower, upper) = bounds[j];
+        let value = lower + i64::from(self.choice((upper - lower) as u8));
+        let is_form = self.choice(2) == 0;
+        self.line(if is_form { format!("f {value} 1 {j} 1") } else { format!("s {j} {value}") });
+        for (side, limits) in [("U", (lower, value)), ("L", (value + 1, upper))] {
+            let facts = self.facts;
+            if is_form {
+                let bound = if side == "U" { value } else { value + 1 };
+                self.facts += 1;
+                self.line(format!("b {j} {side} {bound} {facts}"));
+            }
+            bounds[j] = limits;
+            self.tree(bounds);
+            self.facts = facts;
+        }
+        bounds[j] = (lower, upper);
+    }
+
+    fn point(&mut self, x: &[i64]) {
+        if let Some((row, is_above)) = self.small.violated_row(x) {
+            return self.row(row, is_above, x);
+        }
+        if let Some(tail) = self.small.violated_cone(x) {
+            // A bit shorter than 1 where it must be rounded.
+            let norm = tail.iter().map(|v| (v * v) as f64).sum::<f64>().sqrt() * (1.0 + 1e-15);
+            let u: Vec<String> = tail.iter().map(|&v| format!(" {}", v as f64 / norm)).collect();
+            let u = if norm == 0.0 { " 0".repeat(tail.len()) } else { u.concat() };
+            let fact = self.fact(format!("q 0 {}{u}", tail.len()));
+            return self.line(format!("x 1 {fact} 1"));
+        }
+        let mut point: Vec<String> =
+            x.iter().enumerate().map(|(j, value)| format!(" {j} {value}")).collect();
+        let mut tangents = Vec::new();
+        if self.has_own_squares {
+            let squares = self.small.squares.iter().enumerate().filter(|(_, square)| **square != 0);
+            for (own, (j, &square)) in (x.len()..).zip(squares) {
+                point.push(format!(" {own} {}", square * x[j] * x[j]));
+                tangents.push((own, x[j]));
+            }
+        }
+        let tangent = self.fact(format!("t {}{}", point.len(), point.concat()));
+        let mut multipliers = vec![format!(" {tangent} -1")];
+        for (own, value) in tangents {
+            let fact = self.fact(format!("z {own} {value}"));
+            multipliers.push(format!(" {fact} 1"));
+        }
+        let multipliers = format!("{}{}", multipliers.len(), multipliers.concat());
+        if self.choice(2) == 0 {
+            self.line(format!("x {multipliers}"));
+        } else {
+            let fact = self.fact(format!("k {multipliers}"));
+            self.line(format!("x 1 {fact} 1.5"));
+        }
+    }
+
+    /// Refutes a point with a row that it violates.
+    fn row(&mut self, row: usize, is_above: bool, x: &[i64]) {
+        let sign = if is_above { -1 } else { 1 };
+        let entries = &self.small.rows[row].2;
+        let Some(j) = entries.iter().position(|&value| value != 0) else {
+            return self.line(format!("x 1 {row} {sign}"));
+        };
+        let is_upper = (entries[j] > 0) == is_above;
+        // A bound beyond the value at which the column is fixed.
+        let (side, bound) = if is_upper { ("U", x[j] - 1) } else { ("L", x[j] + 1) };
+        match self.choice(3) {
+            0 => self.line(format!("x 1 {row} {sign}")),
+            1 => {
+                self.line(format!("b {j} {side} {bound} {row}"));
+                self.line(format!("d {j}"));
+            }
+            _ => {
+                self.line(format!("m {side} {bound} 1 {j} 1"));
+                self.line(format!("x 1 {row} {sign}"));
+                let fact = self.facts;
+                self.facts += 1;
+                self.line(format!("b {j} {side} {bound} {fact}"));
+                self.line(format!("d {j}"));
+            }
+        }
+    }
+}

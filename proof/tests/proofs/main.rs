@@ -1,0 +1,11 @@
+//! Each rule accepted and each way of breaking it rejected, by hand and at random.
+
+mod bytes;
+mod contexts;
+mod convexity;
+mod enumeration;
+mod exact;
+mod format;
+mod linear;
+mod log;
+mod soundness;
