@@ -5,10 +5,12 @@
 //!
 //! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations), `linear_rules`
 //! and `quadratic_rules` (each rule with its reason), `bounds`, `checker` (contexts and commands);
-//! `text`, `program` and `point` read and judge what is beside the proof.
+//! `text`, `program` and `point` read and judge what is beside the proof. [`compare`] is another tool, which
+//! none of these knows.
 
 mod bounds;
 mod checker;
+pub mod compare;
 pub mod exact;
 mod linear_rules;
 mod point;

@@ -1,0 +1,248 @@
+//! Model files against headers of logs.
+
+use carom_proof::compare::{Format, compare};
+
+const HEADER: &str = "\
+carom proof 1
+sense max
+columns 4
+c c 0 4 x
+c c -inf inf y
+c i 0 1 b
+c i -2 7 n
+rows 3
+r -inf 10 2 0 1 1 2 cap
+r 1 5 2 1 -1 3 1 both
+r 2 2 3 0 1 2 -3 3 0.5 same
+cones 0
+objective -1.5
+g 2 0 -2 2 1
+h 2 0 0 2 0 1 -1
+claim infeasible
+proof
+";
+
+const MPS: &str = "\
+* a comment
+NAME test
+OBJSENSE
+    MAX
+ROWS
+ N cost
+ L cap
+ G both
+ E same
+ N other
+COLUMNS
+    x cost 2.0 cap 1
+    x same 1
+    y cap 2 both -1
+    MARK0 'MARKER' 'INTORG'
+    b cost -1 same -3
+    n both 1 same 0.5
+    MARK1 'MARKER' 'INTEND'
+RHS
+    RHS cap 10 both 1
+    RHS same 2 cost -1.5
+RANGES
+    R both 4
+BOUNDS
+ UP B x 4
+ FR B y
+ LO B n -2
+ UP B n 7.5
+QUADOBJ
+    x x -2
+    x y 1
+ENDATA
+";
+
+const LP: &str = "\
+\\ a comment
+Maximize
+ obj: 2 x - b + 1.5 + [ - 2 x ^2 + 2 x * y ] / 2
+Subject To
+ cap: x + 2 y <= 10
+ low: - y + n >= 1
+ high: y - n >= -5
+ x - 3 b
+   + 0.5 n = 2
+Bounds
+ x <= 4
+ y free
+ -2 <= n <= 7
+General
+ n
+Binary
+ b
+End
+";
+
+fn said(text: &str, format: Format, header: &str) -> String {
+    match compare(text, format, header.as_bytes()) {
+        Ok(comparison) => comparison.to_string(),
+        Err(unreadable) => unreadable.to_string(),
+    }
+}
+
+/// The same program as it stands, and the difference that each change of the model makes.
+#[track_caller]
+fn changed(text: &str, format: Format, header: &str, changes: &[(&str, &str, &str)]) {
+    let same = said(text, format, header);
+    assert!(same.starts_with("the same program: "), "{same}");
+    for (from, to, difference) in changes {
+        assert_eq!(text.matches(from).count(), 1, "`{from}` must be there once");
+        let found = said(&text.replace(from, to), format, header);
+        assert_eq!(found, format!("another program: {difference}"), "`{from}` to `{to}`");
+    }
+}
+
+#[test]
+fn mps_files() {
+    assert_eq!(said(MPS, Format::Mps, HEADER), "the same program: 4 columns, 3 rows");
+    changed(
+        MPS,
+        Format::Mps,
+        HEADER,
+        &[
+            ("    MAX\n", "    MIN\n", "the sense of the objective"),
+            ("y cap 2 both", "y cap 2.5 both", "row cap is not in the log"),
+            ("cap 10", "cap 11", "row cap: from -inf to 11, and from -inf to 10 in the log"),
+            ("both 4\n", "both 3\n", "row both: from 1 to 4, and from 1 to 5 in the log"),
+            (" G both", " N both", "row both is not in the model"),
+            ("UP B x 4", "UP B x 5", {
+                "column x: continuous from 0 to 5 in the model, continuous from 0 to 4 in the log"
+            }),
+            (" FR B y\n", "", {
+                "column y: continuous from 0 to inf in the model, continuous from -inf to inf in \
+                 the log"
+            }),
+            ("n 7.5", "n 6.5", {
+                "column n: integral from -2 to 6 in the model, integral from -2 to 7 in the log"
+            }),
+            ("    MARK1", "    z cap 1\n    MARK1", "the model has 5 columns, the log 4"),
+            ("cost 2.0", "cost 2.5", "the cost of x"),
+            ("cost -1.5", "cost -1", "the constant is 1 in the model, 1.5 in the log"),
+            ("    x y 1\n", "    x y 2\n", "the cost of x times y"),
+            ("    x x -2\n", "", "the cost of x times x"),
+        ],
+    );
+    let left = MPS.replace("QUADOBJ", "SOS\n S1 set\n    x 1\n    y 2\nQUADOBJ");
+    assert_eq!(said(&left, Format::Mps, HEADER), {
+        "the same program: 4 columns, 3 rows; not compared: ordered sets"
+    });
+    let further = HEADER.replace("columns 4", "columns 5").replace("rows 3", "c c 0 1 z\nrows 3");
+    assert_eq!(said(MPS, Format::Mps, &further), {
+        "another program: the model has 4 columns, the log 5"
+    });
+    assert!(said(&left, Format::Mps, &further).starts_with("the same program: "));
+}
+
+#[test]
+fn lp_files() {
+    assert_eq!(said(LP, Format::Lp, HEADER), "the same program: 4 columns, 4 rows");
+    changed(
+        LP,
+        Format::Lp,
+        HEADER,
+        &[
+            ("+ 0.5 n", "- 0.5 n", "row c4 is not in the log"),
+            (">= -5", ">= -6", "row low: from 1 to 6, and from 1 to 5 in the log"),
+            (" n\nBinary", " n x\nBinary", {
+                "column x: integral from 0 to 4 in the model, continuous from 0 to 4 in the log"
+            }),
+            (" x <= 4\n", " x <= 4\n x >= 1e-9\n", {
+                "column x: continuous from 1e-9 to 4 in the model, continuous from 0 to 4 in the log"
+            }),
+            ("2 x - b", "2 x - 2 b", "the cost of b"),
+            (" + 1.5", "", "the constant is 0 in the model, 1.5 in the log"),
+            ("] / 2", "]", "the cost of x times x"),
+            ("Maximize", "Minimize", "the sense of the objective"),
+        ],
+    );
+    let constant = LP.replace("+ 1.5", "+ 1.5 Constant").replace("Bounds", "Bounds\n Constant = 1");
+    assert_eq!(said(&constant, Format::Lp, HEADER), "the same program: 5 columns, 4 rows");
+    let more = "Subject To\n ind: b = 1 -> x + y <= 3\n q: x + [ x ^2 ] <= 7\n 1 <= x + y <= 2\n";
+    let left = said(&LP.replace("Subject To\n", more), Format::Lp, HEADER);
+    assert_eq!(left, "another program: row c1 is not in the log");
+    let left = said(&LP.replace("Subject To\n", &more[..more.len() - 17]), Format::Lp, HEADER);
+    assert_eq!(left, {
+        "the same program: 4 columns, 4 rows; not compared: indicator ind, the squares of row q"
+    });
+    assert_eq!(said(&LP.replace("<= 10", "<="), Format::Lp, HEADER), {
+        "the model cannot be read: a number must be near `2 y <= low : -`"
+    });
+}
+
+#[test]
+fn cbf_files() {
+    let header = "\
+carom proof 1
+sense min
+columns 4
+c c 0 inf t
+c c -inf inf u
+c c -inf inf v
+c i 0 3 n
+rows 1
+r 2 inf 2 1 1 3 -1 r
+cones 1
+q 0 2 1 2
+objective 1
+g 1 0 1
+h 0
+claim bound 0
+proof
+";
+    let model = "\
+VER
+1
+OBJSENSE
+MIN
+VAR
+4 2
+Q 3
+L+ 1
+INT
+1
+3
+CON
+2 2
+L- 1
+L+ 1
+OBJACOORD
+1
+0 1
+OBJBCOORD
+1
+ACOORD
+3
+0 3 1
+1 1 1
+1 3 -1
+BCOORD
+2
+0 -3
+1 -2
+";
+    assert_eq!(said(model, Format::Cbf, header), "the same program: 4 columns, 2 rows");
+    changed(
+        model,
+        Format::Cbf,
+        header,
+        &[
+            ("Q 3\nL+ 1\n", "F 3\nL+ 1\n", {
+                "column x[0]: continuous from -inf to inf in the model, continuous from 0 to inf \
+                 in the log"
+            }),
+            ("0 -3\n", "0 -4\n", {
+                "column x[3]: integral from 0 to 4 in the model, integral from 0 to 3 in the log"
+            }),
+            ("1 -2\n", "1 2\n", "row c[1]: from -2 to inf, and from 2 to inf in the log"),
+        ],
+    );
+    let fewer = header.replace("cones 1\nq 0 2 1 2\n", "cones 0\n");
+    assert_eq!(said(model, Format::Cbf, &fewer), {
+        "another program: the cone with the head x[0]"
+    });
+}
