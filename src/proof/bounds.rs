@@ -16,6 +16,9 @@ const NONE: u32 = u32::MAX;
 /// and to its size where it had none (no unit).
 const LEAST_CHANGE: f64 = 1e-3;
 
+/// The part of that which is still worth a step where nothing else closes a context.
+const FINE: f64 = 1e-4;
+
 /// The largest bound that is derived for a column without one.
 const LARGEST: f64 = 1e15;
 
@@ -57,6 +60,8 @@ pub(super) struct Bounds {
     integral: Vec<bool>,
     queue: Vec<u32>,
     is_queued: Vec<bool>,
+    /// The least change that counts, as a multiple of the usual one.
+    fineness: f64,
 }
 
 /// The least and the largest sum of the terms of a fact, and the possible error of both.
@@ -77,7 +82,7 @@ impl Bounds {
         let last = vec![[NONE; 2]; now.len()];
         let integral = program.integral.clone();
         let (trail, queue, is_queued) = Default::default();
-        Bounds { now, last, trail, integral, queue, is_queued }
+        Bounds { now, last, trail, integral, queue, is_queued, fineness: 1.0 }
     }
 
     /// The bounds of a column.
@@ -148,6 +153,17 @@ impl Bounds {
         }
         self.queue.iter().for_each(|&fact| self.is_queued[fact as usize] = false);
         self.queue.clear();
+        result
+    }
+
+    /// Derives bounds from all facts, also slight changes.
+    pub(super) fn propagate_finely(&mut self, facts: &Facts) -> Result<(), Conflict> {
+        for fact in 0..facts.len() as u32 {
+            self.enqueue(fact);
+        }
+        self.fineness = FINE;
+        let result = self.propagate(facts);
+        self.fineness = 1.0;
         result
     }
 
@@ -223,8 +239,8 @@ impl Bounds {
         let least = match () {
             () if old.is_infinite() => 0.0,
             () if self.integral[column] => 0.5,
-            () if other.is_infinite() => LEAST_CHANGE * old.abs().max(1.0),
-            () => LEAST_CHANGE * (upper - lower).abs(),
+            () if other.is_infinite() => self.fineness * LEAST_CHANGE * old.abs().max(1.0),
+            () => self.fineness * LEAST_CHANGE * (upper - lower).abs(),
         };
         if value.is_nan() || value.abs() > LARGEST || !(gain > least || (crosses && gain > 0.0)) {
             return Ok(());

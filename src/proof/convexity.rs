@@ -10,6 +10,12 @@ use crate::sum::Sum;
 /// What the factor leaves of each diagonal entry, for rounding (no unit).
 const LEFT: f64 = 1e-12;
 
+/// The part of a diagonal entry below which a pivot may be rounding (no unit).
+const SLIGHT: f64 = 1e-11;
+
+/// The part of what is known of the steepness that is proved, so that rounding has room (no unit).
+const OF_STEEPNESS: f64 = 0.99;
+
 /// The largest block that is factorised without regard to its zeros.
 const DENSE: usize = 500;
 
@@ -25,8 +31,12 @@ type Lower = Vec<BTreeMap<usize, f64>>;
 
 impl Convexity {
     /// Of the objective of a program.
+    ///
+    /// Where a column with curvature lacks a bound, the deficits of its block are negative if they can be: the
+    /// objective is steep there.
     pub(super) fn of(program: &Program) -> Self {
         let n = program.column_count();
+        let is_open = |j: &usize| program.lower[*j].is_infinite() || program.upper[*j].is_infinite();
         let mut products = Vec::new();
         for j in 0..n {
             let (rows, values) = program.quadratic_column(j);
@@ -39,19 +49,32 @@ impl Convexity {
             for (i, j, p) in entries {
                 *matrix[i.min(j)].entry(i.max(j)).or_default() += p;
             }
-            convexity.add(&names, &matrix);
+            let spare: Vec<f64> = match names.iter().any(|j| is_open(j)) {
+                true => names.iter().map(|&j| OF_STEEPNESS * program.steepness()[j]).collect(),
+                false => vec![0.0; names.len()],
+            };
+            matrix.iter_mut().enumerate().for_each(|(k, column)| {
+                if spare[k] > 0.0 {
+                    *column.entry(k).or_default() -= spare[k];
+                }
+            });
+            convexity.add(&names, &matrix, &spare);
         }
         convexity
     }
 
-    /// Adds a block.
-    fn add(&mut self, names: &[usize], matrix: &Lower) {
-        if lacking(matrix, &[]).iter().all(|&lack| lack == 0.0) {
-            return;
+    /// Adds a block, from whose diagonal something was taken.
+    fn add(&mut self, names: &[usize], matrix: &Lower, taken: &[f64]) {
+        let mut lack = lacking(matrix, &[]);
+        let mut factor = Vec::new();
+        if lack.iter().any(|&lack| lack > 0.0) {
+            factor = if names.len() <= DENSE { dense_factor(matrix) } else { sparse_factor(matrix) };
+            lack = lacking(matrix, &factor);
         }
-        let factor = if names.len() <= DENSE { dense_factor(matrix) } else { factor(matrix) };
-        for (k, lack) in lacking(matrix, &factor).into_iter().enumerate() {
-            self.deficits[names[k]] = lack;
+        for (k, lack) in lack.into_iter().enumerate() {
+            // The matrix without what was taken was rounded.
+            let rounding = if taken[k] > 0.0 { 4.0 * f64::EPSILON * matrix_size(matrix, k, taken[k]) } else { 0.0 };
+            self.deficits[names[k]] = lack - taken[k] + rounding;
         }
         let name = |column: Vec<(usize, f64)>| -> Vec<(usize, f64)> {
             column.into_iter().map(|(i, value)| (names[i], value)).collect()
@@ -99,9 +122,10 @@ fn lacking(matrix: &Lower, factor: &[Vec<(usize, f64)>]) -> Vec<f64> {
     lack.into_iter().map(most).collect()
 }
 
-/// The pivot of a column, given the entry of the matrix: not less than what is left for rounding.
-fn pivot(value: f64, entry: f64) -> f64 {
-    value.max(LEFT * entry.abs()).max(f64::MIN_POSITIVE).sqrt()
+/// The pivot of a column, given the entry of the matrix; `None` if it may be rounding. Then the column of
+/// the factor is 0, and what is left of the matrix counts as lacking.
+fn pivot(value: f64, entry: f64) -> Option<f64> {
+    (value > SLIGHT * entry.abs() && value >= f64::MIN_POSITIVE).then(|| value.sqrt())
 }
 
 /// `L` with `L L' = A` but for rounding, and for pivots that are not positive.
@@ -114,7 +138,10 @@ fn dense_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
     }
     for k in 0..n {
         let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
-        let root = pivot(work[k][k], entry);
+        let Some(root) = pivot(work[k][k], entry) else {
+            work[k].fill(0.0);
+            continue;
+        };
         work[k][k] = root;
         work[k][k + 1..].iter_mut().for_each(|a| *a /= root);
         let column = work[k].clone();
@@ -132,17 +159,21 @@ fn dense_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
     work.into_iter().enumerate().map(entries).collect()
 }
 
+fn matrix_size(matrix: &Lower, k: usize, taken: f64) -> f64 {
+    matrix[k].get(&k).map_or(0.0, |entry| entry.abs()) + taken
+}
+
 /// The same, with its zeros left out.
-fn factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
+fn sparse_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
     let n = matrix.len();
     let mut work = matrix.clone();
     let mut columns = Vec::with_capacity(n);
     for k in 0..n {
         let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
         let value = work[k].remove(&k).unwrap_or(0.0) - LEFT * entry.abs();
-        let root = pivot(value, entry);
-        let below: Vec<(usize, f64)> =
-            std::mem::take(&mut work[k]).into_iter().map(|(i, a)| (i, a / root)).collect();
+        let below = std::mem::take(&mut work[k]);
+        let Some(root) = pivot(value, entry) else { continue };
+        let below: Vec<(usize, f64)> = below.into_iter().map(|(i, a)| (i, a / root)).collect();
         for (p, &(j, b)) in below.iter().enumerate() {
             for &(i, a) in &below[p..] {
                 *work[j].entry(i).or_default() -= a * b;

@@ -178,6 +178,24 @@ impl<'a> Log<'a> {
         self.put(format_args!("l 0"));
     }
 
+    /// Bounds from the curvature of the objective around a point.
+    pub(super) fn curvature_bounds(
+        &mut self,
+        point: impl Iterator<Item = (usize, f64)>,
+        falls: impl Iterator<Item = (usize, f64)>,
+        bounds: &[(usize, bool, f64)],
+    ) {
+        self.line.push('w');
+        write_terms(&mut self.line, point);
+        write_terms(&mut self.line, falls);
+        write_word(&mut self.line, bounds.len());
+        for &(column, is_upper, value) in bounds {
+            let side = if is_upper { 'U' } else { 'L' };
+            let _ = write!(self.line, " {column} {side} {}", Number(value));
+        }
+        self.end_line();
+    }
+
     /// A column that is the weighted square of another one.
     pub(super) fn square(&mut self, column: usize, weight: f64) {
         self.put(format_args!("y {column} {}", Number(weight)));

@@ -18,6 +18,7 @@ mod bounds;
 mod combination;
 mod cones;
 mod convexity;
+mod curvature_bounds;
 mod facts;
 mod log;
 mod relaxed;
@@ -25,6 +26,7 @@ mod tree;
 
 use std::io::{self, Write};
 
+use crate::interval::add_up;
 use crate::program::Program;
 use crate::relaxation::LadderPool;
 use crate::search::{Decision, Fork};
@@ -154,10 +156,62 @@ impl ProofWriter<'_, '_> {
         }
         if self.relaxer.program.quadratic.compute_nnz() > 0 {
             let Convexity { factor, deficits } = Convexity::of(&self.relaxer.program);
-            let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack > 0.0);
+            let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
             self.log.convexity(lacking, &factor);
             self.relaxer.deficits = deficits;
+            self.bound_by_curvature();
         }
+        self.add_objective();
         self.close(guide, Part::Node(0))
     }
+
+    /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its whole
+    /// coefficients have in common.
+    fn add_objective(&mut self) {
+        let Claim::Bound(bound) = self.relaxer.claim else { return };
+        let program = &self.relaxer.program;
+        if program.quadratic.compute_nnz() > 0 {
+            return;
+        }
+        let costs = program.linear.iter().copied().enumerate().filter(|(_, cost)| *cost != 0.0);
+        let costs: Vec<(usize, f64)> = costs.collect();
+        self.log.tangent(std::iter::empty());
+        let limit = add_up(bound, -program.offset);
+        let unit = if costs.iter().all(|(j, _)| program.integral[*j]) {
+            common_divisor(costs.iter().map(|(_, cost)| *cost))
+        } else {
+            0.0
+        };
+        let fact = self.facts.push(costs.iter().copied(), [f64::NEG_INFINITY, limit]);
+        self.bounds.enqueue(fact as u32);
+        let least = (limit / unit).floor();
+        if unit > 0.0 && least.abs() < LARGEST_WHOLE && (least + 1.0) * unit > limit {
+            // Not at most `least` units would be at least one more, and that is beyond the limit.
+            let terms = costs.iter().map(|(j, cost)| (*j, cost / unit));
+            self.log.lemma(true, least, terms.clone());
+            let next = self.facts.len();
+            self.log.contradiction([(fact, -1.0), (next, unit)].into_iter());
+            let lemma = self.facts.push(terms, [f64::NEG_INFINITY, least]);
+            self.bounds.enqueue(lemma as u32);
+        }
+    }
+}
+
+/// The largest whole numbers that are counted in (no unit).
+const LARGEST_WHOLE: f64 = 1e9;
+
+/// The common divisor of whole numbers; 0 if one is not whole, or large.
+fn common_divisor(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut divisor = 0.0_f64;
+    for number in numbers {
+        if number != number.round() || number.abs() > LARGEST_WHOLE {
+            return 0.0;
+        }
+        let (mut a, mut b) = (divisor, number.abs());
+        while b > 0.0 {
+            (a, b) = (b, a % b);
+        }
+        divisor = a;
+    }
+    divisor
 }

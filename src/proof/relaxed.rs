@@ -53,14 +53,32 @@ pub(super) struct Relaxer<'a> {
 }
 
 impl Relaxer<'_> {
+    /// The program of some bounds with all its rows and columns.
+    fn whole(&self, bounds: &Bounds) -> Reduced {
+        let mut whole = Reduced::whole(&self.program);
+        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
+            (whole.lower[j], whole.upper[j]) = (*lower, *upper);
+        }
+        whole
+    }
+
     /// Relaxes the context of some bounds.
-    pub(super) fn relax(&mut self, facts: &Facts, bounds: &Bounds, purpose: Purpose) -> Relaxed {
+    ///
+    /// # Arguments
+    ///
+    /// * `is_whole`: whether to keep all rows and columns.
+    pub(super) fn relax(&mut self, facts: &Facts, bounds: &Bounds, is_whole: bool) -> Relaxed {
         let mut domain = Domain::new(&self.program);
         for (j, [lower, upper]) in bounds.all().iter().enumerate() {
             domain.apply(j, false, *lower);
             domain.apply(j, true, *upper);
         }
-        let Some(mut reduced) = self.ladder.reducer().reduce(&self.program, &domain) else {
+        let reduced = match is_whole {
+            true => Some(self.whole(bounds)),
+            false => self.ladder.reducer().reduce(&self.program, &domain),
+        };
+        let Some(mut reduced) = reduced else {
+            if std::env::var("DBG").is_ok() { eprintln!("DBG reduce none"); }
             return Relaxed::Open(None);
         };
         self.relaxations += 1;
@@ -69,7 +87,7 @@ impl Relaxer<'_> {
             Claim::Infeasible => f64::INFINITY,
         };
         let question = RelaxationQuestion {
-            purpose,
+            purpose: Purpose::Root,
             cutoff,
             options: self.options,
             constant: self.program.constant,
@@ -85,7 +103,9 @@ impl Relaxer<'_> {
             RelaxationVerdict::Refuted(y) => {
                 let mut found = self.gather(facts, &reduced, bounds, y);
                 found.cones = self.cone_rows(&reduced, &cuts, y);
-                match self.check(facts, bounds, &mut found) {
+                let checked = self.check(facts, bounds, &mut found);
+                if std::env::var("DBG").is_ok() { eprintln!("DBG refuted {checked:?}"); }
+                match checked {
                     Ok(()) => Relaxed::Refuted(found),
                     Err(_) => Relaxed::Open(None),
                 }
@@ -97,7 +117,12 @@ impl Relaxer<'_> {
                     let mut found = self.gather(facts, &reduced, bounds, y);
                     found.cones = self.cone_rows(&reduced, &cuts, y);
                     found.tangent = Some(self.tangent_point(&point));
-                    if self.check(facts, bounds, &mut found).is_ok() {
+                    let checked = self.check(facts, bounds, &mut found);
+                    if std::env::var("DBG").is_ok() {
+                        eprintln!("DBG inf {:?} {}", point.iter().enumerate().filter(|v| !v.1.is_finite()).map(|(j,_)|(j,bounds.of(j),reduced.keeps(j))).take(5).collect::<Vec<_>>(), reduced.columns.len());
+                        eprintln!("DBG relaxed {bound} cutoff {cutoff} {checked:?}");
+                    }
+                    if checked.is_ok() {
                         relaxed = Some(Relaxed::Refuted(found));
                     }
                 }

@@ -7,7 +7,6 @@ use super::bounds::{Bounds, Conflict, Side};
 use super::facts::Facts;
 use super::log::Log;
 use super::relaxed::{Refutation, Relaxed, Relaxer};
-use crate::relaxation::Purpose;
 use crate::search::{Decision, Fork};
 
 /// The distance from a whole number from which a column can be split there (no unit).
@@ -151,14 +150,25 @@ impl ProofWriter<'_, '_> {
 
     /// Closes the context by its relaxation, or chooses an own split.
     fn close_or_split(&mut self, depth: u32) -> Result<Option<(Decision, Part, Part)>, Failure> {
-        let point = match self.relaxer.relax(&self.facts, &self.bounds, Purpose::Root) {
-            Relaxed::Refuted(refutation) => {
-                self.write(refutation);
+        let mut point = None;
+        for is_fine in [false, true] {
+            match self.relaxer.relax(&self.facts, &self.bounds, is_fine) {
+                Relaxed::Refuted(refutation) => {
+                    self.write(refutation);
+                    return Ok(None);
+                }
+                Relaxed::Stopped => return Err(Failure::Limit),
+                Relaxed::Open(found) => point = found,
+            }
+            let is_doubtful = point.is_none() || self.own_split(point.as_deref()).is_none();
+            if is_fine || !is_doubtful {
+                break;
+            }
+            if let Err(what) = self.bounds.propagate_finely(&self.facts) {
+                self.write_conflict(what);
                 return Ok(None);
             }
-            Relaxed::Stopped => return Err(Failure::Limit),
-            Relaxed::Open(point) => point,
-        };
+        }
         let Some(decision) = self.own_split(point.as_deref()) else {
             return Err(Failure::Whole(point));
         };
@@ -205,12 +215,10 @@ impl ProofWriter<'_, '_> {
         }
     }
 
-    fn write_conflict(&mut self, what: Conflict) {
+    pub(super) fn write_conflict(&mut self, what: Conflict) {
         match what {
             Conflict::Column(j) => self.write_bounds([(j, false), (j, true)].into_iter()),
             Conflict::Fact(fact, is_upper) => {
-                let facts = std::mem::take(&mut self.facts);
-                self.facts = facts;
                 let sides: Vec<Side> =
                     Bounds::sides_of(&self.facts, fact, is_upper, None).collect();
                 self.write_bounds(sides.into_iter());
