@@ -254,7 +254,8 @@ impl Checker {
         for _ in 0..count {
             let column = words.index("column", self.bounds.len())?;
             let (side, value) = (side(words)?, words.number("the bound")?);
-            if self.objective.is_beyond(&around, column, side, value, limit, &mut self.sums)? {
+            let known = (limit, &self.bounds);
+            if self.objective.is_beyond(&around, column, side, value, known, &mut self.sums)? {
                 if self.bounds.is_tighter(column, side, value) {
                     self.tighten(column, side, value);
                 }

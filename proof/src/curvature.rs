@@ -92,18 +92,18 @@ impl Quadratic {
         column: usize,
         side: Side,
         value: f64,
-        limit: f64,
+        (limit, bounds): (f64, &Bounds),
         sums: &mut Sums,
     ) -> Result<bool, Refusal> {
-        let column = column as u32;
-        let deficit = self.deficits().map_or(0.0, |deficits| entry(deficits, column));
-        let at = entry(&around.point, column);
+        let deficit = self.deficits().map_or(0.0, |deficits| entry(deficits, column as u32));
+        let at = entry(&around.point, column as u32);
         let is_outside = if side == Side::Upper { value >= at } else { value <= at };
-        if deficit >= 0.0 || !is_outside {
+        let zero = Number::Float(0.0);
+        let slope = around.gradient.coefficient(column).unwrap_or(zero);
+        let worst = bounds.smallest(column as u32, slope);
+        if deficit > 0.0 || (deficit < 0.0 && !is_outside) {
             return Ok(false);
         }
-        let zero = Number::Float(0.0);
-        let slope = around.gradient.coefficient(column as usize).unwrap_or(zero);
         sums.column.add(value, 1.0);
         sums.column.subtract(at, 1.0);
         let step = sums.column.take()?;
@@ -117,8 +117,14 @@ impl Quadratic {
         }
         sums.column.add(&step, &step);
         let square = sums.column.take()?.half();
+        // The least of the others, and the term at the value.
         sums.total.add(&around.least, 1.0);
-        sums.total.add(entry(&around.falls, column), 1.0);
+        if deficit < 0.0 {
+            sums.total.add(entry(&around.falls, column as u32), 1.0);
+        } else {
+            sums.total.subtract(slope, worst);
+            sums.total.add(slope, at);
+        }
         sums.total.add(slope, &step);
         sums.total.subtract(&square, deficit);
         sums.total.subtract(limit, 1.0);

@@ -122,10 +122,20 @@ fn lacking(matrix: &Lower, factor: &[Vec<(usize, f64)>]) -> Vec<f64> {
     lack.into_iter().map(most).collect()
 }
 
-/// The pivot of a column, given the entry of the matrix; `None` if it may be rounding. Then the column of
-/// the factor is 0, and what is left of the matrix counts as lacking.
-fn pivot(value: f64, entry: f64) -> Option<f64> {
-    (value > SLIGHT * entry.abs() && value >= f64::MIN_POSITIVE).then(|| value.sqrt())
+/// The root of the pivot of a column; `None` if it is rounding. Then the column of the factor is 0, and what
+/// is left of the matrix counts as lacking.
+///
+/// # Arguments
+///
+/// * `entry`: the entry of the matrix; `below`: what is left of the column, with the diagonal of each row.
+fn pivot(value: f64, entry: f64, mut below: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    if value.is_nan() || value < f64::MIN_POSITIVE {
+        return None;
+    }
+    let is_slight = value < SLIGHT * entry.abs();
+    // No entry of a semidefinite matrix is larger.
+    let is_rounding = is_slight && below.any(|(a, diagonal)| a * a > value * diagonal.max(0.0));
+    (!is_rounding).then(|| value.sqrt())
 }
 
 /// `L` with `L L' = A` but for rounding, and for pivots that are not positive.
@@ -138,7 +148,8 @@ fn dense_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
     }
     for k in 0..n {
         let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
-        let Some(root) = pivot(work[k][k], entry) else {
+        let below = (k + 1..n).map(|i| (work[k][i], work[i][i]));
+        let Some(root) = pivot(work[k][k], entry, below) else {
             work[k].fill(0.0);
             continue;
         };
@@ -172,7 +183,12 @@ fn sparse_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
         let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
         let value = work[k].remove(&k).unwrap_or(0.0) - LEFT * entry.abs();
         let below = std::mem::take(&mut work[k]);
-        let Some(root) = pivot(value, entry) else { continue };
+        let diagonal = |i: &usize| work[*i].get(i).copied().unwrap_or(0.0);
+        let rows = below.iter().map(|(i, a)| (*a, diagonal(i)));
+        let Some(root) = pivot(value, entry, rows) else {
+            columns.push(Vec::new());
+            continue;
+        };
         let below: Vec<(usize, f64)> = below.into_iter().map(|(i, a)| (i, a / root)).collect();
         for (p, &(j, b)) in below.iter().enumerate() {
             for &(i, a) in &below[p..] {

@@ -6,6 +6,7 @@
 //! `-g_j^2 / (2 s_j)`.
 
 use super::Claim;
+use super::relaxed::conjugate_gradients;
 use super::tree::ProofWriter;
 
 /// Steps of the method of conjugate gradients, for each column with curvature.
@@ -21,7 +22,7 @@ impl ProofWriter<'_, '_> {
         let (program, deficits) = (&self.relaxer.program, &self.relaxer.deficits);
         let is_open = |j: usize| self.bounds.of(j).iter().any(|bound| bound.is_infinite());
         let steep: Vec<usize> = (0..deficits.len()).filter(|&j| deficits[j] < 0.0).collect();
-        if !steep.iter().any(|&j| is_open(j)) {
+        if !(0..deficits.len()).any(|j| is_open(j) && (deficits[j] < 0.0 || program.linear[j] != 0.0)) {
             return;
         }
         let point = self.least_point(&steep);
@@ -31,7 +32,7 @@ impl ProofWriter<'_, '_> {
             rows.iter().zip(values).for_each(|(&i, a)| gradient[i] += a * p);
         }
         // By how much each column can lower the objective.
-        let mut falls = Vec::new();
+        let (mut falls, mut sloped) = (Vec::new(), Vec::new());
         let mut least = program.objective(&point);
         let mut size = least.abs() + limit.abs();
         for (j, &g) in gradient.iter().enumerate() {
@@ -50,6 +51,9 @@ impl ProofWriter<'_, '_> {
             let mut fall = 0.0;
             if gradient[j] != 0.0 {
                 fall += g * side.abs();
+                if surplus == 0.0 {
+                    sloped.push((j, fall));
+                }
             }
             if surplus < 0.0 {
                 fall += 0.5 * -surplus * reach * reach;
@@ -80,6 +84,20 @@ impl ProofWriter<'_, '_> {
                 found.push((j, true, above));
             }
         }
+        for &(j, fall) in &sloped {
+            let radius = (room + fall) / gradient[j].abs() * (1.0 + SPARE);
+            let [lower, upper] = self.bounds.of(j);
+            let (below, above) = (point[j] - radius, point[j] + radius);
+            if gradient[j] < 0.0 && lower.is_infinite() && below.is_finite() {
+                found.push((j, false, below));
+            }
+            if gradient[j] > 0.0 && upper.is_infinite() && above.is_finite() {
+                found.push((j, true, above));
+            }
+        }
+        let has_term = |j: usize| gradient[j] != 0.0 || deficits[j] > 0.0;
+        let needed: Vec<usize> = (0..point.len()).filter(|&j| has_term(j)).collect();
+        self.write_bounds(needed.into_iter().flat_map(|j| [(j, false), (j, true)]));
         let points = point.iter().copied().enumerate().filter(|(_, p)| *p != 0.0);
         self.log.curvature_bounds(points, falls.iter().copied(), &found);
         for (j, is_upper, value) in found {
@@ -95,43 +113,14 @@ impl ProofWriter<'_, '_> {
             0.0_f64.max(lower).min(upper)
         };
         let mut point: Vec<f64> = (0..program.column_count()).map(start).collect();
-        let mut is_steep = vec![false; point.len()];
-        steep.iter().for_each(|&j| is_steep[j] = true);
-        let times = |vector: &[f64]| -> Vec<f64> {
-            let mut product = vec![0.0; vector.len()];
-            for (j, &v) in vector.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-                let (rows, values) = program.quadratic_column(j);
-                rows.iter().zip(values).for_each(|(&i, a)| product[i] += a * v);
-            }
-            product
-        };
-        let product = times(&point);
-        let mut rest: Vec<f64> = (0..point.len())
-            .map(|j| if is_steep[j] { -(program.linear[j] + product[j]) } else { 0.0 })
-            .collect();
-        let mut direction = rest.clone();
-        let mut square: f64 = rest.iter().map(|r| r * r).sum();
-        let enough = 1e-24 * square;
-        for _ in 0..STEPS * steep.len() {
-            if square <= enough || square == 0.0 {
-                break;
-            }
-            let product = times(&direction);
-            let along: f64 = steep.iter().map(|&j| direction[j] * product[j]).sum();
-            if along.is_nan() || along <= 0.0 {
-                break;
-            }
-            let step = square / along;
-            for &j in steep {
-                point[j] += step * direction[j];
-                rest[j] -= step * product[j];
-            }
-            let next: f64 = steep.iter().map(|&j| rest[j] * rest[j]).sum();
-            for &j in steep {
-                direction[j] = rest[j] + next / square * direction[j];
-            }
-            square = next;
+        let mut gradient = program.linear.clone();
+        for (j, &v) in point.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+            let (rows, values) = program.quadratic_column(j);
+            rows.iter().zip(values).for_each(|(&i, a)| gradient[i] += a * v);
         }
+        let right: Vec<f64> = steep.iter().map(|&j| -gradient[j]).collect();
+        let moved = conjugate_gradients(program, steep, &right, STEPS * steep.len());
+        steep.iter().zip(moved).for_each(|(&j, step)| point[j] += step);
         point
     }
 }

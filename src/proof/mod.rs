@@ -154,6 +154,11 @@ impl ProofWriter<'_, '_> {
         for fact in 0..self.facts.len() as u32 {
             self.bounds.enqueue(fact);
         }
+        self.add_objective();
+        if let Err(what) = self.bounds.propagate(&self.facts) {
+            self.write_conflict(what);
+            return Ok(());
+        }
         if self.relaxer.program.quadratic.compute_nnz() > 0 {
             let Convexity { factor, deficits } = Convexity::of(&self.relaxer.program);
             let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
@@ -161,7 +166,6 @@ impl ProofWriter<'_, '_> {
             self.relaxer.deficits = deficits;
             self.bound_by_curvature();
         }
-        self.add_objective();
         self.close(guide, Part::Node(0))
     }
 

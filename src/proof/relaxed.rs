@@ -117,7 +117,10 @@ impl Relaxer<'_> {
                     let mut found = self.gather(facts, &reduced, bounds, y);
                     found.cones = self.cone_rows(&reduced, &cuts, y);
                     found.tangent = Some(self.tangent_point(&point));
-                    let checked = self.check(facts, bounds, &mut found);
+                    let mut checked = self.check(facts, bounds, &mut found);
+                    if checked.is_err() && self.move_tangent(bounds, &mut found) {
+                        checked = self.check(facts, bounds, &mut found);
+                    }
                     if std::env::var("DBG").is_ok() {
                         eprintln!("DBG inf {:?} {}", point.iter().enumerate().filter(|v| !v.1.is_finite()).map(|(j,_)|(j,bounds.of(j),reduced.keeps(j))).take(5).collect::<Vec<_>>(), reduced.columns.len());
                         eprintln!("DBG relaxed {bound} cutoff {cutoff} {checked:?}");
@@ -183,6 +186,29 @@ impl Relaxer<'_> {
         found
     }
 
+    /// Moves the tangent's point so that the gradient there is the sum of the other facts, as well as it can
+    /// be: then the sum leaves little over that the bounds would multiply.
+    fn move_tangent(&self, bounds: &Bounds, found: &mut Refutation) -> bool {
+        let Some(tangent) = &mut found.tangent else { return false };
+        let program = &self.program;
+        let n = program.column_count();
+        let is_curved = |j: usize| {
+            let [lower, upper] = bounds.of(j);
+            !program.quadratic_column(j).0.is_empty() && lower < upper
+        };
+        let curved: Vec<usize> = (0..n).filter(|&j| is_curved(j)).collect();
+        if curved.is_empty() {
+            return false;
+        }
+        let mut point = vec![0.0; n];
+        tangent.iter().for_each(|&(j, p)| point[j] = p);
+        let left: Vec<f64> = curved.iter().map(|&j| self.combination.coefficient(j)).collect();
+        let moved = conjugate_gradients(program, &curved, &left, MOST_MOVES);
+        curved.iter().zip(&moved).for_each(|(&j, step)| point[j] += step);
+        *tangent = self.tangent_point(&point);
+        true
+    }
+
     /// Whether a sum of facts is a contradiction; then it gets the sides that it needs.
     pub(super) fn check(
         &mut self,
@@ -241,4 +267,65 @@ impl Relaxer<'_> {
         }
         Ok(())
     }
+}
+
+/// Steps of a move of a tangent's point.
+const MOST_MOVES: usize = 60;
+
+/// About the solution of `P x = right` over some columns, by conjugate gradients: the best of the steps.
+pub(super) fn conjugate_gradients(
+    program: &Program,
+    columns: &[usize],
+    right: &[f64],
+    steps: usize,
+) -> Vec<f64> {
+    let mut place = vec![usize::MAX; program.column_count()];
+    columns.iter().enumerate().for_each(|(k, &j)| place[j] = k);
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let diagonal = |j: &usize| {
+        let (rows, values) = program.quadratic_column(*j);
+        let own = rows.iter().zip(values).find(|(i, _)| *i == j);
+        own.map_or(1.0, |(_, a)| *a).max(f64::MIN_POSITIVE)
+    };
+    let scale: Vec<f64> = columns.iter().map(diagonal).collect();
+    let (mut x, mut rest) = (vec![0.0; columns.len()], right.to_vec());
+    let scaled = |rest: &[f64]| -> Vec<f64> { rest.iter().zip(&scale).map(|(r, d)| r / d).collect() };
+    let mut direction = scaled(&rest);
+    let mut square = dot(&rest, &direction);
+    let enough = 1e-30 * square;
+    let mut best = (dot(&rest, &rest), x.clone());
+    for _ in 0..steps {
+        if square.is_nan() || square <= enough {
+            break;
+        }
+        let mut product = vec![0.0; columns.len()];
+        for (k, &j) in columns.iter().enumerate() {
+            let (rows, values) = program.quadratic_column(j);
+            for (&i, a) in rows.iter().zip(values) {
+                if let Some(entry) = product.get_mut(place[i]) {
+                    *entry += a * direction[k];
+                }
+            }
+        }
+        let along = dot(&direction, &product);
+        if along.is_nan() || along <= 0.0 {
+            break;
+        }
+        let step = square / along;
+        for k in 0..columns.len() {
+            x[k] += step * direction[k];
+            rest[k] -= step * product[k];
+        }
+        let length = dot(&rest, &rest);
+        if length < best.0 {
+            best = (length, x.clone());
+        }
+        let next_scaled = scaled(&rest);
+        let next = dot(&rest, &next_scaled);
+        for k in 0..columns.len() {
+            direction[k] = next_scaled[k] + next / square * direction[k];
+        }
+        square = next;
+    }
+    best.1
 }
