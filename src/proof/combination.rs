@@ -1,7 +1,7 @@
 //! Sums of facts, in floats with bounds on their rounding: what counts as a contradiction here is one in
 //! exact arithmetic, too.
 
-use super::bounds::{Bounds, Side};
+use super::bounds::Side;
 
 /// A sum of terms, what bounds its rounding error, and how many terms there are.
 #[derive(Debug, Clone, Copy, Default)]
@@ -74,11 +74,14 @@ impl Combination {
 
     /// The sides whose bounds make the sum a contradiction: the largest sum of the terms is below the
     /// limit.
-    pub(super) fn contradiction(&self, bounds: &Bounds) -> Result<Vec<Side>, Shortfall> {
+    pub(super) fn contradiction(
+        &self,
+        bounds: &dyn Fn(usize) -> [f64; 2],
+    ) -> Result<Vec<Side>, Shortfall> {
         let (mut most, mut sides, mut unbounded) = (Rounded::default(), Vec::new(), Vec::new());
         for &j in &self.touched {
             let (term, error) = (self.terms[j], self.terms[j].error());
-            let [lower, upper] = bounds.of(j);
+            let [lower, upper] = bounds(j);
             let (least, largest) = (term.value - error, term.value + error);
             let mut worst = f64::NEG_INFINITY;
             if largest > 0.0 {

@@ -23,6 +23,7 @@ mod facts;
 mod log;
 mod relaxed;
 mod search;
+mod tightened;
 mod tree;
 
 use std::io::{self, Write};

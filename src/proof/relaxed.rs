@@ -9,7 +9,8 @@ use super::bounds::{Bounds, Side};
 use super::combination::{Combination, Shortfall};
 use super::cones::ConeRow;
 use super::facts::Facts;
-use crate::presolve::{Domain, Reduced};
+use super::tightened::{RowsBefore, TightRow};
+use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{Ladder, LadderPool, Purpose, RelaxationQuestion, RelaxationVerdict};
 use crate::solver::{Options, StopToken};
@@ -23,6 +24,8 @@ pub(super) struct Refutation {
     pub(super) tangent: Option<Vec<(usize, f64)>>,
     /// Rows that hold in cones, with their multipliers.
     pub(super) cones: Vec<(ConeRow, f64)>,
+    /// Tightened rows, with their multipliers.
+    pub(super) tight: Vec<(TightRow, f64)>,
     /// The bounds that it needs.
     pub(super) sides: Vec<Side>,
 }
@@ -69,8 +72,8 @@ impl Relaxer<'_> {
     ///
     /// # Arguments
     ///
-    /// * `is_whole`: whether to keep all rows and columns.
-    pub(super) fn relax(&mut self, facts: &Facts, bounds: &Bounds, is_whole: bool) -> Relaxed {
+    /// * `is_whole`: whether to keep all rows and columns; `is_tight`: whether big-Ms are made smaller.
+    pub(super) fn relax(&mut self, facts: &Facts, bounds: &Bounds, [is_whole, is_tight]: [bool; 2]) -> Relaxed {
         let mut domain = Domain::new(&self.program);
         for (j, [lower, upper]) in bounds.all().iter().enumerate() {
             domain.apply(j, false, *lower);
@@ -85,6 +88,10 @@ impl Relaxer<'_> {
             return Relaxed::Open(None);
         };
         self.relaxations += 1;
+        let before = RowsBefore::of(&reduced);
+        if is_tight {
+            tighten_coefficients(&mut reduced, &self.program.integral);
+        }
         let cutoff = match self.claim {
             Claim::Bound(bound) => bound,
             Claim::Infeasible => f64::INFINITY,
@@ -104,7 +111,7 @@ impl Relaxer<'_> {
             RelaxationVerdict::Stopped => return Relaxed::Stopped,
             RelaxationVerdict::Descent => Relaxed::Open(None),
             RelaxationVerdict::Refuted(y) => {
-                let mut found = self.gather(facts, &reduced, bounds, y);
+                let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                 found.cones = self.cone_rows(&reduced, &cuts, y);
                 let checked = self.check(facts, bounds, &mut found);
                 if std::env::var("DBG").is_ok() { eprintln!("DBG refuted {checked:?}"); }
@@ -117,7 +124,7 @@ impl Relaxer<'_> {
                 let point = reduced.lift(x);
                 let mut relaxed = None;
                 if *bound > cutoff {
-                    let mut found = self.gather(facts, &reduced, bounds, y);
+                    let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                     found.cones = self.cone_rows(&reduced, &cuts, y);
                     found.tangent = Some(self.tangent_point(&point));
                     let mut checked = self.check(facts, bounds, &mut found);
@@ -148,7 +155,13 @@ impl Relaxer<'_> {
     }
 
     /// The facts behind the rows of a reduced program, and their multipliers in the log.
-    fn gather(&self, facts: &Facts, reduced: &Reduced, bounds: &Bounds, y: &[f64]) -> Refutation {
+    fn gather(
+        &self,
+        facts: &Facts,
+        (reduced, before): (&Reduced, &RowsBefore),
+        bounds: &Bounds,
+        y: &[f64],
+    ) -> Refutation {
         let mut found = Refutation::default();
         for (k, &multiplier) in y.iter().enumerate() {
             let Some(&row) = reduced.origin.get(k).filter(|row| **row < facts.len()) else {
@@ -158,6 +171,13 @@ impl Relaxer<'_> {
                 continue;
             }
             let merged = reduced.merged.iter().filter(|(kept, ..)| *kept == k);
+            let sources = std::iter::once((row, 1.0)).chain(merged.clone().map(|m| (m.1, m.2)));
+            if let Some(tight) = before.changed(reduced, k, sources.collect()) {
+                if (multiplier > 0.0) == tight.is_upper {
+                    found.tight.push((tight, -multiplier));
+                }
+                continue;
+            }
             let candidates = std::iter::once((row, 1.0)).chain(merged.map(|&(_, row, r)| (row, r)));
             // Of parallel rows, the one whose limit is the nearest in the direction of the multiplier.
             let limit = |&(row, ratio): &(usize, f64)| {
@@ -221,10 +241,20 @@ impl Relaxer<'_> {
     ) -> Result<(), Shortfall> {
         let sum = &mut self.combination;
         sum.clear(self.program.column_count());
+        found.sides.clear();
         for &(fact, y) in &found.facts {
             let [lower, upper] = facts.limits(fact);
             sum.add_to_limit(y * if y > 0.0 { lower } else { upper });
             facts.terms(fact).for_each(|(j, a)| sum.add(j, a * y));
+        }
+        for (row, y) in &mut found.tight {
+            let columns = self.program.column_count();
+            let mut own = Combination::default();
+            row.steps.clear();
+            let needed = row.prove(facts, &|j| bounds.of(j), &mut own, columns);
+            found.sides.extend(needed.ok_or(Shortfall::Room)?);
+            sum.add_to_limit(*y * row.limit);
+            row.terms.iter().for_each(|&(j, a)| sum.add(j, a * *y));
         }
         for (row, y) in &found.cones {
             row.terms(&self.program).for_each(|(j, a)| sum.add(j, a * y));
@@ -263,7 +293,7 @@ impl Relaxer<'_> {
                 sum.add_to_limit(-0.5 * deficit * reach * reach);
             }
         }
-        found.sides = sum.contradiction(bounds)?;
+        found.sides.extend(sum.contradiction(&|j| bounds.of(j))?);
         if found.tangent.is_some() {
             let lacking = self.deficits.iter().enumerate().filter(|(_, d)| **d > 0.0);
             found.sides.extend(lacking.flat_map(|(j, _)| [(j, false), (j, true)]));

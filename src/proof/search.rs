@@ -35,6 +35,7 @@ impl Relaxer<'_> {
         if self.token.is_over() {
             return Err(Failure::Limit);
         }
+        if std::env::var("DBG").is_ok() { eprintln!("DBG search {:?} {} nodes, bound {} vs {:?} forks {}", found.termination, found.statistics.nodes, found.bound, self.claim, found.forks.len()); }
         let guide = Guide { is_plain: true, ..Guide::new(found.forks, None) };
         Ok((!guide.forks.is_empty()).then_some(guide))
     }

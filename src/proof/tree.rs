@@ -8,6 +8,7 @@ use super::bounds::{Bounds, Conflict, Side};
 use super::facts::Facts;
 use super::log::Log;
 use super::relaxed::{Refutation, Relaxed, Relaxer};
+use super::tightened::{TightRow, TightStep};
 use crate::search::{Decision, Fork};
 
 /// The distance from a whole number from which a column can be split there (no unit).
@@ -158,8 +159,8 @@ impl ProofWriter<'_, '_> {
     /// Closes the context by its relaxation, or goes on below it.
     fn close_or_split(&mut self, part: Part) -> Result<Step, Failure> {
         let mut point = None;
-        for is_fine in [false, true] {
-            match self.relaxer.relax(&self.facts, &self.bounds, is_fine) {
+        for (is_fine, is_tight) in [(false, true), (true, false)] {
+            match self.relaxer.relax(&self.facts, &self.bounds, [is_fine, is_tight]) {
                 Relaxed::Refuted(refutation) => {
                     self.write(refutation);
                     return Ok(Step::Closed);
@@ -244,10 +245,25 @@ impl ProofWriter<'_, '_> {
 
     /// Writes a sum of facts that closes the context.
     pub(super) fn write(&mut self, refutation: Refutation) {
-        let Refutation { facts, tangent, cones, sides } = refutation;
+        let Refutation { facts, tangent, cones, tight, sides } = refutation;
         self.write_bounds(sides.into_iter());
         let mut sum = facts;
         let mut next = self.facts.len();
+        for (row, y) in tight {
+            let TightRow { terms, is_upper, limit, steps, .. } = row;
+            self.log.lemma(is_upper, limit, terms.into_iter());
+            for step in steps {
+                match step {
+                    TightStep::Split(column) => self.log.split(column, 0.0),
+                    TightStep::Close(sign, fact) => {
+                        let own = std::iter::once((next, sign));
+                        self.log.contradiction(own.chain(fact));
+                    }
+                }
+            }
+            sum.push((next, y));
+            next += 1;
+        }
         if let Some(point) = tangent {
             self.log.tangent(point.into_iter());
             sum.push((next, -1.0));
