@@ -40,7 +40,7 @@ use convexity::Convexity;
 use facts::Facts;
 use log::{Log, Names};
 use relaxed::Relaxer;
-use tree::{Failure, Forks, Part, ProofWriter};
+use tree::{Failure, Forks, Part, Probing, ProofWriter};
 
 /// What is to be proved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,7 +180,9 @@ impl ProofWriter<'_, '_> {
             self.relaxer.deficits = deficits;
             self.bound_by_curvature();
         }
-        self.close(Part::Node(guide, 0))
+        let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
+        let begin = Probing::new(order, Part::Node(guide, 0), None);
+        self.close(Part::Probing(Box::new(begin)))
     }
 
     /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its whole

@@ -14,6 +14,9 @@ use crate::search::{Decision, Fork};
 /// The distance from a whole number from which a column can be split there (no unit).
 const FRACTIONAL: f64 = 1e-7;
 
+/// Columns in a row that are probed in vain.
+const MOST_FAILURES: usize = 100;
+
 /// Own splits below each other after which a search is asked again.
 const SPLITS_BETWEEN_SEARCHES: u32 = 6;
 
@@ -28,6 +31,28 @@ pub(super) enum Part {
     End(Rc<Guide>),
     /// Below such an end, so many own splits.
     Own(u32),
+    /// Where integral columns are still to be probed.
+    Probing(Box<Probing>),
+}
+
+/// A probing of integral columns: each is tried at both values, and what propagation refutes is split off.
+#[derive(Debug, Clone)]
+pub(super) struct Probing {
+    order: Vec<usize>,
+    place: usize,
+    /// Columns in a row of which neither value was refuted.
+    failures: usize,
+    has_found: bool,
+    /// Where to go on.
+    then: Part,
+    /// The relaxed point before.
+    point: Option<Vec<f64>>,
+}
+
+impl Probing {
+    pub(super) fn new(order: Vec<usize>, then: Part, point: Option<Vec<f64>>) -> Self {
+        Probing { order, place: 0, failures: 0, has_found: false, then, point }
+    }
 }
 
 /// A part that is still to be proved.
@@ -105,13 +130,29 @@ impl ProofWriter<'_, '_> {
     fn step(&mut self, mut part: Part) -> Result<Option<(Decision, Part, Part)>, Failure> {
         loop {
             part = match part {
-                Part::Own(_) | Part::End(_) => match self.close_or_split(part)? {
-                    Step::Closed => return Ok(None),
-                    Step::Split(decision, below) => {
-                        return Ok(Some((decision, below.clone(), below)));
-                    }
-                    Step::Again(part) => part,
+                Part::Own(_) | Part::End(_) => match self.close_or_probe(part)? {
+                    Some(part) => part,
+                    None => return Ok(None),
                 },
+                Part::Probing(mut probing) => {
+                    if let Some(decision) = self.probe(&mut probing) {
+                        let again = Part::Probing(probing);
+                        return Ok(Some((decision, Part::Own(0), again)));
+                    }
+                    match probing.then {
+                        then @ (Part::Own(_) | Part::End(_)) => {
+                            let point = probing.point.filter(|_| !probing.has_found);
+                            match self.split_or_search(then, point)? {
+                                Step::Closed => return Ok(None),
+                                Step::Split(decision, below) => {
+                                    return Ok(Some((decision, below.clone(), below)));
+                                }
+                                Step::Again(part) => part,
+                            }
+                        }
+                        then => then,
+                    }
+                }
                 Part::Node(guide, node) if guide.fork(node).is_some() => {
                     Part::Splits(guide, node, 0)
                 }
@@ -156,10 +197,32 @@ impl ProofWriter<'_, '_> {
         })
     }
 
-    /// Closes the context by its relaxation, or goes on below it.
-    fn close_or_split(&mut self, part: Part) -> Result<Step, Failure> {
-        let mut point = None;
+    /// Closes the context by its relaxation, or goes on with a probing of its columns.
+    fn close_or_probe(&mut self, part: Part) -> Result<Option<Part>, Failure> {
+        let point = match self.relaxer.relax(&self.facts, &self.bounds, [false, true]) {
+            Relaxed::Refuted(refutation) => {
+                self.write(refutation);
+                return Ok(None);
+            }
+            Relaxed::Stopped => return Err(Failure::Limit),
+            Relaxed::Open(point) => point,
+        };
+        let order = self.probing_order(point.as_deref());
+        Ok(Some(Part::Probing(Box::new(Probing::new(order, part, point)))))
+    }
+
+    /// Chooses a split of a context, by a search or on its own.
+    fn split_or_search(&mut self, part: Part, known: Option<Vec<f64>>) -> Result<Step, Failure> {
+        let mut point = known;
         for (is_fine, is_tight) in [(false, true), (true, false)] {
+            let is_open = point.is_some() && self.own_split(point.as_deref()).is_some();
+            if is_open {
+                break;
+            }
+            if is_fine && let Err(what) = self.bounds.propagate_finely(&self.facts) {
+                self.write_conflict(what);
+                return Ok(Step::Closed);
+            }
             match self.relaxer.relax(&self.facts, &self.bounds, [is_fine, is_tight]) {
                 Relaxed::Refuted(refutation) => {
                     self.write(refutation);
@@ -167,14 +230,6 @@ impl ProofWriter<'_, '_> {
                 }
                 Relaxed::Stopped => return Err(Failure::Limit),
                 Relaxed::Open(found) => point = found,
-            }
-            let is_doubtful = point.is_none() || self.own_split(point.as_deref()).is_none();
-            if is_fine || !is_doubtful {
-                break;
-            }
-            if let Err(what) = self.bounds.propagate_finely(&self.facts) {
-                self.write_conflict(what);
-                return Ok(Step::Closed);
             }
         }
         let depth = match part {
@@ -190,6 +245,45 @@ impl ProofWriter<'_, '_> {
         };
         self.splits_left = self.splits_left.checked_sub(1).ok_or(Failure::Limit)?;
         Ok(Step::Split(decision, Part::Own(depth + 1)))
+    }
+
+    /// The integral columns to probe: the fractional ones, the most fractional first, then some others.
+    fn probing_order(&self, point: Option<&[f64]>) -> Vec<usize> {
+        let program = &self.relaxer.program;
+        let Some(point) = point else { return program.integers.clone() };
+        let distance = |j: &usize| (point[*j] - point[*j].round()).abs();
+        let (mut order, others): (Vec<usize>, Vec<usize>) =
+            program.integers.iter().partition(|j| distance(j) > FRACTIONAL);
+        order.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
+        order.extend(others);
+        order
+    }
+
+    /// The next side of a column that propagation refutes.
+    fn probe(&mut self, probing: &mut Probing) -> Option<Decision> {
+        while let Some(&column) = probing.order.get(probing.place) {
+            if probing.failures >= MOST_FAILURES {
+                return None;
+            }
+            let [lower, upper] = self.bounds.of(column);
+            if upper - lower == 1.0 {
+                for is_upper in [true, false] {
+                    let value = if is_upper { lower } else { upper };
+                    let decision = Decision { column, is_upper, value };
+                    let mark = self.bounds.mark();
+                    let is_refuted = self.enter(decision).is_some();
+                    self.bounds.undo_to(mark);
+                    if is_refuted {
+                        (probing.failures, probing.has_found) = (0, true);
+                        probing.place += 1;
+                        return Some(decision);
+                    }
+                }
+                probing.failures += 1;
+            }
+            probing.place += 1;
+        }
+        None
     }
 
     /// The integral column to split: the most fractional one, or any that is not fixed.
