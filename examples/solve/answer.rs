@@ -3,7 +3,7 @@
 use std::fs::OpenOptions;
 
 use carom::prelude::{Model, Solution, Termination};
-use carom::solution::StartStatus;
+use carom::solution::{ProofReport, StartStatus};
 
 /// The last line of the output.
 pub(crate) fn status_line(solution: &Solution, seconds: f64, cpu: Option<f64>) -> String {
@@ -87,6 +87,13 @@ pub(crate) fn summary(solution: &Solution, seconds: f64) -> String {
         format!("; the nearest point that was refused violates {violation}")
     });
     format!("{}: {found}, after {effort}{refused}{notes}", solution.termination())
+}
+
+/// The line about a proof that was written.
+pub(crate) fn proof_line(proof: &ProofReport) -> String {
+    let ProofReport { commands, bytes, .. } = proof;
+    let state = if proof.is_complete { "complete" } else { "incomplete" };
+    format!("proof={state} commands={commands} bytes={bytes}")
 }
 
 fn status(solution: &Solution) -> &'static str {

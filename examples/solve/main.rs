@@ -135,6 +135,9 @@ fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
             ended = Termination::Interrupted;
         }
     }
+    if let Some(proof) = solution.proof() {
+        println!("{}", answer::proof_line(proof));
+    }
     println!("{}", answer::status_line(&solution, seconds, cpu));
     Ok(ended)
 }

@@ -58,7 +58,7 @@ pub(super) fn search_in_turns(
             let own = SolveTask { program: with_objective, options: &options, ..task };
             let found =
                 run_turn(task, &before, control, |control| search_once(own, &known, control));
-            without_objective(found, task.program.offset)
+            without_objective(found, task)
         };
         found.statistics.add(&before);
         let is_over = match found.termination {
@@ -102,9 +102,11 @@ fn run_turn(
 
 /// The result of a search with the artificial objective, as an answer without an objective: no
 /// point is better than another.
-fn without_objective(found: SearchResult, offset: f64) -> SearchResult {
-    let bound = if found.bound == f64::INFINITY { found.bound } else { offset };
-    SearchResult { bound, proofs: Vec::new(), forks: Vec::new(), strengthened: None, ..found }
+fn without_objective(found: SearchResult, task: SolveTask<'_>) -> SearchResult {
+    let bound = if found.bound == f64::INFINITY { found.bound } else { task.program.offset };
+    // The splits guide a proof that there is no point, whatever the objective was.
+    let forks = if task.options.proof.is_some() { found.forks } else { Vec::new() };
+    SearchResult { bound, proofs: Vec::new(), forks, strengthened: None, ..found }
 }
 
 /// The program with the artificial objective, the number of binaries that are 1: conditions that do

@@ -17,7 +17,7 @@ pub(super) fn answer(
     given: Option<&GivenStart>,
 ) -> Result<Solution, Error> {
     let Solve { model, options, .. } = *solve;
-    let SolveResult { mut found, derivatives, .. } = solved;
+    let SolveResult { mut found, derivatives, proof, .. } = solved;
     found.statistics.time = solve.token.elapsed();
     let report = given.map(|given| given.report(model, &found));
     let sign = model.sense().sign();
@@ -27,6 +27,7 @@ pub(super) fn answer(
     let solution = solution(model, options, found)?
         .with_start_report(report)
         .with_refused(solve.refusals.take())
+        .with_proof(proof)
         .with_multipliers(multipliers);
     #[cfg(feature = "tracing")]
     tracing::info!(

@@ -46,7 +46,7 @@ impl Solve<'_> {
         };
         let mut solved = self.run_lowered(lowered, known, control)?;
         if let Some(path) = self.options.proof.as_deref().filter(|_| known.lowered.is_none()) {
-            self.write_proof(path, lowered, &mut solved, control.interrupt())?;
+            solved.proof = self.write_proof(path, lowered, &mut solved, control.interrupt())?;
         }
         Ok(solved)
     }

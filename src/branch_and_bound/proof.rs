@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::lower::LoweredProgram;
 use super::solve::{Solve, SolveResult};
 use crate::error::{Error, ErrorKind};
-use crate::proof::{Claim, Guide, Proved, prove};
-use crate::solution::Termination;
+use crate::proof::{Claim, Guide, prove};
+use crate::solution::{ProofReport, Termination};
 use crate::solver::{Interrupt, StopToken};
 
 /// The largest number of proofs in a folder.
@@ -26,7 +26,7 @@ impl Solve<'_> {
         lowered: &LoweredProgram,
         solved: &mut SolveResult,
         interrupt: &Interrupt,
-    ) -> Result<Option<Proved>, Error> {
+    ) -> Result<Option<ProofReport>, Error> {
         let found = &mut solved.found;
         let program = &lowered.program;
         let claim = match found.termination {
@@ -59,7 +59,6 @@ impl Solve<'_> {
             self.ladders,
             &mut out,
         );
-        eprintln!("PROOF {proved:?} {claim:?} {:?}", token.elapsed());
         proved.map(Some).map_err(failed)
     }
 }

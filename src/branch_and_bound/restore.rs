@@ -52,7 +52,7 @@ pub(super) fn restore(
         (None, Some(x)) => Some(x.clone()),
         _ => None,
     };
-    Ok(SolveResult { found, derivatives, point, lowered_point, columns })
+    Ok(SolveResult { found, derivatives, point, lowered_point, proof: None, columns })
 }
 
 /// Lowers the bound by the part of the objective that presolve may have lost to rounding, unless

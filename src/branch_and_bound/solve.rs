@@ -8,6 +8,7 @@ use super::tighten::Tightened;
 use crate::model::Model;
 use crate::relaxation::{ConeCut, LadderPool};
 use crate::search::{SearchResult, Start};
+use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
 
 /// The model of a solve, with the data that its phases share.
@@ -49,6 +50,8 @@ pub(super) struct SolveResult {
     pub(super) point: Option<Vec<f64>>,
     /// The best point in columns of the lowered program, if a proof is asked for.
     pub(super) lowered_point: Option<Vec<f64>>,
+    /// The proof that was written.
+    pub(super) proof: Option<ProofReport>,
     /// The column of the lowered program behind each one of the presolved program, if there was presolve.
     pub(super) columns: Option<Vec<usize>>,
 }
@@ -56,6 +59,6 @@ pub(super) struct SolveResult {
 impl SolveResult {
     /// A result without a point.
     pub(super) fn without_point(found: SearchResult) -> Self {
-        SolveResult { found, derivatives: None, point: None, lowered_point: None, columns: None }
+        SolveResult { found, derivatives: None, point: None, lowered_point: None, proof: None, columns: None }
     }
 }

@@ -113,11 +113,6 @@ impl Bounds {
         self.apply(facts, (column, is_upper), value, NONE);
     }
 
-    /// Declares that the log has all changes so far.
-    pub(super) fn settle(&mut self) {
-        self.trail.iter_mut().for_each(|change| change.fact = NONE);
-    }
-
     fn apply(&mut self, facts: &Facts, (column, is_upper): Side, value: f64, fact: u32) {
         let side = usize::from(is_upper);
         let before = std::mem::replace(&mut self.now[column][side], value);

@@ -196,16 +196,6 @@ impl<'a> Log<'a> {
         self.end_line();
     }
 
-    /// A column that is the weighted square of another one.
-    pub(super) fn square(&mut self, column: usize, weight: f64) {
-        self.put(format_args!("y {column} {}", Number(weight)));
-    }
-
-    /// The tangent of such a column.
-    pub(super) fn square_tangent(&mut self, column: usize, point: f64) {
-        self.put(format_args!("z {column} {}", Number(point)));
-    }
-
     /// A split into two contexts.
     pub(super) fn split(&mut self, column: usize, value: f64) {
         self.put(format_args!("s {column} {}", Number(value)));

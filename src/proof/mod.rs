@@ -33,6 +33,7 @@ use crate::interval::add_up;
 use crate::program::Program;
 use crate::relaxation::LadderPool;
 use crate::search::{Decision, Fork};
+use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
 use bounds::Bounds;
 use combination::Combination;
@@ -40,7 +41,7 @@ use convexity::Convexity;
 use facts::Facts;
 use log::{Log, Names};
 use relaxed::Relaxer;
-use tree::{Failure, Forks, Part, Probing, ProofWriter};
+use tree::{Forks, Limit, Part, Probing, ProofWriter};
 
 /// What is to be proved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,15 +92,6 @@ impl Guide {
     }
 }
 
-/// A finished proof.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Proved {
-    /// Whether it proves the claim; else a limit came first, or an end of the tree resisted.
-    pub(crate) is_complete: bool,
-    pub(crate) commands: u64,
-    pub(crate) bytes: u64,
-}
-
 /// The own splits of a proof, besides those of the search.
 const MOST_SPLITS: u64 = 1_000_000;
 
@@ -121,7 +113,7 @@ pub(crate) fn prove(
     (options, token): (&Options, &StopToken),
     ladders: &LadderPool,
     out: &mut dyn Write,
-) -> io::Result<Proved> {
+) -> io::Result<ProofReport> {
     let [columns, rows] = names;
     let mut log = Log::new(out, program, &Names { columns, rows }, claim);
     if let Some(point) = point {
@@ -145,26 +137,22 @@ pub(crate) fn prove(
         deficits: Vec::new(),
         relaxations: 0,
     };
-    let mut writer = ProofWriter { log: &mut log, facts, bounds, relaxer, splits_left: MOST_SPLITS };
+    let mut writer =
+        ProofWriter { log: &mut log, facts, bounds, relaxer, splits_left: MOST_SPLITS, gaps: 0 };
     let result = writer.run(Rc::new(guide));
-    let is_complete = result.is_ok();
-    if let Err(failure) = result {
-        let why = match failure {
-            Failure::Limit => "a limit came before the end of the proof",
-            Failure::Whole(ref point) => {
-                eprintln!("WHOLE {:?}", point.as_ref().map(|p| p.len()));
-                "no sum of facts closes this context"
-            }
-        };
-        log.remark(why);
+    let gaps = writer.gaps;
+    if result.is_err() {
+        log.remark("a limit came before the end of the proof");
+        let (commands, bytes) = log.abandon()?;
+        return Ok(ProofReport { is_complete: false, commands, bytes });
     }
-    let (commands, bytes) = if is_complete { log.finish()? } else { log.abandon()? };
-    Ok(Proved { is_complete, commands, bytes })
+    let (commands, bytes) = log.finish()?;
+    Ok(ProofReport { is_complete: gaps == 0, commands, bytes })
 }
 
 impl ProofWriter<'_, '_> {
     /// Derives what holds everywhere, and closes the whole program.
-    fn run(&mut self, guide: Rc<Guide>) -> Result<(), Failure> {
+    fn run(&mut self, guide: Rc<Guide>) -> Result<(), Limit> {
         for fact in 0..self.facts.len() as u32 {
             self.bounds.enqueue(fact);
         }

@@ -84,7 +84,6 @@ impl Relaxer<'_> {
             false => self.ladder.reducer().reduce(&self.program, &domain),
         };
         let Some(mut reduced) = reduced else {
-            if std::env::var("DBG").is_ok() { eprintln!("DBG reduce none"); }
             return Relaxed::Open(None);
         };
         self.relaxations += 1;
@@ -114,7 +113,6 @@ impl Relaxer<'_> {
                 let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                 found.cones = self.cone_rows(&reduced, &cuts, y);
                 let checked = self.check(facts, bounds, &mut found);
-                if std::env::var("DBG").is_ok() { eprintln!("DBG refuted {checked:?}"); }
                 match checked {
                     Ok(()) => Relaxed::Refuted(found),
                     Err(_) => Relaxed::Open(None),
@@ -130,10 +128,6 @@ impl Relaxer<'_> {
                     let mut checked = self.check(facts, bounds, &mut found);
                     if checked.is_err() && self.move_tangent(bounds, &mut found) {
                         checked = self.check(facts, bounds, &mut found);
-                    }
-                    if std::env::var("DBG").is_ok() {
-                        eprintln!("DBG inf {:?} {}", point.iter().enumerate().filter(|v| !v.1.is_finite()).map(|(j,_)|(j,bounds.of(j),reduced.keeps(j))).take(5).collect::<Vec<_>>(), reduced.columns.len());
-                        eprintln!("DBG relaxed {bound} cutoff {cutoff} {checked:?}");
                     }
                     if checked.is_ok() {
                         relaxed = Some(Relaxed::Refuted(found));

@@ -2,18 +2,18 @@
 
 use super::bounds::Bounds;
 use super::relaxed::Relaxer;
-use super::tree::Failure;
+use super::tree::Limit;
 use super::{Claim, Guide};
 use crate::search::{SolveTask, search};
 use crate::solver::{Control, Heuristics, Options};
 
 /// Most nodes of a search for splits.
-const MOST_NODES: u64 = 100_000;
+const MOST_NODES: u64 = 2000;
 
 impl Relaxer<'_> {
     /// Searches a context as it is, without what would make its relaxation tighter. Returns the splits;
     /// `None` if there are none.
-    pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Option<Guide>, Failure> {
+    pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Option<Guide>, Limit> {
         for (j, [lower, upper]) in bounds.all().iter().enumerate() {
             (self.within.lower[j], self.within.upper[j]) = (*lower, *upper);
         }
@@ -21,7 +21,6 @@ impl Relaxer<'_> {
             proof: Some(std::path::PathBuf::new()),
             node_limit: Some(MOST_NODES),
             cuts: false,
-            probing: false,
             heuristics: Heuristics::none(),
             ..self.options.nested()
         };
@@ -33,9 +32,8 @@ impl Relaxer<'_> {
         }
         let found = search(task, &mut Control::default(), None);
         if self.token.is_over() {
-            return Err(Failure::Limit);
+            return Err(Limit);
         }
-        if std::env::var("DBG").is_ok() { eprintln!("DBG search {:?} {} nodes, bound {} vs {:?} forks {}", found.termination, found.statistics.nodes, found.bound, self.claim, found.forks.len()); }
         let guide = Guide { is_plain: true, ..Guide::new(found.forks, None) };
         Ok((!guide.forks.is_empty()).then_some(guide))
     }

@@ -63,14 +63,9 @@ struct Open {
     part: Part,
 }
 
-/// Why a proof has come to no end.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Failure {
-    /// A limit came first.
-    Limit,
-    /// No splits are left at a context that no sum of facts closes: the point there.
-    Whole(Option<Vec<f64>>),
-}
+/// A limit came before the end of a proof.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Limit;
 
 /// The state of a proof.
 pub(super) struct ProofWriter<'a, 'b> {
@@ -80,11 +75,13 @@ pub(super) struct ProofWriter<'a, 'b> {
     pub(super) relaxer: Relaxer<'a>,
     /// Own splits that may still be made.
     pub(super) splits_left: u64,
+    /// Contexts that no sum of facts has closed.
+    pub(super) gaps: u64,
 }
 
 impl ProofWriter<'_, '_> {
     /// Closes the present context along the tree of a search.
-    pub(super) fn close(&mut self, part: Part) -> Result<(), Failure> {
+    pub(super) fn close(&mut self, part: Part) -> Result<(), Limit> {
         let ground = self.bounds.mark();
         let (mut open, mut next) = (Vec::new(), Some(part));
         let mut conflict = self.bounds.propagate(&self.facts).err();
@@ -127,7 +124,7 @@ impl ProofWriter<'_, '_> {
 
     /// Goes on with a part: closes it, or returns a split with the parts inside and outside of its
     /// decision.
-    fn step(&mut self, mut part: Part) -> Result<Option<(Decision, Part, Part)>, Failure> {
+    fn step(&mut self, mut part: Part) -> Result<Option<(Decision, Part, Part)>, Limit> {
         loop {
             part = match part {
                 Part::Own(_) | Part::End(_) => match self.close_or_probe(part)? {
@@ -198,13 +195,13 @@ impl ProofWriter<'_, '_> {
     }
 
     /// Closes the context by its relaxation, or goes on with a probing of its columns.
-    fn close_or_probe(&mut self, part: Part) -> Result<Option<Part>, Failure> {
+    fn close_or_probe(&mut self, part: Part) -> Result<Option<Part>, Limit> {
         let point = match self.relaxer.relax(&self.facts, &self.bounds, [false, true]) {
             Relaxed::Refuted(refutation) => {
                 self.write(refutation);
                 return Ok(None);
             }
-            Relaxed::Stopped => return Err(Failure::Limit),
+            Relaxed::Stopped => return Err(Limit),
             Relaxed::Open(point) => point,
         };
         let order = self.probing_order(point.as_deref());
@@ -212,7 +209,7 @@ impl ProofWriter<'_, '_> {
     }
 
     /// Chooses a split of a context, by a search or on its own.
-    fn split_or_search(&mut self, part: Part, known: Option<Vec<f64>>) -> Result<Step, Failure> {
+    fn split_or_search(&mut self, part: Part, known: Option<Vec<f64>>) -> Result<Step, Limit> {
         let mut point = known;
         for (is_fine, is_tight) in [(false, true), (true, false)] {
             let is_open = point.is_some() && self.own_split(point.as_deref()).is_some();
@@ -228,7 +225,7 @@ impl ProofWriter<'_, '_> {
                     self.write(refutation);
                     return Ok(Step::Closed);
                 }
-                Relaxed::Stopped => return Err(Failure::Limit),
+                Relaxed::Stopped => return Err(Limit),
                 Relaxed::Open(found) => point = found,
             }
         }
@@ -241,9 +238,13 @@ impl ProofWriter<'_, '_> {
             },
         };
         let Some(decision) = self.own_split(point.as_deref()) else {
-            return Err(Failure::Whole(point));
+            // No checker accepts this step: what the search has closed here has a point.
+            self.log.remark("no sum of facts closes this context");
+            self.log.contradiction(std::iter::empty());
+            self.gaps += 1;
+            return Ok(Step::Closed);
         };
-        self.splits_left = self.splits_left.checked_sub(1).ok_or(Failure::Limit)?;
+        self.splits_left = self.splits_left.checked_sub(1).ok_or(Limit)?;
         Ok(Step::Split(decision, Part::Own(depth + 1)))
     }
 

@@ -10,6 +10,7 @@ mod evaluation;
 mod leaves;
 mod multipliers;
 mod note;
+mod proof_report;
 mod point;
 mod pool;
 mod start_report;
@@ -20,6 +21,7 @@ mod verification;
 pub use leaves::{LeafBound, LeafBox};
 pub use multipliers::Multipliers;
 pub use note::Note;
+pub use proof_report::ProofReport;
 pub use point::{Evaluate, Point};
 #[doc(alias = "solution pool")]
 pub use pool::Pool;
@@ -61,6 +63,8 @@ pub struct Solution {
     multipliers: Option<Multipliers>,
     #[cfg_attr(feature = "serde", serde(default))]
     refused: Option<Verification>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    proof: Option<ProofReport>,
 }
 
 /// The result that a backend reports; [`Solution::new`] checks it against the model.
@@ -146,6 +150,7 @@ impl Solution {
             start: None,
             multipliers: None,
             refused: None,
+            proof: None,
         })
     }
 
@@ -190,6 +195,18 @@ impl Solution {
     pub(crate) fn with_multipliers(mut self, multipliers: Option<Multipliers>) -> Self {
         self.multipliers = multipliers.filter(|_| self.is_optimal());
         self
+    }
+
+    /// Notes the proof that was written.
+    pub(crate) fn with_proof(mut self, proof: Option<ProofReport>) -> Self {
+        self.proof = proof;
+        self
+    }
+
+    /// The proof that [`Options::with_proof`](crate::solver::Options::with_proof) has asked for; `None` if none
+    /// was written.
+    pub fn proof(&self) -> Option<&ProofReport> {
+        self.proof.as_ref()
     }
 
     /// Notes the check of a refused point; it is dropped unless the search stalled.
