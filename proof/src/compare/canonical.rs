@@ -20,7 +20,7 @@ struct Sides {
 }
 
 pub(super) struct Canonical {
-    columns: Vec<(u32, Column)>,
+    columns: BTreeMap<u32, Column>,
     /// Rows by their forms, of which the first coefficient is positive.
     rows: BTreeMap<Form, Sides>,
     cones: BTreeSet<(u32, Vec<u32>)>,
@@ -99,7 +99,7 @@ impl Canonical {
     }
 
     pub(super) fn column(&self, place: u32) -> Option<&Column> {
-        self.columns.iter().find(|column| column.0 == place).map(|column| &column.1)
+        self.columns.get(&place)
     }
 
     /// A row that is not in another program, which is called `there`.

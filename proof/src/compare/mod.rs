@@ -9,6 +9,7 @@
 mod canonical;
 mod cbf;
 mod lp;
+mod lp_words;
 mod model;
 mod mps;
 

@@ -100,21 +100,19 @@ impl Model {
         }
     }
 
-    /// A last column that is fixed, in the linear part of the objective alone and unknown to the log is
-    /// a constant: this is how files that cannot hold one say it.
+    /// A fixed column `Constant`, in the linear part of the objective alone and unknown to the log, is
+    /// a constant: this is how LP files say it.
     pub(super) fn fold_constants(&mut self, log: &Model) {
-        for index in (0..self.columns.len() as u32).rev() {
-            let Some(column) = self.columns.get(index as usize) else { return };
-            let (value, is_fixed) = (column.lower, column.lower == column.upper);
-            let is_used = self.rows.iter().any(|row| row.entries.iter().any(|e| e.0 == index))
-                || self.triangle.iter().any(|e| e.0 == index || e.1 == index)
-                || self.cones.iter().any(|cone| cone.head == index || cone.tail.contains(&index));
-            if !is_fixed || is_used || log.find(&column.name).is_some() || column.name != "Constant"
-            {
-                continue;
-            }
-            let cost = self.linear.iter().filter(|e| e.0 == index).map(|e| e.1).sum::<f64>();
-            self.constant += cost * value;
+        let Some(index) = self.find("Constant").filter(|_| log.find("Constant").is_none()) else {
+            return;
+        };
+        let Some(&Column { lower, upper, .. }) = self.columns.get(index as usize) else { return };
+        let is_used = self.rows.iter().any(|row| row.entries.iter().any(|e| e.0 == index))
+            || self.triangle.iter().any(|entry| entry.0 == index || entry.1 == index)
+            || self.cones.iter().any(|cone| cone.head == index || cone.tail.contains(&index));
+        if lower == upper && !is_used {
+            let costs = self.linear.iter().filter(|entry| entry.0 == index);
+            self.constant += costs.map(|entry| entry.1).sum::<f64>() * lower;
             self.remove(index);
         }
     }

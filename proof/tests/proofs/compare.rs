@@ -1,6 +1,8 @@
 //! Model files against headers of logs.
 
 use carom_proof::compare::{Format, compare};
+use proptest::prelude::*;
+use proptest::sample::Index;
 
 const HEADER: &str = "\
 carom proof 1
@@ -160,6 +162,8 @@ fn lp_files() {
             ("Maximize", "Minimize", "the sense of the objective"),
         ],
     );
+    let empty = LP.replace("Bounds", " e: = 0\nBounds");
+    assert_eq!(said(&empty, Format::Lp, HEADER), "the same program: 4 columns, 5 rows");
     let constant = LP.replace("+ 1.5", "+ 1.5 Constant").replace("Bounds", "Bounds\n Constant = 1");
     assert_eq!(said(&constant, Format::Lp, HEADER), "the same program: 5 columns, 4 rows");
     let more = "Subject To\n ind: b = 1 -> x + y <= 3\n q: x + [ x ^2 ] <= 7\n 1 <= x + y <= 2\n";
@@ -245,4 +249,21 @@ BCOORD
     assert_eq!(said(model, Format::Cbf, &fewer), {
         "another program: the cone with the head x[0]"
     });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn any_text(text in "\\PC{0,80}", place in any::<Index>(), cut in any::<Index>()) {
+        for (format, model) in [(Format::Mps, MPS), (Format::Lp, LP), (Format::Cbf, "VER\n1\nVAR\n2 1\nQ 2\n")] {
+            let _ = said(&text, format, HEADER);
+            let at = place.index(model.len());
+            let mut changed = model.to_string();
+            changed.insert_str(at, text.get(..cut.index(text.len() + 1)).unwrap_or(" "));
+            let _ = said(&changed, format, HEADER);
+            changed.truncate(at);
+            let _ = said(&changed, format, HEADER);
+        }
+    }
 }
