@@ -60,7 +60,9 @@ impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Comparison::Same { columns, rows, left_out } => {
-                write!(f, "the same program: {columns} columns, {rows} rows")?;
+                let ending = |many: usize| if many == 1 { "" } else { "s" };
+                let (a, b) = (ending(*columns), ending(*rows));
+                write!(f, "the same program: {columns} column{a}, {rows} row{b}")?;
                 for (k, statement) in left_out.iter().enumerate() {
                     write!(f, "{}{statement}", if k == 0 { "; not compared: " } else { ", " })?;
                 }

@@ -92,3 +92,11 @@ fn numbers_without_end_are_refused() {
         "rejected: the numbers are too large or too fine for this checker"
     );
 }
+
+#[test]
+fn the_example_of_the_page() {
+    let page = include_str!("../../../docs/proofs.md");
+    let example = include_str!("../logs/cap.proof");
+    assert!(page.contains(&format!("```text\n{example}```\n")));
+    assert!(page.contains(&format!("```text\n{}\n```\n", verdict(example))));
+}
