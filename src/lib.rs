@@ -22,6 +22,7 @@ pub mod prelude;
 mod presolve;
 mod program;
 pub mod reformulate;
+mod proof;
 mod relaxation;
 mod search;
 mod semidefinite;

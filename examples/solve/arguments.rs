@@ -24,6 +24,7 @@ FILE is `-` for the standard input. It may be compressed by gzip.
   --start FILE.sol     begin with the integers of a point: lines `name value` or `name = value`;
                        integers that are not named are 0
   --explain            if there is no solution, print which statements contradict each other
+  --proof FILE         write a proof of the bound, or that there is no point, for `carom-proof check`
   --time-limit S       stop after S seconds
   --node-limit N       stop after N nodes
   --gap G              relative gap at which to stop, 1e-6 by default
@@ -116,6 +117,7 @@ pub(crate) fn read(words: impl Iterator<Item = String>) -> Result<Command, Strin
             "--without" => leave_out(options, &value()?)?,
             "--with" => switch(&mut options.heuristics, &value()?, true)?,
             "--relaxation" => options.relaxation = method(&value()?)?,
+            "--proof" => options.proof = Some(value()?.into()),
             "--gap" => options.relative_gap = number(&word, &value()?)?,
             "--write" => arguments.write = Some(value()?),
             "--lowered" => arguments.lowered = Some(value()?),

@@ -102,6 +102,7 @@ impl Checker {
             "z" => self.square(words)?,
             "p" => self.deficits(words)?,
             "l" => self.factor(words)?,
+            "w" => self.curvature_bounds(words)?,
             "s" => self.split_column(words)?,
             "f" => self.split_form(words)?,
             "m" => self.lemma(words)?,
@@ -225,10 +226,6 @@ impl Checker {
         if !self.is_root() || self.objective.is_proved() {
             return rejected("`p` must stand in context 0, once");
         }
-        if let Some((column, deficit)) = deficits.iter().find(|entry| entry.1 < 0.0) {
-            let deficit = Plain(*deficit);
-            return rejected(format!("the deficit {deficit} of column {column} is negative"));
-        }
         self.convexity = Some((deficits, Vec::new()));
         Ok(())
     }
@@ -243,6 +240,30 @@ impl Checker {
         }
         factor.push(entries);
         self.convexity = Some((deficits, factor));
+        Ok(())
+    }
+
+    fn curvature_bounds(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let Claim::Bound(limit) = self.program.claim else {
+            return rejected("without a bound to prove, nothing is known of the objective");
+        };
+        let point = words.entries(self.bounds.len())?;
+        let falls = words.entries(self.bounds.len())?;
+        let around = self.objective.around(point, falls, &self.bounds, &mut self.sums)?;
+        let count = words.count("the number of bounds")?;
+        for _ in 0..count {
+            let column = words.index("column", self.bounds.len())?;
+            let (side, value) = (side(words)?, words.number("the bound")?);
+            let known = (limit, &self.bounds);
+            if self.objective.is_beyond(&around, column, side, value, known, &mut self.sums)? {
+                if self.bounds.is_tighter(column, side, value) {
+                    self.tighten(column, side, value);
+                }
+            } else {
+                let name = self.name(column);
+                return rejected(format!("the curvature does not bound column {name} by {}", Plain(value)));
+            }
+        }
         Ok(())
     }
 

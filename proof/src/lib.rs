@@ -11,7 +11,8 @@
 mod bounds;
 mod checker;
 pub mod compare;
-pub mod exact;
+mod curvature;
+mod exact;
 mod linear_rules;
 mod point;
 mod program;

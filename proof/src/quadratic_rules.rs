@@ -9,7 +9,7 @@ use crate::text::{Refusal, rejected};
 use std::cmp::Ordering;
 
 /// Entries of a column of a matrix.
-type Entries = Vec<(u32, f64)>;
+pub(crate) type Entries = Vec<(u32, f64)>;
 
 /// The objective `1/2 x'Px + linear x + constant`, plus the defined columns.
 #[derive(Debug)]
@@ -140,6 +140,60 @@ impl Quadratic {
         Ok(false)
     }
 
+    /// `d`, if convexity is proved.
+    pub(crate) fn deficits(&self) -> Option<&Entries> {
+        self.deficits.as_ref()
+    }
+
+    /// The gradient at a point, as a row without limits.
+    pub(crate) fn gradient(
+        &self,
+        point: &[(u32, f64)],
+        sums: &mut Sums,
+    ) -> Result<Row, Refusal> {
+        let mut terms: Vec<Term<'_>> = as_terms(&self.linear).collect();
+        terms.extend(self.squares.iter().map(|square| (square.own, 1.0, ONE)));
+        for &(column, value) in point.iter().filter(|entry| entry.1 != 0.0) {
+            for &(other, entry) in self.rows.get(column as usize).into_iter().flatten() {
+                terms.push((other, entry, Number::Float(value)));
+            }
+        }
+        Ok(Row::combination(&mut terms, &mut sums.column)?)
+    }
+
+    /// Adds `point'P point` to the total.
+    fn add_curvature(&self, gradient: &Row, point: &[(u32, f64)], sums: &mut Sums) {
+        for (column, coefficient) in gradient.entries() {
+            sums.total.add(coefficient, value_at(point, column));
+        }
+        for &(column, coefficient) in &self.linear {
+            sums.total.subtract(coefficient, value_at(point, column));
+        }
+        for square in &self.squares {
+            sums.total.subtract(1.0, value_at(point, square.own));
+        }
+    }
+
+    /// Adds the objective at a point to the total, which is 0 before.
+    pub(crate) fn add_value(
+        &self,
+        gradient: &Row,
+        point: &[(u32, f64)],
+        sums: &mut Sums,
+    ) -> Result<(), Refusal> {
+        self.add_curvature(gradient, point, sums);
+        let half = sums.total.take()?.half();
+        sums.total.add(&half, 1.0);
+        sums.total.add(self.constant, 1.0);
+        for &(column, coefficient) in &self.linear {
+            sums.total.add(coefficient, value_at(point, column));
+        }
+        for square in &self.squares {
+            sums.total.add(1.0, value_at(point, square.own));
+        }
+        Ok(())
+    }
+
     /// What `objective <= limit` says of a point, with the tangent of the objective at `point`:
     ///
     /// `gradient x <= limit - objective(point) + gradient point + slack`,
@@ -156,29 +210,10 @@ impl Quadratic {
         if self.deficits.is_none() && self.has_squares(&mut sums.column)? {
             return rejected("the objective has squares, and `p` has not proved that it is convex");
         }
-        let at = |column: u32| {
-            let place = point.binary_search_by_key(&column, |entry| entry.0);
-            place.ok().and_then(|k| point.get(k)).map_or(0.0, |entry| entry.1)
-        };
-        let mut terms: Vec<Term<'_>> = as_terms(&self.linear).collect();
-        terms.extend(self.squares.iter().map(|square| (square.own, 1.0, ONE)));
-        for &(column, value) in point.iter().filter(|entry| entry.1 != 0.0) {
-            for &(other, entry) in self.rows.get(column as usize).into_iter().flatten() {
-                terms.push((other, entry, Number::Float(value)));
-            }
-        }
-        let mut row = Row::combination(&mut terms, &mut sums.column)?;
-
+        let at = |column: u32| value_at(point, column);
+        let mut row = self.gradient(point, sums)?;
         // `gradient point - objective(point)` is `1/2 point'P point - constant`.
-        for (column, coefficient) in row.entries() {
-            sums.total.add(coefficient, at(column));
-        }
-        for &(column, coefficient) in &self.linear {
-            sums.total.subtract(coefficient, at(column));
-        }
-        for square in &self.squares {
-            sums.total.subtract(1.0, at(square.own));
-        }
+        self.add_curvature(&row, point, sums);
         for &(column, deficit) in self.deficits.iter().flatten().filter(|entry| entry.1 > 0.0) {
             let (lower, upper) = bounds.of(column as usize);
             if !lower.is_finite() || !upper.is_finite() {
@@ -196,8 +231,13 @@ impl Quadratic {
     }
 }
 
+fn value_at(point: &[(u32, f64)], column: u32) -> f64 {
+    let place = point.binary_search_by_key(&column, |entry| entry.0);
+    place.ok().and_then(|k| point.get(k)).map_or(0.0, |entry| entry.1)
+}
+
 /// The square of the distance from a value to the farther of two bounds.
-fn farthest_square(
+pub(crate) fn farthest_square(
     lower: f64,
     upper: f64,
     value: f64,

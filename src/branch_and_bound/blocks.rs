@@ -90,7 +90,7 @@ pub(super) fn search_blocks(
     control: &mut Control<'_>,
 ) -> Option<SearchResult> {
     let options = task.options;
-    if !options.blocks || options.keep_leaves || options.pool > 1 {
+    if !options.blocks || options.proof.is_some() || options.keep_leaves || options.pool > 1 {
         return None;
     }
     let blocks = blocks(task.program);

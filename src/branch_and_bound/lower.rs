@@ -19,18 +19,20 @@ pub(super) struct LoweredProgram {
     pub(super) postsolve: Option<Postsolve>,
     /// The part of the objective that this presolve may have lost to rounding.
     pub(super) rounding: f64,
+    /// The names of the columns and of the rows, if they were asked for.
+    pub(super) names: Option<[Vec<String>; 2]>,
 }
 
 impl LoweredProgram {
     /// A program whose first columns are the variables of a model.
     pub(super) fn new(program: Program, way_back: Arc<WayBack>) -> Self {
-        LoweredProgram { program, way_back, postsolve: None, rounding: 0.0 }
+        LoweredProgram { program, way_back, postsolve: None, rounding: 0.0, names: None }
     }
 
     /// The program that a presolve for all values of the parameters has left.
     pub(super) fn presolved(&self, program: Program, postsolve: Postsolve, rounding: f64) -> Self {
         let way_back = self.way_back.clone();
-        LoweredProgram { program, way_back, postsolve: Some(postsolve), rounding }
+        LoweredProgram { program, way_back, postsolve: Some(postsolve), rounding, names: None }
     }
 
     /// From values of the program's columns to values of the model's variables.
@@ -59,18 +61,33 @@ impl LoweredProgram {
 }
 
 /// Lowers and assembles a model; `None` if a limit comes first.
-pub(super) fn lower(model: &Model, token: &StopToken) -> Result<Option<LoweredProgram>, Error> {
-    let (mut program, way_back) = if model.has_only_rows() {
-        (Program::assemble(model)?, WayBack::to_rows(model))
+///
+/// # Arguments
+///
+/// * `names`: whether to keep the names of columns and rows.
+pub(super) fn lower(
+    model: &Model,
+    token: &StopToken,
+    names: bool,
+) -> Result<Option<LoweredProgram>, Error> {
+    let names_of = |model: &Model| {
+        let columns = model.variables().map(|variable| variable.name().to_string());
+        let rows = model.constraints().map(|row| row.name().to_string());
+        names.then(|| [columns.collect(), rows.collect()])
+    };
+    let (mut program, way_back, names) = if model.has_only_rows() {
+        (Program::assemble(model)?, WayBack::to_rows(model), names_of(model))
     } else {
         let Some(lowered) = reformulate::lower_until(model, None, token)? else {
             return Ok(None);
         };
-        (Program::assemble(lowered.model())?, lowered.into_way_back())
+        let names = names_of(lowered.model());
+        (Program::assemble(lowered.model())?, lowered.into_way_back(), names)
     };
     check_curvature(model, &program, false)?;
     program.constant = program.sign * model.objective_constant();
-    Ok(Some(LoweredProgram::new(program, Arc::new(way_back))))
+    let lowered = LoweredProgram::new(program, Arc::new(way_back));
+    Ok(Some(LoweredProgram { names, ..lowered }))
 }
 
 /// Refuses an objective whose distance from a convex one is seen within the bounds of the program of a

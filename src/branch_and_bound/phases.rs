@@ -36,7 +36,7 @@ impl Solve<'_> {
         let own;
         let lowered = match known.lowered {
             Some(lowered) => lowered,
-            None => match lower(self.model, self.token)? {
+            None => match lower(self.model, self.token, self.options.proof.is_some())? {
                 Some(lowered) => {
                     own = lowered;
                     &own
@@ -44,6 +44,20 @@ impl Solve<'_> {
                 None => return Ok(self.stopped()),
             },
         };
+        let mut solved = self.run_lowered(lowered, known, control)?;
+        if let Some(path) = self.options.proof.as_deref().filter(|_| known.lowered.is_none()) {
+            self.write_proof(path, lowered, &mut solved, control.interrupt())?;
+        }
+        Ok(solved)
+    }
+
+    /// Solves the lowered program.
+    fn run_lowered(
+        &self,
+        lowered: &LoweredProgram,
+        known: &EarlierResults<'_>,
+        control: &mut Control<'_>,
+    ) -> Result<SolveResult, Error> {
         let rules = rules(self, known);
         let solved = self.run_by_rules(lowered, rules, known, control)?;
         let contradicted = solved.found.contradiction.is_some();

@@ -45,7 +45,14 @@ pub(super) fn restore(
         other => other,
     };
     charge(solve, presolved.rounding(), &mut found)?;
-    Ok(SolveResult { found, derivatives, point })
+    let own = presolved.presolved.as_ref().filter(|_| solve.options.proof.is_some());
+    let columns = own.map(|own| own.postsolve.columns().to_vec());
+    let lowered_point = match (own, &point) {
+        (Some(own), Some(x)) => Some(own.postsolve.point(x)),
+        (None, Some(x)) => Some(x.clone()),
+        _ => None,
+    };
+    Ok(SolveResult { found, derivatives, point, lowered_point, columns })
 }
 
 /// Lowers the bound by the part of the objective that presolve may have lost to rounding, unless

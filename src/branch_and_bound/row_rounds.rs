@@ -294,7 +294,7 @@ impl RowRounds<'_> {
             found.bound = self.bound;
         }
         found.statistics = self.statistics;
-        SolveResult { found, derivatives, point: None }
+        SolveResult { derivatives, ..SolveResult::without_point(found) }
     }
 
     /// Runs a search whose events and points the user sees as those of one solve.

@@ -47,11 +47,15 @@ pub(super) struct SolveResult {
     pub(super) derivatives: Option<Derivatives>,
     /// The best point in columns of the presolved program.
     pub(super) point: Option<Vec<f64>>,
+    /// The best point in columns of the lowered program, if a proof is asked for.
+    pub(super) lowered_point: Option<Vec<f64>>,
+    /// The column of the lowered program behind each one of the presolved program, if there was presolve.
+    pub(super) columns: Option<Vec<usize>>,
 }
 
 impl SolveResult {
     /// A result without a point.
     pub(super) fn without_point(found: SearchResult) -> Self {
-        SolveResult { found, derivatives: None, point: None }
+        SolveResult { found, derivatives: None, point: None, lowered_point: None, columns: None }
     }
 }

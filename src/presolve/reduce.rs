@@ -309,6 +309,7 @@ impl Reducer {
             limits.clear();
             limits.reserve(self.alive.len());
         }
+        out.merged.clear();
         out.origin.clear();
         out.origin.reserve(self.alive.len());
         for &row in &self.alive {
@@ -347,6 +348,7 @@ impl Reducer {
                 let (lower, upper) = (limits[0] / ratio, limits[1] / ratio);
                 out.row_lower[kept] = out.row_lower[kept].max(lower);
                 out.row_upper[kept] = out.row_upper[kept].min(upper);
+                out.merged.push((kept, row, ratio));
                 out.rows.index.truncate(begin);
                 out.rows.value.truncate(begin);
                 continue;

@@ -22,6 +22,9 @@ pub struct Reduced {
     /// The program's row behind each row, `usize::MAX` for rows of other origins: a name by which the
     /// same row is known at other nodes. Empty if it is not needed.
     pub origin: Vec<usize>,
+    /// Parallel rows that were merged: the row that was kept, the program's row that is not there, and that
+    /// row as a multiple of the kept one.
+    pub merged: Vec<(usize, usize, f64)>,
     /// Lower limits of the rows.
     pub row_lower: Vec<f64>,
     /// Upper limits of the rows.
@@ -153,6 +156,7 @@ impl Reduced {
             offset: program.offset,
             rows: vectors(rows.row_ptr(), rows.col_idx(), program.rows.val()),
             origin: (0..program.row_count()).collect(),
+            merged: Vec::new(),
             row_lower: program.row_lower.clone(),
             row_upper: program.row_upper.clone(),
             lower: program.lower.clone(),
@@ -199,6 +203,11 @@ impl Reduced {
             value += x[j] * (self.linear[j] + product);
         }
         value
+    }
+
+    /// Whether a column of the program is kept.
+    pub(crate) fn keeps(&self, column: usize) -> bool {
+        self.columns.binary_search(&column).is_ok()
     }
 
     /// The program's point that belongs to a reduced point.

@@ -304,6 +304,7 @@ fn part(whole: &Reduced, has_column: &[bool], has_row: &[bool]) -> Reduced {
         linear: kept(&whole.linear, has_column),
         offset: whole.offset,
         rows: vectors(&whole.rows, has_row),
+        merged: Vec::new(),
         origin: kept(&whole.origin, has_row),
         row_lower: kept(&whole.row_lower, has_row),
         row_upper: kept(&whole.row_upper, has_row),

@@ -27,6 +27,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
         linear: program.linear.clone(),
         offset: 0.0,
         rows: program.rows.clone(),
+        merged: Vec::new(),
         origin: Vec::new(),
         row_lower: program.row_lower.iter().map(cone).collect(),
         row_upper: program.row_upper.iter().map(cone).collect(),

@@ -121,8 +121,30 @@ pub(crate) struct Fork {
 }
 
 impl Fork {
-    /// Most nodes of a tree whose splits are kept.
+    /// Most nodes of a tree whose splits are kept for a later solve.
     pub(super) const MOST_NODES: u32 = 4000;
+
+    /// The name of the node; 0 for the root.
+    pub(crate) fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// A decision of the split, in order, each without those before it, and the node inside of it; `None`
+    /// for a side that is closed.
+    pub(crate) fn decision(&self, place: usize) -> Option<(Decision, Option<u32>)> {
+        match self.closed.get(place) {
+            Some(&side) => Some((side, None)),
+            None => {
+                let &(decision, child) = self.chain.get(place - self.closed.len())?;
+                Some((decision, Some(child)))
+            }
+        }
+    }
+
+    /// The node outside of all decisions.
+    pub(crate) fn rest(&self) -> Option<u32> {
+        self.rest
+    }
 }
 
 /// The tree of an earlier solve.

@@ -257,11 +257,11 @@ impl<'a> TreeView<'a> {
 
     /// Keeps the split of a node, if there is room.
     pub(super) fn keep_fork(&self, fork: impl FnOnce() -> Fork) {
-        if self.keeps_proofs() && self.tree.task.options.memory_limit.is_none() {
-            let mut report = self.report.borrow_mut();
-            if self.tree.ids.load(Ordering::Relaxed) < Fork::MOST_NODES {
-                report.forks.push(fork());
-            }
+        let options = self.tree.task.options;
+        let is_small = || self.tree.ids.load(Ordering::Relaxed) < Fork::MOST_NODES;
+        let is_kept = self.keeps_proofs() && options.memory_limit.is_none() && is_small();
+        if is_kept || options.proof.is_some() {
+            self.report.borrow_mut().forks.push(fork());
         }
     }
 

@@ -1,5 +1,7 @@
 //! Options that every backend understands.
 
+use std::path::PathBuf;
+
 use web_time::Duration;
 
 use super::heuristics::Heuristics;
@@ -114,6 +116,9 @@ pub struct Options {
     pub cuts: bool,
     /// The primal heuristics; default [`Heuristics::default`].
     pub heuristics: Heuristics,
+    /// Where a solve writes its proof; default none, which writes none. See
+    /// [`with_proof`](Options::with_proof).
+    pub proof: Option<PathBuf>,
 }
 
 /// Which points a pool holds.
@@ -154,6 +159,7 @@ impl Default for Options {
             blocks: true,
             cuts: true,
             heuristics: Heuristics::default(),
+            proof: None,
         }
     }
 }
@@ -187,6 +193,7 @@ impl Options {
             pool_gap: None,
             keep_leaves: false,
             heuristics: self.heuristics.nested(),
+            proof: None,
             ..self.clone()
         }
     }
@@ -245,6 +252,18 @@ impl Options {
         with_cuts(cuts: bool) => cuts = cuts;
         /// Sets the primal heuristics.
         with_heuristics(heuristics: Heuristics) => heuristics = heuristics;
+    }
+
+    /// Has each solve write a proof of its bound, or of its infeasibility, that another program can check: to
+    /// this file, or, if the path is a folder, to a new file in it. What a proof says, and who checks it, is on
+    /// the page [Proofs](crate::guide::proofs).
+    ///
+    /// The search is the same, except that it does not fall into blocks. The proof comes after it, and may
+    /// take as long again: a time limit holds for each of the two.
+    #[must_use]
+    pub fn with_proof(mut self, path: impl Into<PathBuf>) -> Self {
+        self.proof = Some(path.into());
+        self
     }
 
     /// Sets whether the program is presolved before the search; default on. Presolve removes rows and

@@ -1,0 +1,80 @@
+//! The phase after the last one, if it is asked for: the proof of the answer, for another program to check.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind as IoErrorKind};
+use std::path::{Path, PathBuf};
+
+use super::lower::LoweredProgram;
+use super::solve::{Solve, SolveResult};
+use crate::error::{Error, ErrorKind};
+use crate::proof::{Claim, Guide, Proved, prove};
+use crate::solution::Termination;
+use crate::solver::{Interrupt, StopToken};
+
+/// The largest number of proofs in a folder.
+const MOST_FILES: usize = 1_000_000;
+
+impl Solve<'_> {
+    /// Writes the proof of an answer; `None` if it claims nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Io`](crate::ErrorKind::Io) if the file cannot be written.
+    pub(super) fn write_proof(
+        &self,
+        path: &Path,
+        lowered: &LoweredProgram,
+        solved: &mut SolveResult,
+        interrupt: &Interrupt,
+    ) -> Result<Option<Proved>, Error> {
+        let found = &mut solved.found;
+        let program = &lowered.program;
+        let claim = match found.termination {
+            Termination::Infeasible => Claim::Infeasible,
+            _ if found.bound.is_finite() => {
+                let point = solved.lowered_point.as_ref();
+                let best = point.map_or(found.bound, |x| program.objective(x));
+                let gap = self.options.allowed_gap(best, program.constant);
+                Claim::Bound(found.bound.min(best) - gap)
+            }
+            _ => return Ok(None),
+        };
+        let guide = Guide::new(std::mem::take(&mut found.forks), solved.columns.take());
+        let token = StopToken::new(self.options.time_limit, interrupt);
+        let failed = |source| {
+            let what = format!("the proof cannot be written to {}", path.display());
+            let help = "choose a file or a folder that can be written";
+            Error::with_source(ErrorKind::Io { what, help }, source)
+        };
+        let mut out = BufWriter::new(create(path).map_err(failed)?);
+        let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
+        let point = solved.lowered_point.as_deref();
+        let proved = prove(
+            program,
+            names,
+            claim,
+            &guide,
+            point,
+            (self.options, &token),
+            self.ladders,
+            &mut out,
+        );
+        eprintln!("PROOF {proved:?} {claim:?} {:?}", token.elapsed());
+        proved.map(Some).map_err(failed)
+    }
+}
+
+/// The file at a path, or a new one in it if it is a folder.
+fn create(path: &Path) -> io::Result<File> {
+    if !path.is_dir() {
+        return File::create(path);
+    }
+    let place = |k: usize| -> PathBuf { path.join(format!("{k:06}.proof")) };
+    for k in 1..MOST_FILES {
+        match OpenOptions::new().write(true).create_new(true).open(place(k)) {
+            Err(error) if error.kind() == IoErrorKind::AlreadyExists => {}
+            other => return other,
+        }
+    }
+    Err(IoErrorKind::AlreadyExists.into())
+}

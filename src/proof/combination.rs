@@ -1,0 +1,104 @@
+//! Sums of facts, in floats with bounds on their rounding: what counts as a contradiction here is one in
+//! exact arithmetic, too.
+
+use super::bounds::{Bounds, Side};
+
+/// A sum of terms, what bounds its rounding error, and how many terms there are.
+#[derive(Debug, Clone, Copy, Default)]
+struct Rounded {
+    value: f64,
+    size: f64,
+    count: f64,
+}
+
+impl Rounded {
+    fn add(&mut self, term: f64) {
+        self.value += term;
+        self.size += term.abs();
+        self.count += 1.0;
+    }
+
+    /// Twice what the error can be if terms are products of up to three floats.
+    fn error(&self) -> f64 {
+        f64::EPSILON * (self.count + 4.0) * self.size
+    }
+}
+
+/// A sum of facts: `terms >= limit`.
+#[derive(Debug, Default)]
+pub(super) struct Combination {
+    terms: Vec<Rounded>,
+    touched: Vec<usize>,
+    limit: Rounded,
+}
+
+/// Why a sum is no contradiction.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Shortfall {
+    /// The bounds leave room.
+    Room,
+    /// Columns without the bound that the sum needs.
+    Unbounded(Vec<usize>),
+}
+
+impl Combination {
+    /// Begins a sum over so many columns.
+    pub(super) fn clear(&mut self, columns: usize) {
+        for j in self.touched.drain(..) {
+            self.terms[j] = Rounded::default();
+        }
+        self.terms.resize(columns, Rounded::default());
+        self.limit = Rounded::default();
+    }
+
+    /// Adds a term. The product of its factors is rounded at most twice.
+    pub(super) fn add(&mut self, column: usize, product: f64) {
+        if product == 0.0 {
+            return;
+        }
+        if self.terms[column].count == 0.0 {
+            self.touched.push(column);
+        }
+        self.terms[column].add(product);
+    }
+
+    /// Adds to the limit.
+    pub(super) fn add_to_limit(&mut self, product: f64) {
+        self.limit.add(product);
+    }
+
+    /// The coefficient of a column, rounded.
+    pub(super) fn coefficient(&self, column: usize) -> f64 {
+        self.terms.get(column).map_or(0.0, |term| term.value)
+    }
+
+    /// The sides whose bounds make the sum a contradiction: the largest sum of the terms is below the
+    /// limit.
+    pub(super) fn contradiction(&self, bounds: &Bounds) -> Result<Vec<Side>, Shortfall> {
+        let (mut most, mut sides, mut unbounded) = (Rounded::default(), Vec::new(), Vec::new());
+        for &j in &self.touched {
+            let (term, error) = (self.terms[j], self.terms[j].error());
+            let [lower, upper] = bounds.of(j);
+            let (least, largest) = (term.value - error, term.value + error);
+            let mut worst = f64::NEG_INFINITY;
+            if largest > 0.0 {
+                sides.push((j, true));
+                worst = worst.max(largest * upper);
+            }
+            if least < 0.0 {
+                sides.push((j, false));
+                worst = worst.max(least * lower);
+            }
+            if worst == f64::INFINITY {
+                unbounded.push(j);
+            } else if worst > f64::NEG_INFINITY {
+                most.add(worst);
+            }
+        }
+        if !unbounded.is_empty() {
+            return Err(Shortfall::Unbounded(unbounded));
+        }
+        let room = self.limit.value - self.limit.error() - (most.value + most.error());
+        if room > 0.0 { Ok(sides) } else { Err(Shortfall::Room) }
+    }
+}

@@ -1,0 +1,201 @@
+//! The proof that an objective is convex: a factor `L` and what the diagonal lacks, `d`, such that
+//! `P + diag(d) - L L'` is diagonally dominant.
+
+use std::collections::BTreeMap;
+
+use crate::program::Program;
+use crate::semidefinite::blocks;
+use crate::sum::Sum;
+
+/// What the factor leaves of each diagonal entry, for rounding (no unit).
+const LEFT: f64 = 1e-12;
+
+/// The part of a diagonal entry below which a pivot may be rounding (no unit).
+const SLIGHT: f64 = 1e-11;
+
+/// The part of what is known of the steepness that is proved, so that rounding has room (no unit).
+const OF_STEEPNESS: f64 = 0.99;
+
+/// The largest block that is factorised without regard to its zeros.
+const DENSE: usize = 500;
+
+/// A factor by columns, and the deficits by column of the program.
+#[derive(Debug, Default)]
+pub(super) struct Convexity {
+    pub(super) factor: Vec<Vec<(usize, f64)>>,
+    pub(super) deficits: Vec<f64>,
+}
+
+/// A symmetric matrix by columns of its lower triangle.
+type Lower = Vec<BTreeMap<usize, f64>>;
+
+impl Convexity {
+    /// Of the objective of a program.
+    ///
+    /// Where a column with curvature lacks a bound, the deficits of its block are negative if they can be: the
+    /// objective is steep there.
+    pub(super) fn of(program: &Program) -> Self {
+        let n = program.column_count();
+        let is_open = |j: &usize| program.lower[*j].is_infinite() || program.upper[*j].is_infinite();
+        let mut products = Vec::new();
+        for j in 0..n {
+            let (rows, values) = program.quadratic_column(j);
+            let upper = rows.iter().zip(values).filter(|(i, _)| **i <= j);
+            products.extend(upper.map(|(&i, &p)| (i, j, p)));
+        }
+        let mut convexity = Convexity { factor: Vec::new(), deficits: vec![0.0; n] };
+        for (names, entries) in blocks(&products) {
+            let mut matrix: Lower = vec![BTreeMap::new(); names.len()];
+            for (i, j, p) in entries {
+                *matrix[i.min(j)].entry(i.max(j)).or_default() += p;
+            }
+            let spare: Vec<f64> = match names.iter().any(|j| is_open(j)) {
+                true => names.iter().map(|&j| OF_STEEPNESS * program.steepness()[j]).collect(),
+                false => vec![0.0; names.len()],
+            };
+            matrix.iter_mut().enumerate().for_each(|(k, column)| {
+                if spare[k] > 0.0 {
+                    *column.entry(k).or_default() -= spare[k];
+                }
+            });
+            convexity.add(&names, &matrix, &spare);
+        }
+        convexity
+    }
+
+    /// Adds a block, from whose diagonal something was taken.
+    fn add(&mut self, names: &[usize], matrix: &Lower, taken: &[f64]) {
+        let mut lack = lacking(matrix, &[]);
+        let mut factor = Vec::new();
+        if lack.iter().any(|&lack| lack > 0.0) {
+            factor = if names.len() <= DENSE { dense_factor(matrix) } else { sparse_factor(matrix) };
+            lack = lacking(matrix, &factor);
+        }
+        for (k, lack) in lack.into_iter().enumerate() {
+            // The matrix without what was taken was rounded.
+            let rounding = if taken[k] > 0.0 { 4.0 * f64::EPSILON * matrix_size(matrix, k, taken[k]) } else { 0.0 };
+            self.deficits[names[k]] = lack - taken[k] + rounding;
+        }
+        let name = |column: Vec<(usize, f64)>| -> Vec<(usize, f64)> {
+            column.into_iter().map(|(i, value)| (names[i], value)).collect()
+        };
+        self.factor.extend(factor.into_iter().map(name));
+    }
+}
+
+/// By row, what the diagonal of `A - L L'` lacks of the sum of the other magnitudes.
+fn lacking(matrix: &Lower, factor: &[Vec<(usize, f64)>]) -> Vec<f64> {
+    let n = matrix.len();
+    // By entry: the sum, and the magnitudes of its terms.
+    let mut rest: Vec<BTreeMap<usize, (Sum, f64)>> = vec![BTreeMap::new(); n];
+    for (j, column) in matrix.iter().enumerate() {
+        for (&i, &a) in column {
+            rest[j].insert(i, (Sum::new(a), 0.0));
+        }
+    }
+    for column in factor {
+        for (k, &(j, b)) in column.iter().enumerate() {
+            for &(i, a) in &column[k..] {
+                let (sum, size) = rest[j].entry(i).or_default();
+                sum.add_product(-a, b);
+                *size += (a * b).abs();
+            }
+        }
+    }
+    let mut lack = vec![Sum::default(); n];
+    for (j, column) in rest.into_iter().enumerate() {
+        for (i, (sum, size)) in column {
+            let value = sum.value();
+            let error = if size > 0.0 { 1e-25 * size + f64::EPSILON * value.abs() } else { 0.0 };
+            if i == j {
+                lack[j].add(error - value);
+            } else {
+                lack[i].add(value.abs() + error);
+                lack[j].add(value.abs() + error);
+            }
+        }
+    }
+    let most = |sum: Sum| match sum.value() {
+        lack if lack > 0.0 => lack * (1.0 + 8.0 * f64::EPSILON),
+        _ => 0.0,
+    };
+    lack.into_iter().map(most).collect()
+}
+
+/// The root of the pivot of a column; `None` if it is rounding. Then the column of the factor is 0, and what
+/// is left of the matrix counts as lacking.
+///
+/// # Arguments
+///
+/// * `entry`: the entry of the matrix; `below`: what is left of the column, with the diagonal of each row.
+fn pivot(value: f64, entry: f64, mut below: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    if value.is_nan() || value < f64::MIN_POSITIVE {
+        return None;
+    }
+    let is_slight = value < SLIGHT * entry.abs();
+    // No entry of a semidefinite matrix is larger.
+    let is_rounding = is_slight && below.any(|(a, diagonal)| a * a > value * diagonal.max(0.0));
+    (!is_rounding).then(|| value.sqrt())
+}
+
+/// `L` with `L L' = A` but for rounding, and for pivots that are not positive.
+fn dense_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
+    let n = matrix.len();
+    let mut work = vec![vec![0.0; n]; n];
+    for (j, column) in matrix.iter().enumerate() {
+        column.iter().for_each(|(&i, &a)| work[j][i] = a);
+        work[j][j] *= 1.0 - LEFT;
+    }
+    for k in 0..n {
+        let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
+        let below = (k + 1..n).map(|i| (work[k][i], work[i][i]));
+        let Some(root) = pivot(work[k][k], entry, below) else {
+            work[k].fill(0.0);
+            continue;
+        };
+        work[k][k] = root;
+        work[k][k + 1..].iter_mut().for_each(|a| *a /= root);
+        let column = work[k].clone();
+        for j in k + 1..n {
+            let b = column[j];
+            if b != 0.0 {
+                work[j][j..].iter_mut().zip(&column[j..]).for_each(|(a, c)| *a -= c * b);
+            }
+        }
+    }
+    let entries = |(j, column): (usize, Vec<f64>)| {
+        let below = column.into_iter().enumerate().skip(j);
+        below.filter(|(_, value)| *value != 0.0).collect()
+    };
+    work.into_iter().enumerate().map(entries).collect()
+}
+
+fn matrix_size(matrix: &Lower, k: usize, taken: f64) -> f64 {
+    matrix[k].get(&k).map_or(0.0, |entry| entry.abs()) + taken
+}
+
+/// The same, with its zeros left out.
+fn sparse_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
+    let n = matrix.len();
+    let mut work = matrix.clone();
+    let mut columns = Vec::with_capacity(n);
+    for k in 0..n {
+        let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
+        let value = work[k].remove(&k).unwrap_or(0.0) - LEFT * entry.abs();
+        let below = std::mem::take(&mut work[k]);
+        let diagonal = |i: &usize| work[*i].get(i).copied().unwrap_or(0.0);
+        let rows = below.iter().map(|(i, a)| (*a, diagonal(i)));
+        let Some(root) = pivot(value, entry, rows) else {
+            columns.push(Vec::new());
+            continue;
+        };
+        let below: Vec<(usize, f64)> = below.into_iter().map(|(i, a)| (i, a / root)).collect();
+        for (p, &(j, b)) in below.iter().enumerate() {
+            for &(i, a) in &below[p..] {
+                *work[j].entry(i).or_default() -= a * b;
+            }
+        }
+        columns.push(std::iter::once((k, root)).chain(below).collect());
+    }
+    columns
+}

@@ -1,0 +1,126 @@
+//! Bounds of columns without any, from the curvature of the objective: what is not worse than the claim lies
+//! around the least point.
+//!
+//! With `P + diag(d)` positive semidefinite and `d_j = -s_j` where the objective is steep,
+//! `f(x) >= f(p) + sum_j (g_j (x_j - p_j) + s_j / 2 (x_j - p_j)^2)`, and each term is at least
+//! `-g_j^2 / (2 s_j)`.
+
+use super::Claim;
+use super::relaxed::conjugate_gradients;
+use super::tree::ProofWriter;
+
+/// Steps of the method of conjugate gradients, for each column with curvature.
+const STEPS: usize = 3;
+
+/// How much larger than necessary the bounds are, for rounding (no unit).
+const SPARE: f64 = 1e-6;
+
+impl ProofWriter<'_, '_> {
+    /// Bounds the columns with curvature that have no bounds.
+    pub(super) fn bound_by_curvature(&mut self) {
+        let Claim::Bound(limit) = self.relaxer.claim else { return };
+        let (program, deficits) = (&self.relaxer.program, &self.relaxer.deficits);
+        let is_open = |j: usize| self.bounds.of(j).iter().any(|bound| bound.is_infinite());
+        let steep: Vec<usize> = (0..deficits.len()).filter(|&j| deficits[j] < 0.0).collect();
+        if !(0..deficits.len()).any(|j| is_open(j) && (deficits[j] < 0.0 || program.linear[j] != 0.0)) {
+            return;
+        }
+        let point = self.least_point(&steep);
+        let mut gradient = program.linear.clone();
+        for (j, &p) in point.iter().enumerate().filter(|(_, p)| **p != 0.0) {
+            let (rows, values) = program.quadratic_column(j);
+            rows.iter().zip(values).for_each(|(&i, a)| gradient[i] += a * p);
+        }
+        // By how much each column can lower the objective.
+        let (mut falls, mut sloped) = (Vec::new(), Vec::new());
+        let mut least = program.objective(&point);
+        let mut size = least.abs() + limit.abs();
+        for (j, &g) in gradient.iter().enumerate() {
+            let (surplus, [lower, upper]) = (-deficits[j], self.bounds.of(j));
+            let rounding = f64::EPSILON * 64.0 * (g.abs() + program.linear[j].abs());
+            let g = g.abs() + rounding;
+            if surplus > 0.0 {
+                let fall = (g * g / (2.0 * surplus)) * (1.0 + SPARE);
+                falls.push((j, fall));
+                least -= fall;
+                size += fall;
+                continue;
+            }
+            let reach = (lower - point[j]).abs().max((upper - point[j]).abs());
+            let side = if gradient[j] > 0.0 { point[j] - lower } else { upper - point[j] };
+            let mut fall = 0.0;
+            if gradient[j] != 0.0 {
+                fall += g * side.abs();
+                if surplus == 0.0 {
+                    sloped.push((j, fall));
+                }
+            }
+            if surplus < 0.0 {
+                fall += 0.5 * -surplus * reach * reach;
+            }
+            if fall.is_nan() || fall.is_infinite() {
+                return;
+            }
+            least -= fall;
+            size += fall;
+        }
+        let room = limit - least + SPARE * size.max(f64::MIN_POSITIVE);
+        if room < 0.0 || !room.is_finite() {
+            return;
+        }
+        let mut found = Vec::new();
+        for &(j, fall) in &falls {
+            let surplus = -deficits[j];
+            // g r + s r^2 / 2 >= room - fall, for either sign of g.
+            let g = gradient[j].abs();
+            let radius = (g + (g * g + 2.0 * surplus * (room + fall)).sqrt()) / surplus;
+            let radius = radius * (1.0 + SPARE);
+            let [lower, upper] = self.bounds.of(j);
+            let [below, above] = [point[j] - radius, point[j] + radius];
+            if lower.is_infinite() && below.is_finite() {
+                found.push((j, false, below));
+            }
+            if upper.is_infinite() && above.is_finite() {
+                found.push((j, true, above));
+            }
+        }
+        for &(j, fall) in &sloped {
+            let radius = (room + fall) / gradient[j].abs() * (1.0 + SPARE);
+            let [lower, upper] = self.bounds.of(j);
+            let (below, above) = (point[j] - radius, point[j] + radius);
+            if gradient[j] < 0.0 && lower.is_infinite() && below.is_finite() {
+                found.push((j, false, below));
+            }
+            if gradient[j] > 0.0 && upper.is_infinite() && above.is_finite() {
+                found.push((j, true, above));
+            }
+        }
+        let has_term = |j: usize| gradient[j] != 0.0 || deficits[j] > 0.0;
+        let needed: Vec<usize> = (0..point.len()).filter(|&j| has_term(j)).collect();
+        self.write_bounds(needed.into_iter().flat_map(|j| [(j, false), (j, true)]));
+        let points = point.iter().copied().enumerate().filter(|(_, p)| *p != 0.0);
+        self.log.curvature_bounds(points, falls.iter().copied(), &found);
+        for (j, is_upper, value) in found {
+            self.bounds.decide(&self.facts, j, is_upper, value);
+        }
+    }
+
+    /// About the least point of the objective over some columns, the others at 0 or their nearest bound.
+    fn least_point(&self, steep: &[usize]) -> Vec<f64> {
+        let program = &self.relaxer.program;
+        let start = |j: usize| {
+            let [lower, upper] = self.bounds.of(j);
+            0.0_f64.max(lower).min(upper)
+        };
+        let mut point: Vec<f64> = (0..program.column_count()).map(start).collect();
+        let mut gradient = program.linear.clone();
+        for (j, &v) in point.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+            let (rows, values) = program.quadratic_column(j);
+            rows.iter().zip(values).for_each(|(&i, a)| gradient[i] += a * v);
+        }
+        let right: Vec<f64> = steep.iter().map(|&j| -gradient[j]).collect();
+        let moved = conjugate_gradients(program, steep, &right, STEPS * steep.len());
+        steep.iter().zip(moved).for_each(|(&j, step)| point[j] += step);
+        point
+    }
+}

@@ -1,0 +1,331 @@
+//! Contradictions from relaxations: the multipliers of a node's relaxation, as a sum of facts of the
+//! original program.
+//!
+//! Nothing about a relaxation is trusted: its multipliers are put together again from facts, tangents and
+//! bounds that the log has, and only a sum that is a contradiction is written.
+
+use super::Claim;
+use super::bounds::{Bounds, Side};
+use super::combination::{Combination, Shortfall};
+use super::cones::ConeRow;
+use super::facts::Facts;
+use crate::presolve::{Domain, Reduced};
+use crate::program::Program;
+use crate::relaxation::{Ladder, Purpose, RelaxationQuestion, RelaxationVerdict};
+use crate::solver::{Options, StopToken};
+
+/// A sum of facts that contradicts the bounds of a context.
+#[derive(Debug, Default)]
+pub(super) struct Refutation {
+    /// Facts and multipliers.
+    pub(super) facts: Vec<(usize, f64)>,
+    /// The point of the tangent of the objective, which has the multiplier -1.
+    pub(super) tangent: Option<Vec<(usize, f64)>>,
+    /// Rows that hold in cones, with their multipliers.
+    pub(super) cones: Vec<(ConeRow, f64)>,
+    /// The bounds that it needs.
+    pub(super) sides: Vec<Side>,
+}
+
+/// What a relaxation says of a context.
+#[derive(Debug)]
+pub(super) enum Relaxed {
+    /// It has no point.
+    Refuted(Refutation),
+    /// It may have one: the relaxed point, if there is one, and the sum that falls short.
+    Open(Option<Vec<f64>>),
+    /// A limit came first.
+    Stopped,
+}
+
+/// Relaxes contexts.
+pub(super) struct Relaxer<'a> {
+    /// The program with the claim's objective, its rows those of the facts.
+    pub(super) program: Program,
+    pub(super) claim: Claim,
+    pub(super) options: &'a Options,
+    pub(super) token: &'a StopToken,
+    pub(super) ladder: Ladder,
+    pub(super) combination: Combination,
+    /// By column, what the proof of convexity lacks.
+    pub(super) deficits: Vec<f64>,
+    pub(super) relaxations: u64,
+}
+
+impl Relaxer<'_> {
+    /// The program of some bounds with all its rows and columns.
+    fn whole(&self, bounds: &Bounds) -> Reduced {
+        let mut whole = Reduced::whole(&self.program);
+        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
+            (whole.lower[j], whole.upper[j]) = (*lower, *upper);
+        }
+        whole
+    }
+
+    /// Relaxes the context of some bounds.
+    ///
+    /// # Arguments
+    ///
+    /// * `is_whole`: whether to keep all rows and columns.
+    pub(super) fn relax(&mut self, facts: &Facts, bounds: &Bounds, is_whole: bool) -> Relaxed {
+        let mut domain = Domain::new(&self.program);
+        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
+            domain.apply(j, false, *lower);
+            domain.apply(j, true, *upper);
+        }
+        let reduced = match is_whole {
+            true => Some(self.whole(bounds)),
+            false => self.ladder.reducer().reduce(&self.program, &domain),
+        };
+        let Some(mut reduced) = reduced else {
+            if std::env::var("DBG").is_ok() { eprintln!("DBG reduce none"); }
+            return Relaxed::Open(None);
+        };
+        self.relaxations += 1;
+        let cutoff = match self.claim {
+            Claim::Bound(bound) => bound,
+            Claim::Infeasible => f64::INFINITY,
+        };
+        let question = RelaxationQuestion {
+            purpose: Purpose::Root,
+            cutoff,
+            options: self.options,
+            constant: self.program.constant,
+            look_for_descent: false,
+            token: self.token,
+            warm: None,
+        };
+        let verdict = self.ladder.solve(&mut reduced, &question);
+        let cuts = self.ladder.take_cone_cuts();
+        let relaxed = match &verdict {
+            RelaxationVerdict::Stopped => return Relaxed::Stopped,
+            RelaxationVerdict::Descent => Relaxed::Open(None),
+            RelaxationVerdict::Refuted(y) => {
+                let mut found = self.gather(facts, &reduced, bounds, y);
+                found.cones = self.cone_rows(&reduced, &cuts, y);
+                let checked = self.check(facts, bounds, &mut found);
+                if std::env::var("DBG").is_ok() { eprintln!("DBG refuted {checked:?}"); }
+                match checked {
+                    Ok(()) => Relaxed::Refuted(found),
+                    Err(_) => Relaxed::Open(None),
+                }
+            }
+            RelaxationVerdict::Relaxed { bound, x, y, .. } => {
+                let point = reduced.lift(x);
+                let mut relaxed = None;
+                if *bound > cutoff {
+                    let mut found = self.gather(facts, &reduced, bounds, y);
+                    found.cones = self.cone_rows(&reduced, &cuts, y);
+                    found.tangent = Some(self.tangent_point(&point));
+                    let mut checked = self.check(facts, bounds, &mut found);
+                    if checked.is_err() && self.move_tangent(bounds, &mut found) {
+                        checked = self.check(facts, bounds, &mut found);
+                    }
+                    if std::env::var("DBG").is_ok() {
+                        eprintln!("DBG inf {:?} {}", point.iter().enumerate().filter(|v| !v.1.is_finite()).map(|(j,_)|(j,bounds.of(j),reduced.keeps(j))).take(5).collect::<Vec<_>>(), reduced.columns.len());
+                        eprintln!("DBG relaxed {bound} cutoff {cutoff} {checked:?}");
+                    }
+                    if checked.is_ok() {
+                        relaxed = Some(Relaxed::Refuted(found));
+                    }
+                }
+                relaxed.unwrap_or(Relaxed::Open(Some(point)))
+            }
+        };
+        self.ladder.reuse(verdict);
+        self.ladder.reducer().reuse(reduced);
+        relaxed
+    }
+
+    /// The entries of a point that the objective is not linear in.
+    fn tangent_point(&self, point: &[f64]) -> Vec<(usize, f64)> {
+        let curved = |j: &usize| !self.program.quadratic_column(*j).0.is_empty();
+        let columns = (0..point.len()).filter(curved);
+        columns.map(|j| (j, point[j])).filter(|(_, value)| *value != 0.0).collect()
+    }
+
+    /// The facts behind the rows of a reduced program, and their multipliers in the log.
+    fn gather(&self, facts: &Facts, reduced: &Reduced, bounds: &Bounds, y: &[f64]) -> Refutation {
+        let mut found = Refutation::default();
+        for (k, &multiplier) in y.iter().enumerate() {
+            let Some(&row) = reduced.origin.get(k).filter(|row| **row < facts.len()) else {
+                continue;
+            };
+            if multiplier == 0.0 {
+                continue;
+            }
+            let merged = reduced.merged.iter().filter(|(kept, ..)| *kept == k);
+            let candidates = std::iter::once((row, 1.0)).chain(merged.map(|&(_, row, r)| (row, r)));
+            // Of parallel rows, the one whose limit is the nearest in the direction of the multiplier.
+            let limit = |&(row, ratio): &(usize, f64)| {
+                let fixed = |j: usize| {
+                    let [lower, upper] = bounds.of(j);
+                    (!reduced.keeps(j)).then_some(0.5 * (lower + upper))
+                };
+                let terms = facts.terms(row).filter_map(|(j, a)| Some(a * fixed(j)?));
+                let constant: f64 = terms.sum();
+                let [lower, upper] = facts.limits(row);
+                let is_upper = (multiplier > 0.0) == (ratio > 0.0);
+                let limit = if is_upper { upper } else { lower };
+                let limit = (limit - constant) / ratio;
+                if multiplier > 0.0 { limit } else { -limit }
+            };
+            let best = match reduced.merged.is_empty() {
+                true => (row, 1.0),
+                false => candidates
+                    .min_by(|a, b| limit(a).total_cmp(&limit(b)))
+                    .unwrap_or((row, 1.0)),
+            };
+            let (row, multiplier) = (best.0, -multiplier / best.1);
+            let [lower, upper] = facts.limits(row);
+            let side = if multiplier > 0.0 { lower } else { upper };
+            if side.is_finite() {
+                found.facts.push((row, multiplier));
+            }
+        }
+        found
+    }
+
+    /// Moves the tangent's point so that the gradient there is the sum of the other facts, as well as it can
+    /// be: then the sum leaves little over that the bounds would multiply.
+    fn move_tangent(&self, bounds: &Bounds, found: &mut Refutation) -> bool {
+        let Some(tangent) = &mut found.tangent else { return false };
+        let program = &self.program;
+        let n = program.column_count();
+        let is_curved = |j: usize| {
+            let [lower, upper] = bounds.of(j);
+            !program.quadratic_column(j).0.is_empty() && lower < upper
+        };
+        let curved: Vec<usize> = (0..n).filter(|&j| is_curved(j)).collect();
+        if curved.is_empty() {
+            return false;
+        }
+        let mut point = vec![0.0; n];
+        tangent.iter().for_each(|&(j, p)| point[j] = p);
+        let left: Vec<f64> = curved.iter().map(|&j| self.combination.coefficient(j)).collect();
+        let moved = conjugate_gradients(program, &curved, &left, MOST_MOVES);
+        curved.iter().zip(&moved).for_each(|(&j, step)| point[j] += step);
+        *tangent = self.tangent_point(&point);
+        true
+    }
+
+    /// Whether a sum of facts is a contradiction; then it gets the sides that it needs.
+    pub(super) fn check(
+        &mut self,
+        facts: &Facts,
+        bounds: &Bounds,
+        found: &mut Refutation,
+    ) -> Result<(), Shortfall> {
+        let sum = &mut self.combination;
+        sum.clear(self.program.column_count());
+        for &(fact, y) in &found.facts {
+            let [lower, upper] = facts.limits(fact);
+            sum.add_to_limit(y * if y > 0.0 { lower } else { upper });
+            facts.terms(fact).for_each(|(j, a)| sum.add(j, a * y));
+        }
+        for (row, y) in &found.cones {
+            row.terms(&self.program).for_each(|(j, a)| sum.add(j, a * y));
+        }
+        if let (Some(point), Claim::Bound(bound)) = (&found.tangent, self.claim) {
+            let program = &self.program;
+            // -(gradient) x >= -(bound - f(p) + gradient p + slack)
+            sum.add_to_limit(-bound);
+            sum.add_to_limit(program.offset);
+            for (j, &cost) in program.linear.iter().enumerate() {
+                sum.add(j, -cost);
+            }
+            for &(j, p) in point {
+                let (rows, values) = program.quadratic_column(j);
+                for (&i, &a) in rows.iter().zip(values) {
+                    sum.add(i, -a * p);
+                }
+            }
+            // f(p) - gradient p = offset - p'Pp / 2; the point is sparse, and sorted.
+            for &(j, p) in point {
+                let (rows, values) = program.quadratic_column(j);
+                for (&i, &a) in rows.iter().zip(values) {
+                    if let Ok(k) = point.binary_search_by_key(&i, |(column, _)| *column) {
+                        sum.add_to_limit(-0.5 * a * p * point[k].1);
+                    }
+                }
+            }
+            for (j, &deficit) in self.deficits.iter().enumerate().filter(|(_, d)| **d > 0.0) {
+                let [lower, upper] = bounds.of(j);
+                let k = point.binary_search_by_key(&j, |(column, _)| *column);
+                let p = k.map_or(0.0, |k| point[k].1);
+                let reach = (lower - p).abs().max((upper - p).abs());
+                if reach.is_infinite() {
+                    return Err(Shortfall::Unbounded(vec![j]));
+                }
+                sum.add_to_limit(-0.5 * deficit * reach * reach);
+            }
+        }
+        found.sides = sum.contradiction(bounds)?;
+        if found.tangent.is_some() {
+            let lacking = self.deficits.iter().enumerate().filter(|(_, d)| **d > 0.0);
+            found.sides.extend(lacking.flat_map(|(j, _)| [(j, false), (j, true)]));
+        }
+        Ok(())
+    }
+}
+
+/// Steps of a move of a tangent's point.
+const MOST_MOVES: usize = 60;
+
+/// About the solution of `P x = right` over some columns, by conjugate gradients: the best of the steps.
+pub(super) fn conjugate_gradients(
+    program: &Program,
+    columns: &[usize],
+    right: &[f64],
+    steps: usize,
+) -> Vec<f64> {
+    let mut place = vec![usize::MAX; program.column_count()];
+    columns.iter().enumerate().for_each(|(k, &j)| place[j] = k);
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let diagonal = |j: &usize| {
+        let (rows, values) = program.quadratic_column(*j);
+        let own = rows.iter().zip(values).find(|(i, _)| *i == j);
+        own.map_or(1.0, |(_, a)| *a).max(f64::MIN_POSITIVE)
+    };
+    let scale: Vec<f64> = columns.iter().map(diagonal).collect();
+    let (mut x, mut rest) = (vec![0.0; columns.len()], right.to_vec());
+    let scaled = |rest: &[f64]| -> Vec<f64> { rest.iter().zip(&scale).map(|(r, d)| r / d).collect() };
+    let mut direction = scaled(&rest);
+    let mut square = dot(&rest, &direction);
+    let enough = 1e-30 * square;
+    let mut best = (dot(&rest, &rest), x.clone());
+    for _ in 0..steps {
+        if square.is_nan() || square <= enough {
+            break;
+        }
+        let mut product = vec![0.0; columns.len()];
+        for (k, &j) in columns.iter().enumerate() {
+            let (rows, values) = program.quadratic_column(j);
+            for (&i, a) in rows.iter().zip(values) {
+                if let Some(entry) = product.get_mut(place[i]) {
+                    *entry += a * direction[k];
+                }
+            }
+        }
+        let along = dot(&direction, &product);
+        if along.is_nan() || along <= 0.0 {
+            break;
+        }
+        let step = square / along;
+        for k in 0..columns.len() {
+            x[k] += step * direction[k];
+            rest[k] -= step * product[k];
+        }
+        let length = dot(&rest, &rest);
+        if length < best.0 {
+            best = (length, x.clone());
+        }
+        let next_scaled = scaled(&rest);
+        let next = dot(&rest, &next_scaled);
+        for k in 0..columns.len() {
+            direction[k] = next_scaled[k] + next / square * direction[k];
+        }
+        square = next;
+    }
+    best.1
+}

@@ -1,0 +1,262 @@
+//! The tree of a proof: the splits of the search again, each end closed by facts.
+
+use std::collections::BTreeMap;
+
+use super::Guide;
+use super::bounds::{Bounds, Conflict, Side};
+use super::facts::Facts;
+use super::log::Log;
+use super::relaxed::{Refutation, Relaxed, Relaxer};
+use crate::search::{Decision, Fork};
+
+/// The distance from a whole number from which a column can be split there (no unit).
+const FRACTIONAL: f64 = 1e-7;
+
+/// Where a part of the tree goes on.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Part {
+    /// At a node of the search.
+    Node(u32),
+    /// At a place of its splits.
+    Splits(u32, usize),
+    /// At the end of the search's tree, so many own splits below it.
+    Own(u32),
+}
+
+/// A part that is still to be proved.
+#[derive(Debug)]
+struct Open {
+    mark: usize,
+    decision: Decision,
+    part: Part,
+}
+
+/// Why a proof has come to no end.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Failure {
+    /// A limit came first.
+    Limit,
+    /// No splits are left at a context that no sum of facts closes: the point there.
+    Whole(Option<Vec<f64>>),
+}
+
+/// The state of a proof.
+pub(super) struct ProofWriter<'a, 'b> {
+    pub(super) log: &'a mut Log<'b>,
+    pub(super) facts: Facts,
+    pub(super) bounds: Bounds,
+    pub(super) relaxer: Relaxer<'a>,
+    /// Own splits that may still be made.
+    pub(super) splits_left: u64,
+}
+
+impl ProofWriter<'_, '_> {
+    /// Closes the present context along the tree of a search.
+    pub(super) fn close(&mut self, guide: &Guide, part: Part) -> Result<(), Failure> {
+        let ground = self.bounds.mark();
+        let (mut open, mut next) = (Vec::new(), Some(part));
+        let mut conflict = self.bounds.propagate(&self.facts).err();
+        loop {
+            if let Some(what) = conflict.take() {
+                self.write_conflict(what);
+            } else if let Some(part) = next.take() {
+                if let Some((decision, near, far)) = self.step(guide, part)? {
+                    let mark = self.bounds.mark();
+                    open.push(Open { mark, decision: opposite(decision), part: far });
+                    let at = if decision.is_upper { decision.value } else { decision.value - 1.0 };
+                    self.log.split(decision.column, at);
+                    // The context with the upper bound comes first.
+                    if !decision.is_upper {
+                        if let Some(last) = open.last_mut() {
+                            (last.decision, last.part) = (decision, near);
+                        }
+                        conflict = self.enter(opposite(decision));
+                        next = Some(far);
+                    } else {
+                        conflict = self.enter(decision);
+                        next = Some(near);
+                    }
+                    continue;
+                }
+            }
+            let Some(Open { mark, decision, part }) = open.pop() else { break };
+            self.bounds.undo_to(mark);
+            conflict = self.enter(decision);
+            next = Some(part);
+        }
+        self.bounds.undo_to(ground);
+        Ok(())
+    }
+
+    fn enter(&mut self, decision: Decision) -> Option<Conflict> {
+        let Decision { column, is_upper, value } = decision;
+        let [lower, upper] = self.bounds.of(column);
+        if (is_upper && value < upper) || (!is_upper && value > lower) {
+            self.bounds.decide(&self.facts, column, is_upper, value);
+        }
+        self.bounds.propagate(&self.facts).err()
+    }
+
+    /// Goes on with a part: closes it, or returns a split with the parts inside and outside of its
+    /// decision.
+    fn step(
+        &mut self,
+        guide: &Guide,
+        mut part: Part,
+    ) -> Result<Option<(Decision, Part, Part)>, Failure> {
+        loop {
+            part = match part {
+                Part::Own(depth) => return self.close_or_split(depth),
+                Part::Node(node) if guide.fork(node).is_some() => Part::Splits(node, 0),
+                Part::Node(_) => Part::Own(0),
+                Part::Splits(node, place) => {
+                    let Some(fork) = guide.fork(node) else { return self.close_or_split(0) };
+                    let Some((decision, inside)) = guide.split(fork, place) else {
+                        part = fork.rest().map_or(Part::Own(0), Part::Node);
+                        continue;
+                    };
+                    let outside = Part::Splits(node, place + 1);
+                    match decision.and_then(|decision| self.usable(decision)) {
+                        None => Part::Own(0),
+                        Some(Relation::Holds) => inside,
+                        Some(Relation::Fails) => outside,
+                        Some(Relation::Open(decision)) => {
+                            return Ok(Some((decision, inside, outside)));
+                        }
+                    }
+                }
+            };
+        }
+    }
+
+    /// The relation of a decision to the bounds; `None` if its column cannot be split there.
+    fn usable(&self, decision: Decision) -> Option<Relation> {
+        let Decision { column, is_upper, value } = decision;
+        let program = &self.relaxer.program;
+        if column >= program.column_count() || !program.integral[column] || value != value.round() {
+            return None;
+        }
+        let [lower, upper] = self.bounds.of(column);
+        let (holds, fails) = match is_upper {
+            true => (upper <= value, lower > value),
+            false => (lower >= value, upper < value),
+        };
+        Some(match (holds, fails) {
+            (true, _) => Relation::Holds,
+            (_, true) => Relation::Fails,
+            _ => Relation::Open(decision),
+        })
+    }
+
+    /// Closes the context by its relaxation, or chooses an own split.
+    fn close_or_split(&mut self, depth: u32) -> Result<Option<(Decision, Part, Part)>, Failure> {
+        let mut point = None;
+        for is_fine in [false, true] {
+            match self.relaxer.relax(&self.facts, &self.bounds, is_fine) {
+                Relaxed::Refuted(refutation) => {
+                    self.write(refutation);
+                    return Ok(None);
+                }
+                Relaxed::Stopped => return Err(Failure::Limit),
+                Relaxed::Open(found) => point = found,
+            }
+            let is_doubtful = point.is_none() || self.own_split(point.as_deref()).is_none();
+            if is_fine || !is_doubtful {
+                break;
+            }
+            if let Err(what) = self.bounds.propagate_finely(&self.facts) {
+                self.write_conflict(what);
+                return Ok(None);
+            }
+        }
+        let Some(decision) = self.own_split(point.as_deref()) else {
+            return Err(Failure::Whole(point));
+        };
+        self.splits_left = self.splits_left.checked_sub(1).ok_or(Failure::Limit)?;
+        Ok(Some((decision, Part::Own(depth + 1), Part::Own(depth + 1))))
+    }
+
+    /// The integral column to split: the most fractional one, or any that is not fixed.
+    fn own_split(&self, point: Option<&[f64]>) -> Option<Decision> {
+        let program = &self.relaxer.program;
+        let is_free = |j: &&usize| {
+            let [lower, upper] = self.bounds.of(**j);
+            lower < upper
+        };
+        let free = program.integers.iter().filter(is_free);
+        if let Some(point) = point {
+            let distance = |j: &usize| (point[*j] - point[*j].round()).abs();
+            let best = free.clone().max_by(|a, b| distance(a).total_cmp(&distance(b)));
+            if let Some(&column) = best.filter(|j| distance(j) > FRACTIONAL) {
+                let value = point[column].floor();
+                return Some(Decision { column, is_upper: true, value });
+            }
+        }
+        let column = *free.min_by(|&&a, &&b| self.width(a).total_cmp(&self.width(b)))?;
+        let [lower, upper] = self.bounds.of(column);
+        let value = match (lower.is_finite(), upper.is_finite()) {
+            (true, true) => (0.5 * (lower + upper)).floor(),
+            (true, false) => lower,
+            (false, true) => upper - 1.0,
+            _ => 0.0,
+        };
+        Some(Decision { column, is_upper: true, value })
+    }
+
+    fn width(&self, column: usize) -> f64 {
+        let [lower, upper] = self.bounds.of(column);
+        upper - lower
+    }
+
+    /// Writes the bounds that some sides rest on.
+    pub(super) fn write_bounds(&mut self, sides: impl Iterator<Item = Side>) {
+        for (change, fact) in self.bounds.reasons(&self.facts, sides) {
+            self.log.bound(&change, fact);
+        }
+    }
+
+    pub(super) fn write_conflict(&mut self, what: Conflict) {
+        match what {
+            Conflict::Column(j) => self.write_bounds([(j, false), (j, true)].into_iter()),
+            Conflict::Fact(fact, is_upper) => {
+                let sides: Vec<Side> =
+                    Bounds::sides_of(&self.facts, fact, is_upper, None).collect();
+                self.write_bounds(sides.into_iter());
+            }
+        }
+        self.log.conflict(what);
+    }
+
+    /// Writes a sum of facts that closes the context.
+    pub(super) fn write(&mut self, refutation: Refutation) {
+        let Refutation { facts, tangent, cones, sides } = refutation;
+        self.write_bounds(sides.into_iter());
+        let mut sum = facts;
+        let mut next = self.facts.len();
+        if let Some(point) = tangent {
+            self.log.tangent(point.into_iter());
+            sum.push((next, -1.0));
+            next += 1;
+        }
+        for (row, y) in cones {
+            self.log.cone_row(row.cone, &row.head, &row.tail);
+            sum.push((next, y));
+            next += 1;
+        }
+        self.log.contradiction(sum.into_iter());
+    }
+}
+
+enum Relation {
+    Holds,
+    Fails,
+    Open(Decision),
+}
+
+fn opposite(decision: Decision) -> Decision {
+    let value = decision.value + if decision.is_upper { 1.0 } else { -1.0 };
+    Decision { is_upper: !decision.is_upper, value, ..decision }
+}
+
+/// The splits of a search by node.
+pub(super) type Forks = BTreeMap<u32, Fork>;
