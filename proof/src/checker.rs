@@ -261,7 +261,10 @@ impl Checker {
                 }
             } else {
                 let name = self.name(column);
-                return rejected(format!("the curvature does not bound column {name} by {}", Plain(value)));
+                return rejected(format!(
+                    "the curvature does not bound column {name} by {}",
+                    Plain(value)
+                ));
             }
         }
         Ok(())

@@ -146,11 +146,7 @@ impl Quadratic {
     }
 
     /// The gradient at a point, as a row without limits.
-    pub(crate) fn gradient(
-        &self,
-        point: &[(u32, f64)],
-        sums: &mut Sums,
-    ) -> Result<Row, Refusal> {
+    pub(crate) fn gradient(&self, point: &[(u32, f64)], sums: &mut Sums) -> Result<Row, Refusal> {
         let mut terms: Vec<Term<'_>> = as_terms(&self.linear).collect();
         terms.extend(self.squares.iter().map(|square| (square.own, 1.0, ONE)));
         for &(column, value) in point.iter().filter(|entry| entry.1 != 0.0) {

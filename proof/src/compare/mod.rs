@@ -31,6 +31,9 @@ pub enum Format {
     Cbf,
 }
 
+/// How many statements that were not compared a text names.
+const MOST_NAMED: usize = 5;
+
 /// What a comparison finds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Comparison {
@@ -63,10 +66,13 @@ impl fmt::Display for Comparison {
                 let ending = |many: usize| if many == 1 { "" } else { "s" };
                 let (a, b) = (ending(*columns), ending(*rows));
                 write!(f, "the same program: {columns} column{a}, {rows} row{b}")?;
-                for (k, statement) in left_out.iter().enumerate() {
+                for (k, statement) in left_out.iter().take(MOST_NAMED).enumerate() {
                     write!(f, "{}{statement}", if k == 0 { "; not compared: " } else { ", " })?;
                 }
-                Ok(())
+                match left_out.len().saturating_sub(MOST_NAMED) {
+                    0 => Ok(()),
+                    more => write!(f, " and {more} more"),
+                }
             }
             Comparison::Different(what) => write!(f, "another program: {what}"),
         }
@@ -123,10 +129,10 @@ fn difference(mut model: Model, log: Model) -> Option<String> {
     let unequal = model.unequal_columns.clone();
     let model = Canonical::new(model, &order);
     let log = Canonical::new(log, &(0..).take(there).collect::<Vec<u32>>());
-    for (&place, &skipped) in order.iter().zip(&unequal) {
-        let (a, b) = (model.column(place)?, log.column(place)?);
-        if !skipped && a.limits() != b.limits() {
-            return Some(format!("column {}: {a} in the model, {b} in the log", a.name));
+    let compared = order.iter().zip(&unequal).filter(|(_, skipped)| !**skipped);
+    for (&place, _) in compared {
+        if let Some(what) = model.other_column(&log, place, has_further) {
+            return Some(what);
         }
     }
     model

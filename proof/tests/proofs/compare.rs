@@ -138,6 +138,13 @@ fn mps_files() {
         "another program: the model has 4 columns, the log 5"
     });
     assert!(said(&left, Format::Mps, &further).starts_with("the same program: "));
+    // What sets become may be a row of a single column, but not another bound.
+    let single = HEADER.replace("rows 3", "rows 4\nr -inf 3 1 0 1 r");
+    assert!(said(&left, Format::Mps, &single).starts_with("the same program: "));
+    let other = "column x: continuous from 0 to 4 in the model, continuous from 0 to 3 in the log";
+    assert_eq!(said(MPS, Format::Mps, &single), format!("another program: {other}"));
+    let tighter = HEADER.replace("c c 0 4 x", "c c 0 3 x");
+    assert_eq!(said(&left, Format::Mps, &tighter), format!("another program: {other}"));
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn deficits_cost_slack() {
             ("p 2 0 1 1 1", "p 2 0 1 1 0.5", {
                 "rejected: row 1 is not diagonally dominant, by 0.5"
             }),
-            ("p 2 0 1 1 1", "p 2 0 -1 1 1", { "rejected: the deficit -1 of column 0 is negative" }),
+            ("p 2 0 1 1 1", "p 2 0 -1 1 1", { "rejected: row 0 is not diagonally dominant, by 2" }),
             ("t 0", "t 1 0 1", {
                 "rejected: the combination is no contradiction: it holds with 6 to spare"
             }),
@@ -172,4 +172,55 @@ fn a_tangent_of_a_cone() {
     assert_eq!(verdict(&twice.log("q 0 2 0.5 0.8\n b 0 L 3.5 0\n x 0")), {
         "rejected: the combination is no contradiction: it holds with 0 to spare"
     });
+}
+
+#[test]
+fn curvature_bounds_columns() {
+    // x² - 2x + y is (x - 1)² + y - 1, and y is at least 1. So an objective of at most 4 needs x within
+    // [-1, 3] and y at most 5.
+    let steep = Header {
+        columns: &["c -9 9 x", "c 1 9 y", "c 0 1 z"],
+        rows: &["-inf -3.5 1 0 -1 x"],
+        linear: "2 0 -2 1 1",
+        squares: "1 0 0 2",
+        claim: "bound 4",
+        ..BOWL
+    };
+    let log = steep.log("p 1 0 -2\n l 0\n w 2 0 1 1 2 0 3 0 U 3 0 L -1 1 U 5\n b 0 L 3.5 0\n d 0");
+    let elsewhere = log.replace("2 0 1 1 2 0 3", "2 0 0 1 2 1 0 1 3");
+    assert_eq!(verdict(&elsewhere), "proved: objective >= 4 (5 steps)");
+    let no_bound = |what: &str| format!("rejected: the curvature does not bound column {what}");
+    broken(
+        &log,
+        &[
+            ("0 U 3 ", "0 U 2.5 ", &no_bound("0 (x) by 2.5")),
+            ("0 L -1 ", "0 L -0.5 ", &no_bound("0 (x) by -0.5")),
+            ("1 U 5\n", "1 U 4.5\n", &no_bound("1 (y) by 4.5")),
+            ("1 U 5\n", "1 L 2\n", &no_bound("1 (y) by 2")),
+            ("1 U 5\n", "2 U 0.5\n", &no_bound("2 (z) by 0.5")),
+            ("0 L -1 ", "0 L 2 ", &no_bound("0 (x) by 2")),
+            ("p 1 0 -2", "p 1 0 -2.5", "rejected: row 0 is not diagonally dominant, by 0.5"),
+            ("p 1 0 -2", "p 1 0 -1", &no_bound("0 (x) by 3")),
+            ("p 1 0 -2", "p 0", &no_bound("0 (x) by 3")),
+            ("p 1 0 -2", "p 1 0 1", &no_bound("0 (x) by 3")),
+            (
+                "2 0 1 1 2 0 3",
+                "2 0 0 1 2 0 3",
+                "rejected: column 0 may lower the objective by more",
+            ),
+            ("2 0 1 1 2 0 3", "2 0 0 1 2 1 0 0.75 3", {
+                "rejected: column 0 may lower the objective by more"
+            }),
+            ("2 0 1 1 2 0 3", "2 0 1 1 2 1 0 1 3", &no_bound("1 (y) by 5")),
+            ("2 0 1 1 2 0 3", "2 0 1 1 2 1 0 -1 3", {
+                "rejected: column 0 may lower the objective by more"
+            }),
+            ("c 1 9 y", "c -inf 9 y", "rejected: column 1 has no curvature and no bound"),
+            ("bound 4", "bound 4.5", &no_bound("0 (x) by 3")),
+            ("claim bound 4", "claim infeasible", {
+                "rejected: without a bound to prove, nothing is known of the objective"
+            }),
+            ("p 1 0 -2\nl 0\nw", "w", "rejected: `w` needs `p` before it"),
+        ],
+    );
 }

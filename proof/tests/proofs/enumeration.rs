@@ -152,13 +152,63 @@ impl<'a> Writer<'a> {
                 self.line(format!("y {j} {square}"));
             }
         } else {
-            self.line("p 0".into());
-            self.line("l 0".into());
+            self.convexity();
         }
         let mut bounds = self.small.bounds.clone();
         self.tree(&mut bounds);
         let steps = self.lines.len();
         self.line(format!("end {steps}"));
+    }
+
+    /// Proves convexity, and bounds from it around a point.
+    fn convexity(&mut self) {
+        let Small { squares, linear, bounds, claim, .. } = self.small;
+        let steep: Vec<usize> = (0..squares.len()).filter(|&j| squares[j] != 0).collect();
+        let Some(limit) = claim.filter(|_| self.choice(2) == 0) else {
+            self.line("p 0".into());
+            return self.line("l 0".into());
+        };
+        let deficits: Vec<String> =
+            steep.iter().map(|&j| format!(" {j} {}", -2 * squares[j])).collect();
+        self.line(format!("p {}{}", deficits.len(), deficits.concat()));
+        self.line("l 0".into());
+        let point: Vec<i64> = bounds
+            .iter()
+            .map(|(lower, upper)| lower + i64::from(self.choice((upper - lower + 1) as u8)))
+            .collect();
+        let slopes: Vec<f64> =
+            (0..point.len()).map(|j| (linear[j] + 2 * squares[j] * point[j]) as f64).collect();
+        // The least of each term of the objective around the point.
+        let least = |j: usize| match squares[j] {
+            0 if slopes[j] < 0.0 => slopes[j] * (bounds[j].1 - point[j]) as f64,
+            0 => slopes[j] * (bounds[j].0 - point[j]) as f64,
+            square => -slopes[j] * slopes[j] / (4 * square) as f64 - 0.125,
+        };
+        let all: f64 =
+            (0..point.len()).map(least).sum::<f64>() + self.small.objective(&point) as f64;
+        let mut found = Vec::new();
+        for j in 0..point.len() {
+            for (side, step) in [("U", 1), ("L", -1)] {
+                let mut value = point[j];
+                while (bounds[j].0..=bounds[j].1).contains(&value) {
+                    let x = (value - point[j]) as f64;
+                    let curvature = squares[j] as f64;
+                    let growth = slopes[j] + 2.0 * curvature * x;
+                    let grows = growth * step as f64 >= 0.0;
+                    let term = slopes[j] * x + curvature * x * x;
+                    if grows && all - least(j) + term >= limit {
+                        found.push(format!(" {j} {side} {value}"));
+                        break;
+                    }
+                    value += step;
+                }
+            }
+        }
+        let values: Vec<String> =
+            point.iter().enumerate().map(|(j, x)| format!(" {j} {x}")).collect();
+        let falls: Vec<String> = steep.iter().map(|&j| format!(" {j} {}", -least(j))).collect();
+        let lists = [values, falls, found].map(|list| format!("{}{}", list.len(), list.concat()));
+        self.line(format!("w {}", lists.join(" ")));
     }
 
     /// Refutes all points within bounds.
