@@ -224,3 +224,39 @@ fn curvature_bounds_columns() {
         ],
     );
 }
+
+#[test]
+fn curvature_says_nothing_of_a_slope_that_falls() {
+    let said = |header: &Header, steps: &str| verdict(&header.log(steps));
+    let no_bound =
+        |value: &str| format!("rejected: the curvature does not bound column 0 (x) by {value}");
+    let open = "rejected: the claim is not proved: context 0 is not closed";
+    // x² - 2x is 3 at -1, but falls from there to the right.
+    let steep = Header {
+        columns: &["c -9 9 x"],
+        linear: "1 0 -2",
+        squares: "1 0 0 2",
+        claim: "bound 3",
+        ..BOWL
+    };
+    let steps = "p 1 0 -2\n l 0\n w 1 0 -1 1 0 4 1 0 L -1";
+    assert_eq!(said(&steep, steps), open);
+    assert_eq!(said(&steep, &steps.replace("0 L -1", "0 U -1")), no_bound("-1"));
+    assert_eq!(said(&steep, &steps.replace("0 L -1", "0 L -0.5")), no_bound("-0.5"));
+    // -x² - 2x is 1 at -1 and falls as well, where the column has a deficit.
+    let arch = Header { columns: &["c -1 1 x"], squares: "1 0 0 -2", claim: "bound 0", ..steep };
+    assert_eq!(said(&arch, "p 1 0 2\n l 0\n w 0 0 1 0 U -1"), no_bound("-1"));
+    // x² - y² is at least x² - 1 for y within [-1, 1].
+    let saddle = Header {
+        columns: &["c -9 9 x", "c -1 1 y"],
+        linear: "",
+        squares: "2 0 0 2 1 1 -2",
+        claim: "bound 0",
+        ..BOWL
+    };
+    let steps = "p 2 0 -2 1 2\n l 0\n w 0 0 2 0 U 1 0 L -1";
+    assert_eq!(said(&saddle, steps), open);
+    assert_eq!(said(&saddle, &steps.replace("0 U 1", "0 U 0.5")), no_bound("0.5"));
+    let free = Header { columns: &["c -9 9 x", "c -1 inf y"], ..saddle };
+    assert_eq!(said(&free, steps), "rejected: column 1 has a deficit and is not bounded");
+}
