@@ -1,6 +1,7 @@
 //! The stack of contexts, and the commands of a proof.
 //!
-//! Context 0 assumes a point of the program, with `objective <= b` if that is the bound of the claim.
+//! Context 0 assumes a point of the program, with an objective less than b if that is the bound of the
+//! claim; most rules only use that it is at most b.
 //! A context holds bounds of columns, and facts: rows that the point satisfies. Every command derives
 //! one more of them, opens a context with one more assumption, or closes the one it stands in by a
 //! contradiction. Once context 0 is closed, there is no such point.
