@@ -53,7 +53,7 @@ impl Solve<'_> {
             program,
             names,
             claim,
-            &guide,
+            guide,
             point,
             (self.options, &token),
             self.ladders,

@@ -22,9 +22,11 @@ mod curvature_bounds;
 mod facts;
 mod log;
 mod relaxed;
+mod search;
 mod tree;
 
 use std::io::{self, Write};
+use std::rc::Rc;
 
 use crate::interval::add_up;
 use crate::program::Program;
@@ -54,28 +56,37 @@ pub(crate) struct Guide {
     forks: Forks,
     /// The column of the lowered program behind each column of the search.
     columns: Option<Vec<usize>>,
+    /// Whether the search was one of the lowered program as it is.
+    is_plain: bool,
 }
 
 impl Guide {
     /// The splits of a search.
     pub(crate) fn new(forks: Vec<Fork>, columns: Option<Vec<usize>>) -> Self {
-        Guide { forks: forks.into_iter().map(|fork| (fork.id(), fork)).collect(), columns }
+        Guide { forks: forks.into_iter().map(|fork| (fork.id(), fork)).collect(), columns, is_plain: false }
     }
 
     fn fork(&self, node: u32) -> Option<&Fork> {
         self.forks.get(&node)
     }
 
-    /// The decision at a place of a node's splits, and what is inside of it; `None` behind the last one. The
+    /// Where a child goes on; without a name it is an end.
+    fn part(self: Rc<Self>, child: Option<u32>) -> Part {
+        match child {
+            Some(node) => Part::Node(self, node),
+            None => Part::End(self),
+        }
+    }
+
+    /// The decision at a place of a node's splits, and the node inside of it; `None` behind the last one. The
     /// decision is `None` if it is about no column of the lowered program.
-    fn split(&self, fork: &Fork, place: usize) -> Option<(Option<Decision>, Part)> {
+    fn split(&self, fork: &Fork, place: usize) -> Option<(Option<Decision>, Option<u32>)> {
         let (decision, child) = fork.decision(place)?;
         let column = match &self.columns {
             Some(columns) => columns.get(decision.column).copied(),
             None => Some(decision.column),
         };
-        let own = column.map(|column| Decision { column, ..decision });
-        Some((own, child.map_or(Part::Own(0), Part::Node)))
+        Some((column.map(|column| Decision { column, ..decision }), child))
     }
 }
 
@@ -104,7 +115,7 @@ pub(crate) fn prove(
     program: &Program,
     names: [&[String]; 2],
     claim: Claim,
-    guide: &Guide,
+    guide: Guide,
     point: Option<&[f64]>,
     (options, token): (&Options, &StopToken),
     ladders: &LadderPool,
@@ -122,17 +133,19 @@ pub(crate) fn prove(
         program.make_feasibility_problem();
     }
     let relaxer = Relaxer {
+        within: program.clone(),
         program,
         claim,
         options,
         token,
         ladder: ladders.take(),
+        ladders,
         combination: Combination::default(),
         deficits: Vec::new(),
         relaxations: 0,
     };
     let mut writer = ProofWriter { log: &mut log, facts, bounds, relaxer, splits_left: MOST_SPLITS };
-    let result = writer.run(guide);
+    let result = writer.run(Rc::new(guide));
     let is_complete = result.is_ok();
     if let Err(failure) = result {
         let why = match failure {
@@ -150,7 +163,7 @@ pub(crate) fn prove(
 
 impl ProofWriter<'_, '_> {
     /// Derives what holds everywhere, and closes the whole program.
-    fn run(&mut self, guide: &Guide) -> Result<(), Failure> {
+    fn run(&mut self, guide: Rc<Guide>) -> Result<(), Failure> {
         for fact in 0..self.facts.len() as u32 {
             self.bounds.enqueue(fact);
         }
@@ -166,7 +179,7 @@ impl ProofWriter<'_, '_> {
             self.relaxer.deficits = deficits;
             self.bound_by_curvature();
         }
-        self.close(guide, Part::Node(0))
+        self.close(Part::Node(guide, 0))
     }
 
     /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its whole

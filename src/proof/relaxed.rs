@@ -11,7 +11,7 @@ use super::cones::ConeRow;
 use super::facts::Facts;
 use crate::presolve::{Domain, Reduced};
 use crate::program::Program;
-use crate::relaxation::{Ladder, Purpose, RelaxationQuestion, RelaxationVerdict};
+use crate::relaxation::{Ladder, LadderPool, Purpose, RelaxationQuestion, RelaxationVerdict};
 use crate::solver::{Options, StopToken};
 
 /// A sum of facts that contradicts the bounds of a context.
@@ -46,6 +46,9 @@ pub(super) struct Relaxer<'a> {
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
     pub(super) ladder: Ladder,
+    pub(super) ladders: &'a LadderPool,
+    /// The same program, with the bounds of the context that is searched.
+    pub(super) within: Program,
     pub(super) combination: Combination,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,

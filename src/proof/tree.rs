@@ -1,6 +1,7 @@
 //! The tree of a proof: the splits of the search again, each end closed by facts.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use super::Guide;
 use super::bounds::{Bounds, Conflict, Side};
@@ -12,14 +13,19 @@ use crate::search::{Decision, Fork};
 /// The distance from a whole number from which a column can be split there (no unit).
 const FRACTIONAL: f64 = 1e-7;
 
+/// Own splits below each other after which a search is asked again.
+const SPLITS_BETWEEN_SEARCHES: u32 = 6;
+
 /// Where a part of the tree goes on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) enum Part {
-    /// At a node of the search.
-    Node(u32),
+    /// At a node of a search.
+    Node(Rc<Guide>, u32),
     /// At a place of its splits.
-    Splits(u32, usize),
-    /// At the end of the search's tree, so many own splits below it.
+    Splits(Rc<Guide>, u32, usize),
+    /// At the end of the tree of a search.
+    End(Rc<Guide>),
+    /// Below such an end, so many own splits.
     Own(u32),
 }
 
@@ -52,7 +58,7 @@ pub(super) struct ProofWriter<'a, 'b> {
 
 impl ProofWriter<'_, '_> {
     /// Closes the present context along the tree of a search.
-    pub(super) fn close(&mut self, guide: &Guide, part: Part) -> Result<(), Failure> {
+    pub(super) fn close(&mut self, part: Part) -> Result<(), Failure> {
         let ground = self.bounds.mark();
         let (mut open, mut next) = (Vec::new(), Some(part));
         let mut conflict = self.bounds.propagate(&self.facts).err();
@@ -60,22 +66,18 @@ impl ProofWriter<'_, '_> {
             if let Some(what) = conflict.take() {
                 self.write_conflict(what);
             } else if let Some(part) = next.take() {
-                if let Some((decision, near, far)) = self.step(guide, part)? {
+                if let Some((decision, near, far)) = self.step(part)? {
                     let mark = self.bounds.mark();
-                    open.push(Open { mark, decision: opposite(decision), part: far });
                     let at = if decision.is_upper { decision.value } else { decision.value - 1.0 };
                     self.log.split(decision.column, at);
                     // The context with the upper bound comes first.
-                    if !decision.is_upper {
-                        if let Some(last) = open.last_mut() {
-                            (last.decision, last.part) = (decision, near);
-                        }
-                        conflict = self.enter(opposite(decision));
-                        next = Some(far);
-                    } else {
-                        conflict = self.enter(decision);
-                        next = Some(near);
-                    }
+                    let (first, part, then) = match decision.is_upper {
+                        true => (decision, near, far),
+                        false => (opposite(decision), far, near),
+                    };
+                    open.push(Open { mark, decision: opposite(first), part: then });
+                    conflict = self.enter(first);
+                    next = Some(part);
                     continue;
                 }
             }
@@ -99,29 +101,34 @@ impl ProofWriter<'_, '_> {
 
     /// Goes on with a part: closes it, or returns a split with the parts inside and outside of its
     /// decision.
-    fn step(
-        &mut self,
-        guide: &Guide,
-        mut part: Part,
-    ) -> Result<Option<(Decision, Part, Part)>, Failure> {
+    fn step(&mut self, mut part: Part) -> Result<Option<(Decision, Part, Part)>, Failure> {
         loop {
             part = match part {
-                Part::Own(depth) => return self.close_or_split(depth),
-                Part::Node(node) if guide.fork(node).is_some() => Part::Splits(node, 0),
-                Part::Node(_) => Part::Own(0),
-                Part::Splits(node, place) => {
-                    let Some(fork) = guide.fork(node) else { return self.close_or_split(0) };
-                    let Some((decision, inside)) = guide.split(fork, place) else {
-                        part = fork.rest().map_or(Part::Own(0), Part::Node);
+                Part::Own(_) | Part::End(_) => match self.close_or_split(part)? {
+                    Step::Closed => return Ok(None),
+                    Step::Split(decision, below) => {
+                        return Ok(Some((decision, below.clone(), below)));
+                    }
+                    Step::Again(part) => part,
+                },
+                Part::Node(guide, node) if guide.fork(node).is_some() => {
+                    Part::Splits(guide, node, 0)
+                }
+                Part::Node(guide, _) => Part::End(guide),
+                Part::Splits(guide, node, place) => {
+                    let split = guide.fork(node).and_then(|fork| guide.split(fork, place));
+                    let Some((decision, child)) = split else {
+                        let rest = guide.fork(node).and_then(Fork::rest);
+                        part = guide.part(rest);
                         continue;
                     };
-                    let outside = Part::Splits(node, place + 1);
                     match decision.and_then(|decision| self.usable(decision)) {
-                        None => Part::Own(0),
-                        Some(Relation::Holds) => inside,
-                        Some(Relation::Fails) => outside,
+                        None => Part::End(guide),
+                        Some(Relation::Holds) => guide.part(child),
+                        Some(Relation::Fails) => Part::Splits(guide, node, place + 1),
                         Some(Relation::Open(decision)) => {
-                            return Ok(Some((decision, inside, outside)));
+                            let inside = guide.clone().part(child);
+                            return Ok(Some((decision, inside, Part::Splits(guide, node, place + 1))));
                         }
                     }
                 }
@@ -148,14 +155,14 @@ impl ProofWriter<'_, '_> {
         })
     }
 
-    /// Closes the context by its relaxation, or chooses an own split.
-    fn close_or_split(&mut self, depth: u32) -> Result<Option<(Decision, Part, Part)>, Failure> {
+    /// Closes the context by its relaxation, or goes on below it.
+    fn close_or_split(&mut self, part: Part) -> Result<Step, Failure> {
         let mut point = None;
         for is_fine in [false, true] {
             match self.relaxer.relax(&self.facts, &self.bounds, is_fine) {
                 Relaxed::Refuted(refutation) => {
                     self.write(refutation);
-                    return Ok(None);
+                    return Ok(Step::Closed);
                 }
                 Relaxed::Stopped => return Err(Failure::Limit),
                 Relaxed::Open(found) => point = found,
@@ -166,14 +173,22 @@ impl ProofWriter<'_, '_> {
             }
             if let Err(what) = self.bounds.propagate_finely(&self.facts) {
                 self.write_conflict(what);
-                return Ok(None);
+                return Ok(Step::Closed);
             }
         }
+        let depth = match part {
+            Part::End(guide) if guide.is_plain => 0,
+            Part::Own(depth) if depth < SPLITS_BETWEEN_SEARCHES => depth,
+            _ => match self.relaxer.search(&self.bounds)? {
+                Some(guide) => return Ok(Step::Again(Part::Node(Rc::new(guide), 0))),
+                None => 0,
+            },
+        };
         let Some(decision) = self.own_split(point.as_deref()) else {
             return Err(Failure::Whole(point));
         };
         self.splits_left = self.splits_left.checked_sub(1).ok_or(Failure::Limit)?;
-        Ok(Some((decision, Part::Own(depth + 1), Part::Own(depth + 1))))
+        Ok(Step::Split(decision, Part::Own(depth + 1)))
     }
 
     /// The integral column to split: the most fractional one, or any that is not fixed.
@@ -245,6 +260,14 @@ impl ProofWriter<'_, '_> {
         }
         self.log.contradiction(sum.into_iter());
     }
+}
+
+/// What follows at the end of a tree.
+enum Step {
+    Closed,
+    /// A split, and how both sides go on.
+    Split(Decision, Part),
+    Again(Part),
 }
 
 enum Relation {

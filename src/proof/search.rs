@@ -1,0 +1,41 @@
+//! A search inside a proof, for splits that close a context.
+
+use super::bounds::Bounds;
+use super::relaxed::Relaxer;
+use super::tree::Failure;
+use super::{Claim, Guide};
+use crate::search::{SolveTask, search};
+use crate::solver::{Control, Heuristics, Options};
+
+/// Most nodes of a search for splits.
+const MOST_NODES: u64 = 100_000;
+
+impl Relaxer<'_> {
+    /// Searches a context as it is, without what would make its relaxation tighter. Returns the splits;
+    /// `None` if there are none.
+    pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Option<Guide>, Failure> {
+        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
+            (self.within.lower[j], self.within.upper[j]) = (*lower, *upper);
+        }
+        let options = Options {
+            proof: Some(std::path::PathBuf::new()),
+            node_limit: Some(MOST_NODES),
+            cuts: false,
+            probing: false,
+            heuristics: Heuristics::none(),
+            ..self.options.nested()
+        };
+        let accepts = |_: &[f64]| true;
+        let mut task =
+            SolveTask::new(&self.within, &accepts, self.ladders, &options, self.token);
+        if let Claim::Bound(bound) = self.claim {
+            task.cutoff = bound;
+        }
+        let found = search(task, &mut Control::default(), None);
+        if self.token.is_over() {
+            return Err(Failure::Limit);
+        }
+        let guide = Guide { is_plain: true, ..Guide::new(found.forks, None) };
+        Ok((!guide.forks.is_empty()).then_some(guide))
+    }
+}
