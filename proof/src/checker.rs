@@ -191,15 +191,21 @@ impl Checker {
     fn cone(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let index = words.index("cone", self.program.cones.len())?;
         let Some(cone) = self.program.cones.get(index) else { return Ok(()) };
+        let first = words.number("the weight of the head")?;
+        let second = match cone.second {
+            Some(_) => words.number("the weight of the second head")?,
+            None => first,
+        };
         let count = words.count("the number of entries")?;
         if count != cone.tail.len() {
-            return rejected(format!("cone {index} has {} columns", cone.tail.len()));
+            return rejected(format!("cone {index} has {} columns in its tail", cone.tail.len()));
         }
-        let mut u = Vec::new();
+        let mut weights = Vec::new();
         for _ in 0..count {
-            u.push(words.number("an entry of u")?);
+            weights.push(words.number("a weight")?);
         }
-        self.facts.push(quadratic_rules::cone_tangent(cone, &u, &mut self.sums.column)?);
+        let sum = &mut self.sums.column;
+        self.facts.push(quadratic_rules::cone_tangent(cone, (first, second), &weights, sum)?);
         Ok(())
     }
 

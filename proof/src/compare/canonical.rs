@@ -25,7 +25,7 @@ pub(super) struct Canonical {
     stated: BTreeMap<u32, (f64, f64)>,
     /// Rows by their forms, of which the first coefficient is positive.
     rows: BTreeMap<Form, Sides>,
-    cones: BTreeSet<(u32, Vec<u32>)>,
+    cones: BTreeSet<(u32, Option<u32>, Vec<u32>)>,
     constant: f64,
     linear: Form,
     squares: Vec<(u32, u32, u64)>,
@@ -81,7 +81,7 @@ impl Canonical {
         let cones = model.cones.into_iter().map(|cone| {
             let mut tail: Vec<u32> = cone.tail.into_iter().map(at).collect();
             tail.sort_unstable();
-            (at(cone.head), tail)
+            (at(cone.head), cone.second.map(at), tail)
         });
         let mut linear: Vec<(u32, f64)> = model.linear.iter().map(|e| (at(e.0), e.1)).collect();
         linear.sort_by_key(|entry| entry.0);
@@ -163,7 +163,9 @@ impl Canonical {
         let name = |column: u32| self.column(column).map_or("of the log", |column| &column.name);
         let missing = self.cones.difference(&log.cones).next();
         let further = log.cones.difference(&self.cones).next().filter(|_| !has_further);
-        let cone = |cone: &(u32, Vec<u32>)| format!("the cone with the head {}", name(cone.0));
+        let cone = |cone: &(u32, Option<u32>, Vec<u32>)| {
+            format!("the cone with the head {}", name(cone.0))
+        };
         missing.or(further).map(cone)
     }
 }

@@ -115,11 +115,12 @@ pub fn compare(text: &str, format: Format, log: impl BufRead) -> Result<Comparis
 }
 
 /// The first difference.
-fn difference(mut model: Model, log: Model) -> Option<String> {
+fn difference(mut model: Model, mut log: Model) -> Option<String> {
     if model.is_maximisation != log.is_maximisation {
         return Some("the sense of the objective".to_string());
     }
     model.fold_constants(&log);
+    log.fold_parts();
     let (many, there) = (model.columns.len(), log.columns.len());
     if many > there || (many < there && model.left_out.is_empty()) {
         return Some(format!("the model has {many} columns, the log {there}"));

@@ -185,9 +185,7 @@ fn lp_files() {
     });
 }
 
-#[test]
-fn cbf_files() {
-    let header = "\
+const CONIC: &str = "\
 carom proof 1
 sense min
 columns 4
@@ -205,7 +203,8 @@ h 0
 claim bound 0
 proof
 ";
-    let model = "\
+
+const CBF: &str = "\
 VER
 1
 OBJSENSE
@@ -236,11 +235,14 @@ BCOORD
 0 -3
 1 -2
 ";
-    assert_eq!(said(model, Format::Cbf, header), "the same program: 4 columns, 2 rows");
+
+#[test]
+fn cbf_files() {
+    assert_eq!(said(CBF, Format::Cbf, CONIC), "the same program: 4 columns, 2 rows");
     changed(
-        model,
+        CBF,
         Format::Cbf,
-        header,
+        CONIC,
         &[
             ("Q 3\nL+ 1\n", "F 3\nL+ 1\n", {
                 "column x[0]: continuous from -inf to inf in the model, continuous from 0 to inf \
@@ -252,9 +254,32 @@ BCOORD
             ("1 -2\n", "1 2\n", "row c[1]: from -2 to inf, and from 2 to inf in the log"),
         ],
     );
-    let fewer = header.replace("cones 1\nq 0 2 1 2\n", "cones 0\n");
-    assert_eq!(said(model, Format::Cbf, &fewer), {
-        "another program: the cone with the head x[0]"
+    let fewer = CONIC.replace("cones 1\nq 0 2 1 2\n", "cones 0\n");
+    let missing = "another program: the cone with the head x[0]";
+    assert_eq!(said(CBF, Format::Cbf, &fewer), missing);
+}
+
+#[test]
+fn parts_of_cones() {
+    let parts = CONIC
+        .replace("columns 4", "columns 6")
+        .replace("rows 1", "c c 0 inf part\nc c 0 inf part\nrows 2\nr -inf 0 3 0 -1 4 1 5 1 sum")
+        .replace("cones 1", "cones 3\nr 4 0 1 1\nr 5 0 1 2");
+    assert_eq!(said(CBF, Format::Cbf, &parts), "the same program: 4 columns, 2 rows");
+    for (from, to) in [
+        ("r -inf 0 3", "r -inf -1 3"),
+        ("c c 0 inf part\nrows", "c c 0 1 part\nrows"),
+        ("r 5 0 1 2", "r 5 0 1 1"),
+        ("r 5 0 1 2", "r 5 3 1 2"),
+        ("g 1 0 1", "g 2 0 1 5 1"),
+        ("4 1 5 1 sum", "4 1 5 2 sum"),
+    ] {
+        let other = said(CBF, Format::Cbf, &parts.replace(from, to));
+        assert_eq!(other, "another program: the model has 4 columns, the log 6", "{from} to {to}");
+    }
+    let without = parts.replace("cones 3", "cones 2").replace("q 0 2 1 2\n", "");
+    assert_eq!(said(CBF, Format::Cbf, &without), {
+        "another program: the model has 4 columns, the log 6"
     });
 }
 

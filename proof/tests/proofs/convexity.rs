@@ -146,32 +146,62 @@ fn a_tangent_of_a_cone() {
     // h >= |(x, y)| with x >= 3, y >= 4, h <= 4.25.
     let cone = Header {
         columns: &["c 0 4.25 h", "c 3 9 x", "c 4 9 y"],
-        cones: &["0 2 1 2"],
+        cones: &["q 0 2 1 2"],
         claim: "infeasible",
         ..Header::default()
     };
     broken(
-        &cone.log("q 0 2 0.5 0.75\n x 1 0 1"),
+        &cone.log("q 0 2 2 1 1.5\n x 1 0 1"),
         &[
-            ("q 0 2 0.5 0.75", "q 0 2 1 0.75", {
-                "rejected: the square of |u| exceeds 1 by 0.5625"
+            ("q 0 2 2 1 1.5", "q 0 2 2 2 1.5", {
+                "rejected: the weights of the tail are too long: their square, by 2.25"
             }),
-            ("q 0 2 0.5 0.75", "q 0 2 0.6 0.8", {
-                "rejected: the square of |u| exceeds 1 by 4.4408920985006264e-17"
+            ("q 0 2 2 1 1.5", "q 0 1 2 0.6 0.8", {
+                "rejected: the weights of the tail are too long: their square, by \
+                 4.4408920985006264e-17"
             }),
-            ("q 0 2 0.5 0.75", "q 0 1 1", "rejected: cone 0 has 2 columns"),
-            ("q 0 2 0.5 0.75", "q 1 2 0 1", "rejected: there is no cone 1; their number is 1"),
+            ("q 0 2 2 1 1.5", "q 0 -2 2 1 1.5", "rejected: the weight of a head is negative"),
+            ("q 0 2 2 1 1.5", "q 0 1 1 1", "rejected: cone 0 has 2 columns in its tail"),
+            ("q 0 2 2 1 1.5", "q 1 1 2 0 1", "rejected: there is no cone 1; their number is 1"),
             ("c 0 4.25 h", "c 0 4.75 h", {
-                "rejected: the combination is no contradiction: it holds with 0.25 to spare"
+                "rejected: the combination is no contradiction: it holds with 0.5 to spare"
             }),
             ("x 1 0 1", "x 1 0 -1", "rejected: fact 0 has no upper side, for multiplier -1"),
         ],
     );
     // A column may be in a cone twice.
-    let twice = Header { cones: &["0 2 1 1"], ..cone };
-    assert_eq!(verdict(&twice.log("q 0 2 0.5 0.8\n b 0 L 3.5 0\n x 0")), {
+    let twice = Header { cones: &["q 0 2 1 1"], ..cone };
+    assert_eq!(verdict(&twice.log("q 0 1 2 0.5 0.8\n b 0 L 3.5 0\n x 0")), {
         "rejected: the combination is no contradiction: it holds with 0 to spare"
     });
+}
+
+#[test]
+fn a_tangent_of_a_rotated_cone() {
+    // h s >= x² + y² with x >= 3, y >= 4, h <= 4 and s <= 6.
+    let cone = Header {
+        columns: &["c 0 4 h", "c 0 6 s", "c 3 9 x", "c 4 9 y"],
+        cones: &["r 0 1 2 2 3"],
+        claim: "infeasible",
+        ..Header::default()
+    };
+    broken(
+        &cone.log("q 0 6 4 2 2.875 3.875\n x 1 0 1"),
+        &[
+            ("q 0 6 4 2 2.875 3.875", "q 0 6 4 2 3 4", {
+                "rejected: the weights of the tail are too long: their square, by 1"
+            }),
+            ("q 0 6 4 2 2.875 3.875", "q 0 -6 -4 2 2.875 3.875", {
+                "rejected: the weight of a head is negative"
+            }),
+            ("q 0 6 4 2 2.875 3.875", "q 0 6 2 2.875 3.875", {
+                "unreadable: the number of entries, `2.875`, is no whole number"
+            }),
+            ("c 0 6 s", "c 0 6.25 s", {
+                "rejected: the combination is no contradiction: it holds with 0.75 to spare"
+            }),
+        ],
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::log::{Header, broken, verdict};
 const BOX: Header = Header {
     columns: &["c 0 1 a name of words", "i 0 3 n"],
     rows: &["-inf 1.5 2 0 1 1 1"],
-    cones: &["0 1 1"],
+    cones: &["q 0 1 1"],
     linear: "1 0 1",
     squares: "1 1 1 2",
     claim: "bound -0.5",
