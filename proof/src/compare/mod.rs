@@ -66,10 +66,20 @@ impl fmt::Display for Comparison {
                 let ending = |many: usize| if many == 1 { "" } else { "s" };
                 let (a, b) = (ending(*columns), ending(*rows));
                 write!(f, "the same program: {columns} column{a}, {rows} row{b}")?;
-                for (k, statement) in left_out.iter().take(MOST_NAMED).enumerate() {
-                    write!(f, "{}{statement}", if k == 0 { "; not compared: " } else { ", " })?;
+                let mut kinds: Vec<(&str, usize)> = Vec::new();
+                for statement in left_out {
+                    match kinds.iter_mut().find(|kind| kind.0 == statement) {
+                        Some(kind) => kind.1 += 1,
+                        None => kinds.push((statement, 1)),
+                    }
                 }
-                match left_out.len().saturating_sub(MOST_NAMED) {
+                for (k, (statement, times)) in kinds.iter().take(MOST_NAMED).enumerate() {
+                    write!(f, "{}{statement}", if k == 0 { "; not compared: " } else { ", " })?;
+                    if *times > 1 {
+                        write!(f, " ({times} times)")?;
+                    }
+                }
+                match kinds.len().saturating_sub(MOST_NAMED) {
                     0 => Ok(()),
                     more => write!(f, " and {more} more"),
                 }

@@ -31,7 +31,7 @@ OBJSENSE
     MAX
 ROWS
  N cost
- L cap
+ L cap $ a comment
  G both
  E same
  N other
@@ -254,6 +254,11 @@ fn cbf_files() {
             ("1 -2\n", "1 2\n", "row c[1]: from -2 to inf, and from 2 to inf in the log"),
         ],
     );
+    let rotated =
+        CBF.replace("CON\n2 2\n", "CON\n8 4\n").replace("L+ 1\nOBJ", "L+ 1\nQR 3\nQR 3\nOBJ");
+    assert_eq!(said(&rotated, Format::Cbf, CONIC), {
+        "the same program: 4 columns, 2 rows; not compared: a cone QR of expressions (2 times)"
+    });
     let fewer = CONIC.replace("cones 1\nq 0 2 1 2\n", "cones 0\n");
     let missing = "another program: the cone with the head x[0]";
     assert_eq!(said(CBF, Format::Cbf, &fewer), missing);
