@@ -30,6 +30,10 @@ pub mod reach_sets {}
 #[doc = include_str!("../docs/formulation.md")]
 pub mod formulation {}
 
+#[doc = "[modelling guide]: crate::guide"]
+#[doc = include_str!("../docs/proofs.md")]
+pub mod proofs {}
+
 #[doc = "[benchmarks]: crate::guide::benchmarks"]
 #[doc = "[tutorial]: crate::guide::tutorial"]
 #[doc = include_str!("../docs/gallery.md")]

@@ -23,6 +23,7 @@ GUIDES = [
     ("Examples",),
     ("Gallery", "docs/gallery.md", []),
     ("Behind it",),
+    ("Proofs that others can check", "docs/proofs.md", ["solver"]),
     ("Benchmarks", "docs/benchmarks.md", []),
     ("Decisions", "docs/decisions.md", []),
     ("Architecture", "docs/architecture.md", []),

@@ -1,45 +1,19 @@
-//! The stack of contexts, and the commands of a proof.
+//! The commands of a proof; those that open and close contexts are in `cases`.
 //!
-//! Context 0 assumes a point of the program, with `objective <= b` if that is the bound of the claim.
+//! Context 0 assumes a point of the program, with an objective less than b if that is the bound of the
+//! claim; most rules only use that it is at most b.
 //! A context holds bounds of columns, and facts: rows that the point satisfies. Every command derives
 //! one more of them, opens a context with one more assumption, or closes the one it stands in by a
 //! contradiction. Once context 0 is closed, there is no such point.
 
 use crate::bounds::{Bounds, Side};
-use crate::exact::{Dyadic, Plain};
+use crate::cases::{Context, Kind};
+use crate::exact::Plain;
 use crate::linear_rules::{self, Sums};
 use crate::program::{Claim, Program};
 use crate::quadratic_rules::{self, Quadratic};
 use crate::rows::Row;
 use crate::text::{Refusal, Words, rejected, unreadable};
-
-/// A form with whole coefficients over integral columns, or a single column.
-#[derive(Debug)]
-enum Form {
-    Column(usize),
-    Entries(Vec<(u32, f64)>),
-}
-
-/// What follows once a context is closed.
-#[derive(Debug)]
-enum Kind {
-    /// The claim.
-    Claim,
-    /// The other side of the split, `form >= value + 1`.
-    FirstSide(Form, f64),
-    /// The context around it is closed as well.
-    SecondSide,
-    /// The row is a fact of the context around it.
-    Lemma(Row),
-}
-
-#[derive(Debug)]
-struct Context {
-    kind: Kind,
-    /// How many facts, and changes of bounds, there were when it was opened.
-    facts: usize,
-    mark: usize,
-}
 
 /// The deficits of a command `p`, and the columns of its factor so far.
 type Convexity = (Vec<(u32, f64)>, Vec<Vec<(u32, f64)>>);
@@ -51,9 +25,9 @@ pub(crate) struct Checker {
     pub(crate) facts: Vec<Row>,
     pub(crate) sums: Sums,
     objective: Quadratic,
-    bounds: Bounds,
+    pub(crate) bounds: Bounds,
     /// Empty once the claim is proved.
-    contexts: Vec<Context>,
+    pub(crate) contexts: Vec<Context>,
     convexity: Option<Convexity>,
     steps: u64,
 }
@@ -190,15 +164,21 @@ impl Checker {
     fn cone(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let index = words.index("cone", self.program.cones.len())?;
         let Some(cone) = self.program.cones.get(index) else { return Ok(()) };
+        let first = words.number("the weight of the head")?;
+        let second = match cone.second {
+            Some(_) => words.number("the weight of the second head")?,
+            None => first,
+        };
         let count = words.count("the number of entries")?;
         if count != cone.tail.len() {
-            return rejected(format!("cone {index} has {} columns", cone.tail.len()));
+            return rejected(format!("cone {index} has {} columns in its tail", cone.tail.len()));
         }
-        let mut u = Vec::new();
+        let mut weights = Vec::new();
         for _ in 0..count {
-            u.push(words.number("an entry of u")?);
+            weights.push(words.number("a weight")?);
         }
-        self.facts.push(quadratic_rules::cone_tangent(cone, &u, &mut self.sums.column)?);
+        let sum = &mut self.sums.column;
+        self.facts.push(quadratic_rules::cone_tangent(cone, (first, second), &weights, sum)?);
         Ok(())
     }
 
@@ -261,133 +241,30 @@ impl Checker {
                 }
             } else {
                 let name = self.name(column);
-                return rejected(format!("the curvature does not bound column {name} by {}", Plain(value)));
+                return rejected(format!(
+                    "the curvature does not bound column {name} by {}",
+                    Plain(value)
+                ));
             }
         }
         Ok(())
     }
 
-    fn split_column(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
-        let column = words.index("column", self.bounds.len())?;
-        let value = words.number("the value")?;
-        if !self.is_integral(column) {
-            return rejected(format!("column {} is not integral", self.name(column)));
-        }
-        self.split(Form::Column(column), value)
-    }
-
-    fn split_form(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
-        let value = words.number("the value")?;
-        let entries = words.entries(self.program.columns.len())?;
-        if !self.is_whole(&entries) {
-            return rejected("the form is not whole: its columns or its coefficients");
-        }
-        self.split(Form::Entries(entries), value)
-    }
-
-    /// Opens the first side of a split, `form <= value`.
-    fn split(&mut self, form: Form, value: f64) -> Result<(), Refusal> {
-        if !is_whole(value) {
-            return rejected(format!("{} is not whole, or too large", Plain(value)));
-        }
-        match &form {
-            Form::Column(column) => {
-                let column = *column;
-                self.open(Kind::FirstSide(form, value));
-                self.tighten(column, Side::Upper, value);
-            }
-            Form::Entries(entries) => {
-                let row = Row::new(entries.clone(), None, Some(Dyadic::from_f64(value)));
-                self.open(Kind::FirstSide(form, value));
-                self.facts.push(row);
-            }
-        }
-        Ok(())
-    }
-
-    fn lemma(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
-        let side = side(words)?;
-        let value = words.number("the value")?;
-        let entries = words.entries(self.bounds.len())?;
-        // Not to hold means to be beyond the value, or at least at it; whole numbers are beyond the
-        // next one, or at least at it.
-        let next = match side {
-            _ if !self.is_whole(&entries) || !is_whole(value) => 0.0,
-            Side::Lower => -1.0,
-            Side::Upper => 1.0,
-        };
-        let beyond = Dyadic::from_f64(value + next);
-        let value = Dyadic::from_f64(value);
-        let (row, negation) = match side {
-            Side::Lower => (
-                Row::new(entries.clone(), Some(value), None),
-                Row::new(entries, None, Some(beyond)),
-            ),
-            Side::Upper => (
-                Row::new(entries.clone(), None, Some(value)),
-                Row::new(entries, Some(beyond), None),
-            ),
-        };
-        self.open(Kind::Lemma(row));
-        self.facts.push(negation);
-        Ok(())
-    }
-
-    fn open(&mut self, kind: Kind) {
-        let (facts, mark) = (self.facts.len(), self.bounds.mark());
-        self.contexts.push(Context { kind, facts, mark });
-    }
-
-    /// Closes the context, and all that are closed by that; opens the other side of a split.
-    fn close(&mut self) -> Result<(), Refusal> {
-        while let Some(context) = self.contexts.pop() {
-            if !matches!(context.kind, Kind::Claim) {
-                self.facts.truncate(context.facts);
-                self.bounds.undo(context.mark);
-            }
-            match context.kind {
-                Kind::Claim | Kind::SecondSide => {}
-                Kind::FirstSide(Form::Column(column), value) => {
-                    self.open(Kind::SecondSide);
-                    self.tighten(column, Side::Lower, value + 1.0);
-                    break;
-                }
-                Kind::FirstSide(Form::Entries(entries), value) => {
-                    self.open(Kind::SecondSide);
-                    let value = Dyadic::from_f64(value + 1.0);
-                    self.facts.push(Row::new(entries, Some(value), None));
-                    break;
-                }
-                Kind::Lemma(row) => {
-                    self.facts.push(row);
-                    break;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn tighten(&mut self, column: usize, side: Side, value: f64) {
+    pub(crate) fn tighten(&mut self, column: usize, side: Side, value: f64) {
         let is_lasting = self.is_root();
         self.bounds.tighten(column, side, value, is_lasting);
     }
 
-    fn is_root(&self) -> bool {
+    pub(crate) fn is_root(&self) -> bool {
         self.contexts.len() == 1
     }
 
     /// Defined columns are not integral.
-    fn is_integral(&self, column: usize) -> bool {
+    pub(crate) fn is_integral(&self, column: usize) -> bool {
         self.program.columns.get(column).is_some_and(|column| column.is_integral)
     }
 
-    /// Whether a form is a whole number at every point.
-    fn is_whole(&self, entries: &[(u32, f64)]) -> bool {
-        let mut terms = entries.iter().filter(|entry| entry.1 != 0.0);
-        terms.all(|&(column, value)| self.is_integral(column as usize) && value.fract() == 0.0)
-    }
-
-    fn name(&self, column: usize) -> String {
+    pub(crate) fn name(&self, column: usize) -> String {
         match self.program.columns.get(column) {
             Some(found) if !found.name.is_empty() => format!("{column} ({})", found.name),
             _ => column.to_string(),
@@ -395,12 +272,8 @@ impl Checker {
     }
 }
 
-/// Whether a number is whole, and so are its neighbours.
-fn is_whole(value: f64) -> bool {
-    value.fract() == 0.0 && value.abs() < 9_007_199_254_740_991.0
-}
-
-fn side(words: &mut Words<'_>) -> Result<Side, Refusal> {
+/// The side that a word names.
+pub(crate) fn side(words: &mut Words<'_>) -> Result<Side, Refusal> {
     match words.word("`L` or `U`")? {
         "L" => Ok(Side::Lower),
         "U" => Ok(Side::Upper),

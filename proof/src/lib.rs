@@ -3,16 +3,17 @@
 //! A log states a program, claims a bound of its objective or that it has no point, and proves that in
 //! small steps. Rules and format are on the page "Proofs" of carom's guide (`docs/proofs.md`).
 //!
-//! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations), `linear_rules`
-//! and `quadratic_rules` (each rule with its reason), `bounds`, `checker` (contexts and commands);
-//! `text`, `program` and `point` read and judge what is beside the proof. [`compare`] is another tool, which
-//! none of these knows.
+//! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations), `linear_rules`,
+//! `quadratic_rules` and `curvature` (each rule with its reason), `bounds`, `cases` (contexts), `checker`
+//! (commands); `text`, `program` and `point` read and judge what is beside the proof. [`compare`] is
+//! another tool, which none of these knows.
 
 mod bounds;
+mod cases;
 mod checker;
 pub mod compare;
 mod curvature;
-mod exact;
+pub mod exact;
 mod linear_rules;
 mod point;
 mod program;

@@ -60,21 +60,18 @@ impl Point {
             }
         }
         for cone in &program.cones {
-            let head = at(cone.head);
+            let (first, second) = (at(cone.head), at(cone.second.unwrap_or(cone.head)));
             for &column in &cone.tail {
                 sum.add(at(column), at(column));
             }
-            let norm = sum.take()?.nearest().sqrt();
-            for &column in &cone.tail {
-                sum.add(at(column), at(column));
-            }
-            sum.subtract(head, head);
-            let beyond = sum.take()?;
-            if head < 0.0 {
-                violation = violation.max(norm - head);
-            } else if beyond.sign() == Ordering::Greater {
-                let distance = beyond.nearest() / (norm + head);
-                violation = violation.max(if distance.is_nan() { f64::INFINITY } else { distance });
+            let square = sum.take()?;
+            sum.add(&square, 1.0);
+            sum.subtract(first, second);
+            if sum.take_sign()? == Ordering::Greater || first < 0.0 || second < 0.0 {
+                // How much both heads would have to grow, up to rounding.
+                let distance = (first - second).hypot(2.0 * square.nearest().sqrt());
+                let missing = 0.5 * (distance - first - second);
+                violation = violation.max(if missing.is_nan() { f64::INFINITY } else { missing });
             }
         }
         let objective = objective(&at, program, sum)?;

@@ -26,10 +26,13 @@ pub(crate) struct Column {
     pub(crate) name: String,
 }
 
-/// `x_head >= |(x_j for j in tail)|`, the Euclidean norm.
+/// `x_head >= |(x_j for j in tail)|`, the Euclidean norm; or, if it is rotated,
+/// `x_head x_second >= |(x_j for j in tail)|^2` with both at least 0.
 #[derive(Debug)]
 pub(crate) struct Cone {
     pub(crate) head: u32,
+    /// The second head of a rotated cone.
+    pub(crate) second: Option<u32>,
     pub(crate) tail: Vec<u32>,
 }
 
@@ -66,11 +69,12 @@ impl Program {
             _ => return unreadable("the sense is neither `min` nor `max`"),
         };
         words.end()?;
-        let columns = section(lines, "columns", "c", column)?;
+        let columns = section(lines, "columns", &["c"], |words, _| column(words))?;
         let many = columns.len();
         let (rows, row_names) =
-            section(lines, "rows", "r", |words| row(words, many))?.into_iter().unzip();
-        let cones = section(lines, "cones", "q", |words| cone(words, many))?;
+            section(lines, "rows", &["r"], |words, _| row(words, many))?.into_iter().unzip();
+        let cones =
+            section(lines, "cones", &["q", "r"], |words, kind| cone(words, many, kind == "r"))?;
         let objective = objective(lines, many)?;
         let mut words = lines.expect("claim")?;
         let claim = match words.word("the claim")? {
@@ -84,20 +88,20 @@ impl Program {
     }
 }
 
-/// A line `name N` and N lines that begin with `keyword`.
+/// A line `name N` and N lines that begin with one of `keywords`.
 fn section<R: BufRead, T>(
     lines: &mut Lines<R>,
     name: &str,
-    keyword: &str,
-    mut read: impl FnMut(&mut Words<'_>) -> Result<T, Refusal>,
+    keywords: &[&str],
+    mut read: impl FnMut(&mut Words<'_>, &str) -> Result<T, Refusal>,
 ) -> Result<Vec<T>, Refusal> {
     let mut words = lines.expect(name)?;
     let count = words.count(&format!("the number of {name}"))?;
     words.end()?;
     let mut all = Vec::new();
     for _ in 0..count {
-        let mut words = lines.expect(keyword)?;
-        all.push(read(&mut words)?);
+        let (mut words, keyword) = lines.expect_any(keywords)?;
+        all.push(read(&mut words, keyword)?);
         words.end()?;
     }
     Ok(all)
@@ -129,14 +133,18 @@ fn row(words: &mut Words<'_>, many: usize) -> Result<(Row, String), Refusal> {
     Ok((Row::new(entries, limit(lower), limit(upper)), words.name()))
 }
 
-fn cone(words: &mut Words<'_>, many: usize) -> Result<Cone, Refusal> {
+fn cone(words: &mut Words<'_>, many: usize, is_rotated: bool) -> Result<Cone, Refusal> {
     let head = words.index("column", many)? as u32;
+    let second = match is_rotated {
+        true => Some(words.index("column", many)? as u32),
+        false => None,
+    };
     let count = words.count("the number of columns")?;
     let mut tail = Vec::new();
     for _ in 0..count {
         tail.push(words.index("column", many)? as u32);
     }
-    Ok(Cone { head, tail })
+    Ok(Cone { head, second, tail })
 }
 
 fn objective<R: BufRead>(lines: &mut Lines<R>, many: usize) -> Result<Objective, Refusal> {

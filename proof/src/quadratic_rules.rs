@@ -146,11 +146,7 @@ impl Quadratic {
     }
 
     /// The gradient at a point, as a row without limits.
-    pub(crate) fn gradient(
-        &self,
-        point: &[(u32, f64)],
-        sums: &mut Sums,
-    ) -> Result<Row, Refusal> {
+    pub(crate) fn gradient(&self, point: &[(u32, f64)], sums: &mut Sums) -> Result<Row, Refusal> {
         let mut terms: Vec<Term<'_>> = as_terms(&self.linear).collect();
         terms.extend(self.squares.iter().map(|square| (square.own, 1.0, ONE)));
         for &(column, value) in point.iter().filter(|entry| entry.1 != 0.0) {
@@ -259,18 +255,33 @@ pub(crate) fn farthest_square(
     Ok(farthest)
 }
 
-/// `head - u tail >= 0`, which holds in a cone if `|u| <= 1`.
-pub(crate) fn cone_tangent(cone: &Cone, u: &[f64], sum: &mut Sum) -> Result<Row, Refusal> {
-    for &value in u {
+/// `p head - w tail >= 0`, which holds in a cone if `|w| <= p`; of a rotated one
+/// `p head + q second - 2 w tail >= 0`, which holds if `|w|^2 <= p q`.
+///
+/// Because `w tail <= |w| |tail|`, and `2 |w| |tail| <= 2 sqrt(p q head second) <= p head + q second`.
+pub(crate) fn cone_tangent(
+    cone: &Cone,
+    (p, q): (f64, f64),
+    w: &[f64],
+    sum: &mut Sum,
+) -> Result<Row, Refusal> {
+    if !(p >= 0.0 && q >= 0.0) {
+        return rejected("the weight of a head is negative");
+    }
+    for &value in w {
         sum.add(value, value);
     }
-    sum.subtract(1.0, 1.0);
+    sum.subtract(p, q);
     let excess = sum.take()?;
     if excess.sign() == Ordering::Greater {
-        return rejected(format!("the square of |u| exceeds 1 by {excess}"));
+        return rejected(format!(
+            "the weights of the tail are too long: their square, by {excess}"
+        ));
     }
-    let mut terms: Vec<Term<'_>> = vec![(cone.head, 1.0, ONE)];
-    terms.extend(cone.tail.iter().zip(u).map(|(&column, &value)| (column, -value, ONE)));
+    let mut terms: Vec<Term<'_>> = vec![(cone.head, p, ONE)];
+    terms.extend(cone.second.map(|second| (second, q, ONE)));
+    let factor = Number::Float(if cone.second.is_some() { -2.0 } else { -1.0 });
+    terms.extend(cone.tail.iter().zip(w).map(|(&column, &value)| (column, value, factor)));
     let mut row = Row::combination(&mut terms, sum)?;
     row.lower = Some(Dyadic::zero());
     Ok(row)

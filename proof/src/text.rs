@@ -88,12 +88,25 @@ impl<R: BufRead> Lines<R> {
 
     /// The next line, whose first word must be `keyword`.
     pub(crate) fn expect(&mut self, keyword: &str) -> Result<Words<'_>, Refusal> {
+        self.expect_any(&[keyword]).map(|(words, _)| words)
+    }
+
+    /// The next line, whose first word must be one of these, and that word.
+    pub(crate) fn expect_any<'k>(
+        &mut self,
+        keywords: &[&'k str],
+    ) -> Result<(Words<'_>, &'k str), Refusal> {
+        let keyword = || keywords.join("` or `");
         let Some(mut words) = self.next()? else {
-            return unreadable(format!("the log ends where a line `{keyword}` must be"));
+            return unreadable(format!("the log ends where a line `{}` must be", keyword()));
         };
-        match words.word("a keyword")? {
-            found if found == keyword => Ok(words),
-            found => unreadable(format!("there is `{}` instead of `{keyword}`", shortened(found))),
+        let found = words.word("a keyword")?;
+        match keywords.iter().find(|keyword| **keyword == found) {
+            Some(keyword) => Ok((words, keyword)),
+            None => {
+                let found = shortened(found);
+                unreadable(format!("there is `{found}` instead of `{}`", keyword()))
+            }
         }
     }
 

@@ -20,10 +20,12 @@ struct Sides {
 }
 
 pub(super) struct Canonical {
-    columns: Vec<(u32, Column)>,
+    columns: BTreeMap<u32, Column>,
+    /// The bounds without what rows of a single column say.
+    stated: BTreeMap<u32, (f64, f64)>,
     /// Rows by their forms, of which the first coefficient is positive.
     rows: BTreeMap<Form, Sides>,
-    cones: BTreeSet<(u32, Vec<u32>)>,
+    cones: BTreeSet<(u32, Option<u32>, Vec<u32>)>,
     constant: f64,
     linear: Form,
     squares: Vec<(u32, u32, u64)>,
@@ -34,6 +36,7 @@ impl Canonical {
     pub(super) fn new(model: Model, order: &[u32]) -> Self {
         let at = |column: u32| order.get(column as usize).copied().unwrap_or(u32::MAX);
         let mut columns: Vec<Column> = model.columns;
+        let stated: Vec<(f64, f64)> = columns.iter().map(|c| (c.lower, c.upper)).collect();
         let mut rows: BTreeMap<Form, Sides> = BTreeMap::new();
         for row in model.rows {
             let mut entries = row.entries;
@@ -78,7 +81,7 @@ impl Canonical {
         let cones = model.cones.into_iter().map(|cone| {
             let mut tail: Vec<u32> = cone.tail.into_iter().map(at).collect();
             tail.sort_unstable();
-            (at(cone.head), tail)
+            (at(cone.head), cone.second.map(at), tail)
         });
         let mut linear: Vec<(u32, f64)> = model.linear.iter().map(|e| (at(e.0), e.1)).collect();
         linear.sort_by_key(|entry| entry.0);
@@ -90,6 +93,7 @@ impl Canonical {
         squares.retain(|_, value| *value != 0.0);
         Canonical {
             cones: cones.collect(),
+            stated: stated.into_iter().zip(0..).map(|(sides, j)| (at(j), sides)).collect(),
             columns: columns.into_iter().zip(0..).map(|(column, j)| (at(j), column)).collect(),
             rows,
             constant: model.constant,
@@ -98,8 +102,27 @@ impl Canonical {
         }
     }
 
-    pub(super) fn column(&self, place: u32) -> Option<&Column> {
-        self.columns.iter().find(|column| column.0 == place).map(|column| &column.1)
+    fn column(&self, place: u32) -> Option<&Column> {
+        self.columns.get(&place)
+    }
+
+    /// A column at `place` that differs in a log. If statements were left out, rows of a single column
+    /// may be what has become of them, so that such rows of the log may be further ones.
+    pub(super) fn other_column(
+        &self,
+        log: &Canonical,
+        place: u32,
+        has_further: bool,
+    ) -> Option<String> {
+        let (own, other) = (self.columns.get(&place)?, log.columns.get(&place)?);
+        let (lower, upper) = *log.stated.get(&place)?;
+        let is_same = own.limits() == other.limits();
+        let is_within = own.is_integral == other.is_integral
+            && (lower <= own.lower && own.lower <= other.lower)
+            && (upper >= own.upper && own.upper >= other.upper);
+        let is_fine = is_same || (has_further && is_within);
+        let name = &own.name;
+        (!is_fine).then(|| format!("column {name}: {own} in the model, {other} in the log"))
     }
 
     /// A row that is not in another program, which is called `there`.
@@ -140,7 +163,9 @@ impl Canonical {
         let name = |column: u32| self.column(column).map_or("of the log", |column| &column.name);
         let missing = self.cones.difference(&log.cones).next();
         let further = log.cones.difference(&self.cones).next().filter(|_| !has_further);
-        let cone = |cone: &(u32, Vec<u32>)| format!("the cone with the head {}", name(cone.0));
+        let cone = |cone: &(u32, Option<u32>, Vec<u32>)| {
+            format!("the cone with the head {}", name(cone.0))
+        };
         missing.or(further).map(cone)
     }
 }

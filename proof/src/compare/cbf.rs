@@ -131,7 +131,7 @@ impl Reader {
     fn cone(&mut self, kind: &str, columns: Vec<u32>) -> Result<(), String> {
         match (kind, columns.split_first()) {
             ("Q", Some((&head, tail))) => {
-                self.model.cones.push(Cone { head, tail: tail.to_vec() });
+                self.model.cones.push(Cone { head, second: None, tail: tail.to_vec() });
                 Ok(())
             }
             ("QR", _) => {

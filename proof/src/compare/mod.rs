@@ -9,6 +9,7 @@
 mod canonical;
 mod cbf;
 mod lp;
+mod lp_words;
 mod model;
 mod mps;
 
@@ -29,6 +30,9 @@ pub enum Format {
     /// The conic benchmark format.
     Cbf,
 }
+
+/// How many statements that were not compared a text names.
+const MOST_NAMED: usize = 5;
 
 /// What a comparison finds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,11 +63,26 @@ impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Comparison::Same { columns, rows, left_out } => {
-                write!(f, "the same program: {columns} columns, {rows} rows")?;
-                for (k, statement) in left_out.iter().enumerate() {
-                    write!(f, "{}{statement}", if k == 0 { "; not compared: " } else { ", " })?;
+                let ending = |many: usize| if many == 1 { "" } else { "s" };
+                let (a, b) = (ending(*columns), ending(*rows));
+                write!(f, "the same program: {columns} column{a}, {rows} row{b}")?;
+                let mut kinds: Vec<(&str, usize)> = Vec::new();
+                for statement in left_out {
+                    match kinds.iter_mut().find(|kind| kind.0 == statement) {
+                        Some(kind) => kind.1 += 1,
+                        None => kinds.push((statement, 1)),
+                    }
                 }
-                Ok(())
+                for (k, (statement, times)) in kinds.iter().take(MOST_NAMED).enumerate() {
+                    write!(f, "{}{statement}", if k == 0 { "; not compared: " } else { ", " })?;
+                    if *times > 1 {
+                        write!(f, " ({times} times)")?;
+                    }
+                }
+                match kinds.len().saturating_sub(MOST_NAMED) {
+                    0 => Ok(()),
+                    more => write!(f, " and {more} more"),
+                }
             }
             Comparison::Different(what) => write!(f, "another program: {what}"),
         }
@@ -106,11 +125,12 @@ pub fn compare(text: &str, format: Format, log: impl BufRead) -> Result<Comparis
 }
 
 /// The first difference.
-fn difference(mut model: Model, log: Model) -> Option<String> {
+fn difference(mut model: Model, mut log: Model) -> Option<String> {
     if model.is_maximisation != log.is_maximisation {
         return Some("the sense of the objective".to_string());
     }
     model.fold_constants(&log);
+    log.fold_parts();
     let (many, there) = (model.columns.len(), log.columns.len());
     if many > there || (many < there && model.left_out.is_empty()) {
         return Some(format!("the model has {many} columns, the log {there}"));
@@ -120,10 +140,10 @@ fn difference(mut model: Model, log: Model) -> Option<String> {
     let unequal = model.unequal_columns.clone();
     let model = Canonical::new(model, &order);
     let log = Canonical::new(log, &(0..).take(there).collect::<Vec<u32>>());
-    for (&place, &skipped) in order.iter().zip(&unequal) {
-        let (a, b) = (model.column(place)?, log.column(place)?);
-        if !skipped && a.limits() != b.limits() {
-            return Some(format!("column {}: {a} in the model, {b} in the log", a.name));
+    let compared = order.iter().zip(&unequal).filter(|(_, skipped)| !**skipped);
+    for (&place, _) in compared {
+        if let Some(what) = model.other_column(&log, place, has_further) {
+            return Some(what);
         }
     }
     model

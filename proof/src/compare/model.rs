@@ -2,7 +2,7 @@
 
 use crate::exact::Number;
 use crate::program::{Column, Cone, Program};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// A row as a file states it.
 #[derive(Debug)]
@@ -100,30 +100,96 @@ impl Model {
         }
     }
 
-    /// A last column that is fixed, in the linear part of the objective alone and unknown to the log is
-    /// a constant: this is how files that cannot hold one say it.
+    /// A fixed column `Constant`, in the linear part of the objective alone and unknown to the log, is
+    /// a constant: this is how LP files say it.
     pub(super) fn fold_constants(&mut self, log: &Model) {
-        for index in (0..self.columns.len() as u32).rev() {
-            let Some(column) = self.columns.get(index as usize) else { return };
-            let (value, is_fixed) = (column.lower, column.lower == column.upper);
-            let is_used = self.rows.iter().any(|row| row.entries.iter().any(|e| e.0 == index))
-                || self.triangle.iter().any(|e| e.0 == index || e.1 == index)
-                || self.cones.iter().any(|cone| cone.head == index || cone.tail.contains(&index));
-            if !is_fixed || is_used || log.find(&column.name).is_some() || column.name != "Constant"
-            {
-                continue;
-            }
-            let cost = self.linear.iter().filter(|e| e.0 == index).map(|e| e.1).sum::<f64>();
-            self.constant += cost * value;
-            self.remove(index);
+        let Some(index) = self.find("Constant").filter(|_| log.find("Constant").is_none()) else {
+            return;
+        };
+        let Some(&Column { lower, upper, .. }) = self.columns.get(index as usize) else { return };
+        let is_used = self.rows.iter().any(|row| row.entries.iter().any(|e| e.0 == index))
+            || self.triangle.iter().any(|entry| entry.0 == index || entry.1 == index)
+            || self.cones.iter().any(|cone| is_in(cone, index));
+        if lower == upper && !is_used {
+            let costs = self.linear.iter().filter(|entry| entry.0 == index);
+            self.constant += costs.map(|entry| entry.1).sum::<f64>() * lower;
+            self.remove(&HashSet::from([index]));
         }
     }
 
-    fn remove(&mut self, index: u32) {
-        let shift = |j: &mut u32| *j -= u32::from(*j > index);
-        self.columns.remove(index as usize);
-        self.unequal_columns.remove(index as usize);
-        self.linear.retain(|entry| entry.0 != index);
+    /// Leaves the parts of cones out: columns `part` of no cost, in `part times >= entry^2` and
+    /// `sum of parts <= head` alone. They say nothing but that there is a cone with this head, `times` (the
+    /// head again if it is a norm) and these entries, if that cone is there: `part = entry^2 / times`.
+    pub(super) fn fold_parts(&mut self) {
+        let mut uses = vec![0_usize; self.columns.len()];
+        let mut count =
+            |column: u32| uses.get_mut(column as usize).into_iter().for_each(|u| *u += 1);
+        self.rows.iter().flat_map(|row| &row.entries).for_each(|entry| count(entry.0));
+        self.linear.iter().for_each(|entry| count(entry.0));
+        self.triangle.iter().for_each(|entry| [entry.0, entry.1].into_iter().for_each(&mut count));
+        for cone in &self.cones {
+            cone.tail.iter().chain([&cone.head]).chain(&cone.second).for_each(|&j| count(j));
+        }
+        // The cone of each part.
+        let mut parts: HashMap<u32, (u32, u32)> = HashMap::new();
+        for cone in &self.cones {
+            let Some(column) = self.columns.get(cone.head as usize) else { continue };
+            let is_free =
+                (column.is_integral, column.lower, column.upper) == (false, 0.0, f64::INFINITY);
+            if let (Some(times), [entry]) = (cone.second, &cone.tail[..])
+                && uses.get(cone.head as usize) == Some(&2)
+                && is_free
+            {
+                parts.insert(cone.head, (times, *entry));
+            }
+        }
+        let mut folded: HashSet<u32> = HashSet::new();
+        self.rows.retain(|row| {
+            let mut tail = Vec::new();
+            let (mut head, mut times) = (None, None);
+            for &(column, value) in &row.entries {
+                match parts.get(&column) {
+                    Some(&(own, entry)) if value == 1.0 && *times.get_or_insert(own) == own => {
+                        tail.push(entry);
+                    }
+                    None if value == -1.0 && head.is_none() => head = Some(column),
+                    _ => return true,
+                }
+            }
+            let (Some(head), Some(times)) = (head, times) else { return true };
+            tail.sort_unstable();
+            let is_whole = |cone: &Cone| {
+                let mut own = cone.tail.clone();
+                own.sort_unstable();
+                cone.head == head && cone.second.unwrap_or(head) == times && own == tail
+            };
+            let is_sum = (row.lower, row.upper) == (f64::NEG_INFINITY, 0.0);
+            if !is_sum || !self.cones.iter().any(is_whole) {
+                return true;
+            }
+            folded.extend(row.entries.iter().map(|entry| entry.0).filter(|&j| j != head));
+            false
+        });
+        self.cones.retain(|cone| !folded.contains(&cone.head));
+        self.remove(&folded);
+    }
+
+    /// Removes columns that nothing mentions.
+    fn remove(&mut self, removed: &HashSet<u32>) {
+        let mut places = Vec::new();
+        let mut next = 0;
+        for index in 0..self.columns.len() as u32 {
+            places.push(next);
+            next += u32::from(!removed.contains(&index));
+        }
+        let shift = |j: &mut u32| *j = places.get(*j as usize).copied().unwrap_or(u32::MAX);
+        let mut index = 0..;
+        self.columns.retain(|_| index.next().is_none_or(|j| !removed.contains(&j)));
+        let mut index = 0..;
+        self.unequal_columns.retain(|_| index.next().is_none_or(|j| !removed.contains(&j)));
+        self.by_name.retain(|_, j| !removed.contains(j));
+        self.by_name.values_mut().for_each(shift);
+        self.linear.retain(|entry| !removed.contains(&entry.0));
         self.linear.iter_mut().for_each(|entry| shift(&mut entry.0));
         self.rows.iter_mut().flat_map(|row| &mut row.entries).for_each(|e| shift(&mut e.0));
         for entry in &mut self.triangle {
@@ -132,7 +198,7 @@ impl Model {
         }
         for cone in &mut self.cones {
             shift(&mut cone.head);
-            cone.tail.iter_mut().for_each(shift);
+            cone.tail.iter_mut().chain(&mut cone.second).for_each(shift);
         }
     }
 
@@ -148,4 +214,8 @@ impl Model {
             _ => (0..).take(self.columns.len()).collect(),
         }
     }
+}
+
+fn is_in(cone: &Cone, column: u32) -> bool {
+    cone.head == column || cone.second == Some(column) || cone.tail.contains(&column)
 }

@@ -35,7 +35,10 @@ pub(super) fn read(text: &str) -> Result<Model, String> {
         if line.starts_with('*') || line.trim().is_empty() {
             continue;
         }
-        let fields: Vec<&str> = line.split_ascii_whitespace().collect();
+        // A word behind the name of a line that begins with $ or * begins a comment.
+        let is_comment = |(k, word): &(usize, &str)| *k > 0 && word.starts_with(['$', '*']);
+        let words = line.split_ascii_whitespace().enumerate();
+        let fields: Vec<&str> = words.take_while(|word| !is_comment(word)).map(|w| w.1).collect();
         let is_section = !line.starts_with(|letter: char| letter.is_ascii_whitespace());
         if is_section {
             section = fields.first().map(|word| word.to_ascii_uppercase()).unwrap_or_default();

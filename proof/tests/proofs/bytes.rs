@@ -9,7 +9,7 @@ fn proof() -> String {
     let small = Small {
         bounds: vec![(-1, 2), (0, 2)],
         rows: vec![(Some(1), None, vec![2, -1]), (None, Some(3), vec![1, 2])],
-        cone: Some((0, vec![1])),
+        cone: Some((0, None, vec![1])),
         linear: vec![-1, 2],
         squares: vec![1, 0],
         claim: None,

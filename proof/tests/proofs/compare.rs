@@ -1,6 +1,8 @@
 //! Model files against headers of logs.
 
 use carom_proof::compare::{Format, compare};
+use proptest::prelude::*;
+use proptest::sample::Index;
 
 const HEADER: &str = "\
 carom proof 1
@@ -29,7 +31,7 @@ OBJSENSE
     MAX
 ROWS
  N cost
- L cap
+ L cap $ a comment
  G both
  E same
  N other
@@ -136,6 +138,13 @@ fn mps_files() {
         "another program: the model has 4 columns, the log 5"
     });
     assert!(said(&left, Format::Mps, &further).starts_with("the same program: "));
+    // What sets become may be a row of a single column, but not another bound.
+    let single = HEADER.replace("rows 3", "rows 4\nr -inf 3 1 0 1 r");
+    assert!(said(&left, Format::Mps, &single).starts_with("the same program: "));
+    let other = "column x: continuous from 0 to 4 in the model, continuous from 0 to 3 in the log";
+    assert_eq!(said(MPS, Format::Mps, &single), format!("another program: {other}"));
+    let tighter = HEADER.replace("c c 0 4 x", "c c 0 3 x");
+    assert_eq!(said(&left, Format::Mps, &tighter), format!("another program: {other}"));
 }
 
 #[test]
@@ -160,6 +169,8 @@ fn lp_files() {
             ("Maximize", "Minimize", "the sense of the objective"),
         ],
     );
+    let empty = LP.replace("Bounds", " e: = 0\nBounds");
+    assert_eq!(said(&empty, Format::Lp, HEADER), "the same program: 4 columns, 5 rows");
     let constant = LP.replace("+ 1.5", "+ 1.5 Constant").replace("Bounds", "Bounds\n Constant = 1");
     assert_eq!(said(&constant, Format::Lp, HEADER), "the same program: 5 columns, 4 rows");
     let more = "Subject To\n ind: b = 1 -> x + y <= 3\n q: x + [ x ^2 ] <= 7\n 1 <= x + y <= 2\n";
@@ -174,9 +185,7 @@ fn lp_files() {
     });
 }
 
-#[test]
-fn cbf_files() {
-    let header = "\
+const CONIC: &str = "\
 carom proof 1
 sense min
 columns 4
@@ -194,7 +203,8 @@ h 0
 claim bound 0
 proof
 ";
-    let model = "\
+
+const CBF: &str = "\
 VER
 1
 OBJSENSE
@@ -225,11 +235,14 @@ BCOORD
 0 -3
 1 -2
 ";
-    assert_eq!(said(model, Format::Cbf, header), "the same program: 4 columns, 2 rows");
+
+#[test]
+fn cbf_files() {
+    assert_eq!(said(CBF, Format::Cbf, CONIC), "the same program: 4 columns, 2 rows");
     changed(
-        model,
+        CBF,
         Format::Cbf,
-        header,
+        CONIC,
         &[
             ("Q 3\nL+ 1\n", "F 3\nL+ 1\n", {
                 "column x[0]: continuous from -inf to inf in the model, continuous from 0 to inf \
@@ -241,8 +254,53 @@ BCOORD
             ("1 -2\n", "1 2\n", "row c[1]: from -2 to inf, and from 2 to inf in the log"),
         ],
     );
-    let fewer = header.replace("cones 1\nq 0 2 1 2\n", "cones 0\n");
-    assert_eq!(said(model, Format::Cbf, &fewer), {
-        "another program: the cone with the head x[0]"
+    let rotated =
+        CBF.replace("CON\n2 2\n", "CON\n8 4\n").replace("L+ 1\nOBJ", "L+ 1\nQR 3\nQR 3\nOBJ");
+    assert_eq!(said(&rotated, Format::Cbf, CONIC), {
+        "the same program: 4 columns, 2 rows; not compared: a cone QR of expressions (2 times)"
     });
+    let fewer = CONIC.replace("cones 1\nq 0 2 1 2\n", "cones 0\n");
+    let missing = "another program: the cone with the head x[0]";
+    assert_eq!(said(CBF, Format::Cbf, &fewer), missing);
+}
+
+#[test]
+fn parts_of_cones() {
+    let parts = CONIC
+        .replace("columns 4", "columns 6")
+        .replace("rows 1", "c c 0 inf part\nc c 0 inf part\nrows 2\nr -inf 0 3 0 -1 4 1 5 1 sum")
+        .replace("cones 1", "cones 3\nr 4 0 1 1\nr 5 0 1 2");
+    assert_eq!(said(CBF, Format::Cbf, &parts), "the same program: 4 columns, 2 rows");
+    for (from, to) in [
+        ("r -inf 0 3", "r -inf -1 3"),
+        ("c c 0 inf part\nrows", "c c 0 1 part\nrows"),
+        ("r 5 0 1 2", "r 5 0 1 1"),
+        ("r 5 0 1 2", "r 5 3 1 2"),
+        ("g 1 0 1", "g 2 0 1 5 1"),
+        ("4 1 5 1 sum", "4 1 5 2 sum"),
+    ] {
+        let other = said(CBF, Format::Cbf, &parts.replace(from, to));
+        assert_eq!(other, "another program: the model has 4 columns, the log 6", "{from} to {to}");
+    }
+    let without = parts.replace("cones 3", "cones 2").replace("q 0 2 1 2\n", "");
+    assert_eq!(said(CBF, Format::Cbf, &without), {
+        "another program: the model has 4 columns, the log 6"
+    });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn any_text(text in "\\PC{0,80}", place in any::<Index>(), cut in any::<Index>()) {
+        for (format, model) in [(Format::Mps, MPS), (Format::Lp, LP), (Format::Cbf, "VER\n1\nVAR\n2 1\nQ 2\n")] {
+            let _ = said(&text, format, HEADER);
+            let at = place.index(model.len());
+            let mut changed = model.to_string();
+            changed.insert_str(at, text.get(..cut.index(text.len() + 1)).unwrap_or(" "));
+            let _ = said(&changed, format, HEADER);
+            changed.truncate(at);
+            let _ = said(&changed, format, HEADER);
+        }
+    }
 }

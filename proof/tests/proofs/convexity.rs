@@ -71,7 +71,7 @@ fn deficits_cost_slack() {
             ("p 2 0 1 1 1", "p 2 0 1 1 0.5", {
                 "rejected: row 1 is not diagonally dominant, by 0.5"
             }),
-            ("p 2 0 1 1 1", "p 2 0 -1 1 1", { "rejected: the deficit -1 of column 0 is negative" }),
+            ("p 2 0 1 1 1", "p 2 0 -1 1 1", { "rejected: row 0 is not diagonally dominant, by 2" }),
             ("t 0", "t 1 0 1", {
                 "rejected: the combination is no contradiction: it holds with 6 to spare"
             }),
@@ -146,30 +146,147 @@ fn a_tangent_of_a_cone() {
     // h >= |(x, y)| with x >= 3, y >= 4, h <= 4.25.
     let cone = Header {
         columns: &["c 0 4.25 h", "c 3 9 x", "c 4 9 y"],
-        cones: &["0 2 1 2"],
+        cones: &["q 0 2 1 2"],
         claim: "infeasible",
         ..Header::default()
     };
     broken(
-        &cone.log("q 0 2 0.5 0.75\n x 1 0 1"),
+        &cone.log("q 0 2 2 1 1.5\n x 1 0 1"),
         &[
-            ("q 0 2 0.5 0.75", "q 0 2 1 0.75", {
-                "rejected: the square of |u| exceeds 1 by 0.5625"
+            ("q 0 2 2 1 1.5", "q 0 2 2 2 1.5", {
+                "rejected: the weights of the tail are too long: their square, by 2.25"
             }),
-            ("q 0 2 0.5 0.75", "q 0 2 0.6 0.8", {
-                "rejected: the square of |u| exceeds 1 by 4.4408920985006264e-17"
+            ("q 0 2 2 1 1.5", "q 0 1 2 0.6 0.8", {
+                "rejected: the weights of the tail are too long: their square, by \
+                 4.4408920985006264e-17"
             }),
-            ("q 0 2 0.5 0.75", "q 0 1 1", "rejected: cone 0 has 2 columns"),
-            ("q 0 2 0.5 0.75", "q 1 2 0 1", "rejected: there is no cone 1; their number is 1"),
+            ("q 0 2 2 1 1.5", "q 0 -2 2 1 1.5", "rejected: the weight of a head is negative"),
+            ("q 0 2 2 1 1.5", "q 0 1 1 1", "rejected: cone 0 has 2 columns in its tail"),
+            ("q 0 2 2 1 1.5", "q 1 1 2 0 1", "rejected: there is no cone 1; their number is 1"),
             ("c 0 4.25 h", "c 0 4.75 h", {
-                "rejected: the combination is no contradiction: it holds with 0.25 to spare"
+                "rejected: the combination is no contradiction: it holds with 0.5 to spare"
             }),
             ("x 1 0 1", "x 1 0 -1", "rejected: fact 0 has no upper side, for multiplier -1"),
         ],
     );
     // A column may be in a cone twice.
-    let twice = Header { cones: &["0 2 1 1"], ..cone };
-    assert_eq!(verdict(&twice.log("q 0 2 0.5 0.8\n b 0 L 3.5 0\n x 0")), {
+    let twice = Header { cones: &["q 0 2 1 1"], ..cone };
+    assert_eq!(verdict(&twice.log("q 0 1 2 0.5 0.8\n b 0 L 3.5 0\n x 0")), {
         "rejected: the combination is no contradiction: it holds with 0 to spare"
     });
+}
+
+#[test]
+fn a_tangent_of_a_rotated_cone() {
+    // h s >= x² + y² with x >= 3, y >= 4, h <= 4 and s <= 6.
+    let cone = Header {
+        columns: &["c 0 4 h", "c 0 6 s", "c 3 9 x", "c 4 9 y"],
+        cones: &["r 0 1 2 2 3"],
+        claim: "infeasible",
+        ..Header::default()
+    };
+    broken(
+        &cone.log("q 0 6 4 2 2.875 3.875\n x 1 0 1"),
+        &[
+            ("q 0 6 4 2 2.875 3.875", "q 0 6 4 2 3 4", {
+                "rejected: the weights of the tail are too long: their square, by 1"
+            }),
+            ("q 0 6 4 2 2.875 3.875", "q 0 -6 -4 2 2.875 3.875", {
+                "rejected: the weight of a head is negative"
+            }),
+            ("q 0 6 4 2 2.875 3.875", "q 0 6 2 2.875 3.875", {
+                "unreadable: the number of entries, `2.875`, is no whole number"
+            }),
+            ("c 0 6 s", "c 0 6.25 s", {
+                "rejected: the combination is no contradiction: it holds with 0.75 to spare"
+            }),
+        ],
+    );
+}
+
+#[test]
+fn curvature_bounds_columns() {
+    // x² - 2x + y is (x - 1)² + y - 1, and y is at least 1. So an objective of at most 4 needs x within
+    // [-1, 3] and y at most 5.
+    let steep = Header {
+        columns: &["c -9 9 x", "c 1 9 y", "c 0 1 z"],
+        rows: &["-inf -3.5 1 0 -1 x"],
+        linear: "2 0 -2 1 1",
+        squares: "1 0 0 2",
+        claim: "bound 4",
+        ..BOWL
+    };
+    let log = steep.log("p 1 0 -2\n l 0\n w 2 0 1 1 2 0 3 0 U 3 0 L -1 1 U 5\n b 0 L 3.5 0\n d 0");
+    let elsewhere = log.replace("2 0 1 1 2 0 3", "2 0 0 1 2 1 0 1 3");
+    assert_eq!(verdict(&elsewhere), "proved: objective >= 4 (5 steps)");
+    let no_bound = |what: &str| format!("rejected: the curvature does not bound column {what}");
+    broken(
+        &log,
+        &[
+            ("0 U 3 ", "0 U 2.5 ", &no_bound("0 (x) by 2.5")),
+            ("0 L -1 ", "0 L -0.5 ", &no_bound("0 (x) by -0.5")),
+            ("1 U 5\n", "1 U 4.5\n", &no_bound("1 (y) by 4.5")),
+            ("1 U 5\n", "1 L 2\n", &no_bound("1 (y) by 2")),
+            ("1 U 5\n", "2 U 0.5\n", &no_bound("2 (z) by 0.5")),
+            ("0 L -1 ", "0 L 2 ", &no_bound("0 (x) by 2")),
+            ("p 1 0 -2", "p 1 0 -2.5", "rejected: row 0 is not diagonally dominant, by 0.5"),
+            ("p 1 0 -2", "p 1 0 -1", &no_bound("0 (x) by 3")),
+            ("p 1 0 -2", "p 0", &no_bound("0 (x) by 3")),
+            ("p 1 0 -2", "p 1 0 1", &no_bound("0 (x) by 3")),
+            (
+                "2 0 1 1 2 0 3",
+                "2 0 0 1 2 0 3",
+                "rejected: column 0 may lower the objective by more",
+            ),
+            ("2 0 1 1 2 0 3", "2 0 0 1 2 1 0 0.75 3", {
+                "rejected: column 0 may lower the objective by more"
+            }),
+            ("2 0 1 1 2 0 3", "2 0 1 1 2 1 0 1 3", &no_bound("1 (y) by 5")),
+            ("2 0 1 1 2 0 3", "2 0 1 1 2 1 0 -1 3", {
+                "rejected: column 0 may lower the objective by more"
+            }),
+            ("c 1 9 y", "c -inf 9 y", "rejected: column 1 has no curvature and no bound"),
+            ("bound 4", "bound 4.5", &no_bound("0 (x) by 3")),
+            ("claim bound 4", "claim infeasible", {
+                "rejected: without a bound to prove, nothing is known of the objective"
+            }),
+            ("p 1 0 -2\nl 0\nw", "w", "rejected: `w` needs `p` before it"),
+        ],
+    );
+}
+
+#[test]
+fn curvature_says_nothing_of_a_slope_that_falls() {
+    let said = |header: &Header, steps: &str| verdict(&header.log(steps));
+    let no_bound =
+        |value: &str| format!("rejected: the curvature does not bound column 0 (x) by {value}");
+    let open = "rejected: the claim is not proved: context 0 is not closed";
+    // x² - 2x is 3 at -1, but falls from there to the right.
+    let steep = Header {
+        columns: &["c -9 9 x"],
+        linear: "1 0 -2",
+        squares: "1 0 0 2",
+        claim: "bound 3",
+        ..BOWL
+    };
+    let steps = "p 1 0 -2\n l 0\n w 1 0 -1 1 0 4 1 0 L -1";
+    assert_eq!(said(&steep, steps), open);
+    assert_eq!(said(&steep, &steps.replace("0 L -1", "0 U -1")), no_bound("-1"));
+    assert_eq!(said(&steep, &steps.replace("0 L -1", "0 L -0.5")), no_bound("-0.5"));
+    // -x² - 2x is 1 at -1 and falls as well, where the column has a deficit.
+    let arch = Header { columns: &["c -1 1 x"], squares: "1 0 0 -2", claim: "bound 0", ..steep };
+    assert_eq!(said(&arch, "p 1 0 2\n l 0\n w 0 0 1 0 U -1"), no_bound("-1"));
+    // x² - y² is at least x² - 1 for y within [-1, 1].
+    let saddle = Header {
+        columns: &["c -9 9 x", "c -1 1 y"],
+        linear: "",
+        squares: "2 0 0 2 1 1 -2",
+        claim: "bound 0",
+        ..BOWL
+    };
+    let steps = "p 2 0 -2 1 2\n l 0\n w 0 0 2 0 U 1 0 L -1";
+    assert_eq!(said(&saddle, steps), open);
+    assert_eq!(said(&saddle, &steps.replace("0 U 1", "0 U 0.5")), no_bound("0.5"));
+    let free = Header { columns: &["c -9 9 x", "c -1 inf y"], ..saddle };
+    assert_eq!(said(&free, steps), "rejected: column 1 has a deficit and is not bounded");
 }

@@ -10,8 +10,8 @@ pub(crate) type Row = (Option<i64>, Option<i64>, Vec<i64>);
 pub(crate) struct Small {
     pub(crate) bounds: Vec<(i64, i64)>,
     pub(crate) rows: Vec<Row>,
-    /// `x_head >= |(x_j for j in tail)|`.
-    pub(crate) cone: Option<(usize, Vec<usize>)>,
+    /// `x_head >= |(x_j for j in tail)|`, or `x_head x_second >= |(x_j for j in tail)|²`.
+    pub(crate) cone: Option<(usize, Option<usize>, Vec<usize>)>,
     pub(crate) linear: Vec<i64>,
     pub(crate) squares: Vec<i64>,
     /// `None` claims that there is no point.
@@ -63,12 +63,13 @@ impl Small {
         })
     }
 
-    /// The tail of the cone, if a point violates it.
-    fn violated_cone(&self, x: &[i64]) -> Option<Vec<i64>> {
-        let (head, tail) = self.cone.as_ref()?;
+    /// The heads and the tail of the cone, if a point violates it.
+    fn violated_cone(&self, x: &[i64]) -> Option<(i64, i64, Vec<i64>)> {
+        let (head, second, tail) = self.cone.as_ref()?;
         let tail: Vec<i64> = tail.iter().map(|&j| x[j]).collect();
         let squares: i64 = tail.iter().map(|v| v * v).sum();
-        (x[*head] < 0 || x[*head] * x[*head] < squares).then_some(tail)
+        let (a, b) = (x[*head], x[second.unwrap_or(*head)]);
+        (a < 0 || b < 0 || a * b < squares).then_some((a, b, tail))
     }
 
     pub(crate) fn header(&self) -> String {
@@ -84,9 +85,13 @@ impl Small {
             let _ = writeln!(log, "r {lower} {upper} {}", entries(row));
         }
         let _ = writeln!(log, "cones {}", usize::from(self.cone.is_some()));
-        if let Some((head, tail)) = &self.cone {
+        if let Some((head, second, tail)) = &self.cone {
             let tail: Vec<String> = tail.iter().map(|j| format!(" {j}")).collect();
-            let _ = writeln!(log, "q {head} {}{}", tail.len(), tail.concat());
+            let heads = match second {
+                Some(second) => format!("r {head} {second}"),
+                None => format!("q {head}"),
+            };
+            let _ = writeln!(log, "{heads} {}{}", tail.len(), tail.concat());
         }
         let squares: Vec<String> = (0..self.squares.len())
             .filter(|&j| self.squares[j] != 0)
@@ -152,13 +157,63 @@ impl<'a> Writer<'a> {
                 self.line(format!("y {j} {square}"));
             }
         } else {
-            self.line("p 0".into());
-            self.line("l 0".into());
+            self.convexity();
         }
         let mut bounds = self.small.bounds.clone();
         self.tree(&mut bounds);
         let steps = self.lines.len();
         self.line(format!("end {steps}"));
+    }
+
+    /// Proves convexity, and bounds from it around a point.
+    fn convexity(&mut self) {
+        let Small { squares, linear, bounds, claim, .. } = self.small;
+        let steep: Vec<usize> = (0..squares.len()).filter(|&j| squares[j] != 0).collect();
+        let Some(limit) = claim.filter(|_| self.choice(2) == 0) else {
+            self.line("p 0".into());
+            return self.line("l 0".into());
+        };
+        let deficits: Vec<String> =
+            steep.iter().map(|&j| format!(" {j} {}", -2 * squares[j])).collect();
+        self.line(format!("p {}{}", deficits.len(), deficits.concat()));
+        self.line("l 0".into());
+        let point: Vec<i64> = bounds
+            .iter()
+            .map(|(lower, upper)| lower + i64::from(self.choice((upper - lower + 1) as u8)))
+            .collect();
+        let slopes: Vec<f64> =
+            (0..point.len()).map(|j| (linear[j] + 2 * squares[j] * point[j]) as f64).collect();
+        // The least of each term of the objective around the point.
+        let least = |j: usize| match squares[j] {
+            0 if slopes[j] < 0.0 => slopes[j] * (bounds[j].1 - point[j]) as f64,
+            0 => slopes[j] * (bounds[j].0 - point[j]) as f64,
+            square => -slopes[j] * slopes[j] / (4 * square) as f64 - 0.125,
+        };
+        let all: f64 =
+            (0..point.len()).map(least).sum::<f64>() + self.small.objective(&point) as f64;
+        let mut found = Vec::new();
+        for j in 0..point.len() {
+            for (side, step) in [("U", 1), ("L", -1)] {
+                let mut value = point[j];
+                while (bounds[j].0..=bounds[j].1).contains(&value) {
+                    let x = (value - point[j]) as f64;
+                    let curvature = squares[j] as f64;
+                    let growth = slopes[j] + 2.0 * curvature * x;
+                    let grows = growth * step as f64 >= 0.0;
+                    let term = slopes[j] * x + curvature * x * x;
+                    if grows && all - least(j) + term >= limit {
+                        found.push(format!(" {j} {side} {value}"));
+                        break;
+                    }
+                    value += step;
+                }
+            }
+        }
+        let values: Vec<String> =
+            point.iter().enumerate().map(|(j, x)| format!(" {j} {x}")).collect();
+        let falls: Vec<String> = steep.iter().map(|&j| format!(" {j} {}", -least(j))).collect();
+        let lists = [values, falls, found].map(|list| format!("{}{}", list.len(), list.concat()));
+        self.line(format!("w {}", lists.join(" ")));
     }
 
     /// Refutes all points within bounds.
@@ -193,13 +248,8 @@ impl<'a> Writer<'a> {
         if let Some((row, is_above)) = self.small.violated_row(x) {
             return self.row(row, is_above, x);
         }
-        if let Some(tail) = self.small.violated_cone(x) {
-            // A bit shorter than 1 where it must be rounded.
-            let norm = tail.iter().map(|v| (v * v) as f64).sum::<f64>().sqrt() * (1.0 + 1e-15);
-            let u: Vec<String> = tail.iter().map(|&v| format!(" {}", v as f64 / norm)).collect();
-            let u = if norm == 0.0 { " 0".repeat(tail.len()) } else { u.concat() };
-            let fact = self.fact(format!("q 0 {}{u}", tail.len()));
-            return self.line(format!("x 1 {fact} 1"));
+        if let Some((a, b, tail)) = self.small.violated_cone(x) {
+            return self.cone(a as f64, b as f64, &tail);
         }
         let mut point: Vec<String> =
             x.iter().enumerate().map(|(j, value)| format!(" {j} {value}")).collect();
@@ -224,6 +274,24 @@ impl<'a> Writer<'a> {
             let fact = self.fact(format!("k {multipliers}"));
             self.line(format!("x 1 {fact} 1.5"));
         }
+    }
+
+    /// Refutes a point with a cone that it violates.
+    fn cone(&mut self, a: f64, b: f64, tail: &[i64]) {
+        let is_rotated = self.small.cone.as_ref().is_some_and(|cone| cone.1.is_some());
+        let (p, q) = match (is_rotated, a < 0.0, b < 0.0) {
+            (false, ..) => (1.0, 1.0),
+            (true, true, _) => (1.0, 0.0),
+            (true, _, true) => (0.0, 1.0),
+            _ => (b + 1e-3, a + 1e-3),
+        };
+        // A bit shorter than allowed where it must be rounded.
+        let norm = tail.iter().map(|v| (v * v) as f64).sum::<f64>().sqrt();
+        let scale = if norm == 0.0 { 0.0 } else { (p * q).sqrt() / norm * (1.0 - 1e-14) };
+        let w: Vec<String> = tail.iter().map(|&v| format!(" {}", v as f64 * scale)).collect();
+        let heads = if is_rotated { format!("{p} {q}") } else { "1".to_string() };
+        let fact = self.fact(format!("q 0 {heads} {}{}", tail.len(), w.concat()));
+        self.line(format!("x 1 {fact} 1"));
     }
 
     /// Refutes a point with a row that it violates.

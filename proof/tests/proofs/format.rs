@@ -5,7 +5,7 @@ use crate::log::{Header, broken, verdict};
 const BOX: Header = Header {
     columns: &["c 0 1 a name of words", "i 0 3 n"],
     rows: &["-inf 1.5 2 0 1 1 1"],
-    cones: &["0 1 1"],
+    cones: &["q 0 1 1"],
     linear: "1 0 1",
     squares: "1 1 1 2",
     claim: "bound -0.5",
@@ -91,4 +91,12 @@ fn numbers_without_end_are_refused() {
         verdict(&header.log(&steps)),
         "rejected: the numbers are too large or too fine for this checker"
     );
+}
+
+#[test]
+fn the_example_of_the_page() {
+    let page = include_str!("../../../docs/proofs.md");
+    let example = include_str!("../logs/cap.proof");
+    assert!(page.contains(&format!("```text\n{example}```\n")));
+    assert!(page.contains(&format!("```text\n{}\n```\n", verdict(example))));
 }

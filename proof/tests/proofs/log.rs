@@ -16,11 +16,11 @@ impl Header {
     pub(crate) fn log(&self, steps: &str) -> String {
         let mut log = String::from("carom proof 1\nsense min\n");
         for (name, keyword, lines) in
-            [("columns", "c", self.columns), ("rows", "r", self.rows), ("cones", "q", self.cones)]
+            [("columns", "c ", self.columns), ("rows", "r ", self.rows), ("cones", "", self.cones)]
         {
             log += &format!("{name} {}\n", lines.len());
             for line in lines {
-                log += &format!("{keyword} {line}\n");
+                log += &format!("{keyword}{line}\n");
             }
         }
         let or_none = |text: &'static str| if text.is_empty() { "0" } else { text };

@@ -10,7 +10,8 @@ fn small() -> impl Strategy<Value = Small> {
         let side = || prop::option::of(-4_i64..5);
         let row = (side(), side(), prop::collection::vec(-3_i64..4, n)).prop_map(order);
         let rows = prop::collection::vec(row, 0..4);
-        let cone = prop::option::of((0..n, prop::collection::vec(0..n, 1..3)));
+        let cone =
+            prop::option::of((0..n, prop::option::of(0..n), prop::collection::vec(0..n, 1..3)));
         let linear = prop::collection::vec(-3_i64..4, n);
         let squares = prop::collection::vec(0_i64..3, n);
         (bounds, rows, cone, linear, squares).prop_map(|(bounds, rows, cone, linear, squares)| {
