@@ -37,6 +37,7 @@ use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
 use bounds::Bounds;
 use combination::Combination;
+use cones::ConeRow;
 use convexity::Convexity;
 use facts::Facts;
 use log::{Log, Names};
@@ -157,6 +158,7 @@ impl ProofWriter<'_, '_> {
             self.bounds.enqueue(fact);
         }
         self.add_objective();
+        self.add_cones();
         if let Err(what) = self.bounds.propagate(&self.facts) {
             self.write_conflict(what);
             return Ok(());
@@ -171,6 +173,24 @@ impl ProofWriter<'_, '_> {
         let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
         let begin = Probing::new(order, Part::Node(guide, 0), None);
         self.close(Part::Probing(Box::new(begin)))
+    }
+
+    /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`, or twice an
+    /// entry at most the sum of both heads.
+    fn add_cones(&mut self) {
+        for cone in 0..self.relaxer.program.cones.len() {
+            let own = &self.relaxer.program.cones[cone];
+            let (heads, entries) = (own.head().len(), own.tail().len());
+            for (entry, weight) in (0..entries).flat_map(|entry| [(entry, 1.0), (entry, -1.0)]) {
+                let mut tail = vec![0.0; entries];
+                tail[entry] = weight;
+                let row = ConeRow { cone, head: vec![1.0; heads], tail };
+                self.log.cone_row(cone, &row.head, &row.tail);
+                let terms: Vec<(usize, f64)> = row.terms(&self.relaxer.program).collect();
+                let fact = self.facts.push(terms.into_iter(), [0.0, f64::INFINITY]);
+                self.bounds.enqueue(fact as u32);
+            }
+        }
     }
 
     /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its whole
