@@ -13,7 +13,7 @@ mod multipliers;
 mod phases;
 mod prepared;
 mod presolve;
-mod proof;
+pub(crate) mod proof;
 mod refusals;
 mod restore;
 mod row_judge;

@@ -70,6 +70,10 @@ pub mod relaxation {
     };
 }
 
+pub mod proof {
+    pub use crate::branch_and_bound::proof::write_proof_of;
+}
+
 pub mod search {
     pub use crate::search::{
         Contradiction, PointJudge, SearchResult, SolveTask, Start, StartPoint, search,

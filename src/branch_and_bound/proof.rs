@@ -1,15 +1,21 @@
 //! The phase after the last one, if it is asked for: the proof of the answer, for another program to check.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind as IoErrorKind};
+use std::io::{self, BufWriter, ErrorKind as IoErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::lower::LoweredProgram;
+use super::lower::{LoweredProgram, lower};
 use super::solve::{Solve, SolveResult};
 use crate::error::{Error, ErrorKind};
-use crate::proof::{Claim, Guide, prove};
+use crate::model::Model;
+use crate::proof::{Claim, Guide, ProofRequest};
+use crate::relaxation::LadderPool;
 use crate::solution::{ProofReport, Termination};
-use crate::solver::{Interrupt, StopToken};
+use crate::solver::{Interrupt, Options, StopToken};
+
+/// Splits of a proof besides those of the search, and of a proof without a search.
+const MOST_SPLITS: u64 = 20_000;
+const FEW_SPLITS: u64 = 1000;
 
 /// The largest number of proofs in a folder.
 const MOST_FILES: usize = 1_000_000;
@@ -49,17 +55,17 @@ impl Solve<'_> {
         let mut out = BufWriter::new(create(path).map_err(failed)?);
         let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
         let point = solved.lowered_point.as_deref();
-        let proved = prove(
+        let (options, token, ladders) = (self.options, &token, self.ladders);
+        let asked = ProofRequest {
             program,
             names,
             claim,
-            guide,
-            point,
-            (self.options, &token),
-            self.ladders,
-            &mut out,
-        );
-        proved.map(Some).map_err(failed)
+            options,
+            token,
+            most_splits: MOST_SPLITS,
+            ladders,
+        };
+        asked.prove(guide, point, &mut out).map(Some).map_err(failed)
     }
 }
 
@@ -76,4 +82,31 @@ fn create(path: &Path) -> io::Result<File> {
         }
     }
     Err(IoErrorKind::AlreadyExists.into())
+}
+
+/// Writes the proof of a claim about a model that no search has made: that its (minimised) objective is at
+/// least `bound`, or that it has no point. The log is one that no checker accepts if the claim is false.
+pub fn write_proof_of(
+    model: &Model,
+    bound: Option<f64>,
+    out: &mut dyn Write,
+) -> Result<ProofReport, Error> {
+    let (options, token) = (&Options::default(), &StopToken::default());
+    let Some(lowered) = lower(model, token, true)? else { return Err(ErrorKind::Other.into()) };
+    let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
+    let claim = bound.map_or(Claim::Infeasible, Claim::Bound);
+    let ladders = &LadderPool::new(options);
+    let asked = ProofRequest {
+        program: &lowered.program,
+        names,
+        claim,
+        options,
+        token,
+        most_splits: FEW_SPLITS,
+        ladders,
+    };
+    asked.prove(Guide::default(), None, out).map_err(|source| {
+        let (what, help) = ("the proof cannot be written".into(), "look at the writer");
+        Error::with_source(ErrorKind::Io { what, help }, source)
+    })
 }

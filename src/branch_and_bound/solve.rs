@@ -59,6 +59,13 @@ pub(super) struct SolveResult {
 impl SolveResult {
     /// A result without a point.
     pub(super) fn without_point(found: SearchResult) -> Self {
-        SolveResult { found, derivatives: None, point: None, lowered_point: None, proof: None, columns: None }
+        SolveResult {
+            found,
+            derivatives: None,
+            point: None,
+            lowered_point: None,
+            proof: None,
+            columns: None,
+        }
     }
 }

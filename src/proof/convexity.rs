@@ -36,7 +36,8 @@ impl Convexity {
     /// objective is steep there.
     pub(super) fn of(program: &Program) -> Self {
         let n = program.column_count();
-        let is_open = |j: &usize| program.lower[*j].is_infinite() || program.upper[*j].is_infinite();
+        let is_open =
+            |j: &usize| program.lower[*j].is_infinite() || program.upper[*j].is_infinite();
         let mut products = Vec::new();
         for j in 0..n {
             let (rows, values) = program.quadratic_column(j);
@@ -68,12 +69,17 @@ impl Convexity {
         let mut lack = lacking(matrix, &[]);
         let mut factor = Vec::new();
         if lack.iter().any(|&lack| lack > 0.0) {
-            factor = if names.len() <= DENSE { dense_factor(matrix) } else { sparse_factor(matrix) };
+            factor =
+                if names.len() <= DENSE { dense_factor(matrix) } else { sparse_factor(matrix) };
             lack = lacking(matrix, &factor);
         }
         for (k, lack) in lack.into_iter().enumerate() {
             // The matrix without what was taken was rounded.
-            let rounding = if taken[k] > 0.0 { 4.0 * f64::EPSILON * matrix_size(matrix, k, taken[k]) } else { 0.0 };
+            let rounding = if taken[k] > 0.0 {
+                4.0 * f64::EPSILON * matrix_size(matrix, k, taken[k])
+            } else {
+                0.0
+            };
             self.deficits[names[k]] = lack - taken[k] + rounding;
         }
         let name = |column: Vec<(usize, f64)>| -> Vec<(usize, f64)> {

@@ -22,7 +22,9 @@ impl ProofWriter<'_, '_> {
         let (program, deficits) = (&self.relaxer.program, &self.relaxer.deficits);
         let is_open = |j: usize| self.bounds.of(j).iter().any(|bound| bound.is_infinite());
         let steep: Vec<usize> = (0..deficits.len()).filter(|&j| deficits[j] < 0.0).collect();
-        if !(0..deficits.len()).any(|j| is_open(j) && (deficits[j] < 0.0 || program.linear[j] != 0.0)) {
+        if !(0..deficits.len())
+            .any(|j| is_open(j) && (deficits[j] < 0.0 || program.linear[j] != 0.0))
+        {
             return;
         }
         let point = self.least_point(&steep);

@@ -66,7 +66,11 @@ pub(crate) struct Guide {
 impl Guide {
     /// The splits of a search.
     pub(crate) fn new(forks: Vec<Fork>, columns: Option<Vec<usize>>) -> Self {
-        Guide { forks: forks.into_iter().map(|fork| (fork.id(), fork)).collect(), columns, is_plain: false }
+        Guide {
+            forks: forks.into_iter().map(|fork| (fork.id(), fork)).collect(),
+            columns,
+            is_plain: false,
+        }
     }
 
     fn fork(&self, node: u32) -> Option<&Fork> {
@@ -93,62 +97,88 @@ impl Guide {
     }
 }
 
-/// The own splits of a proof, besides those of the search.
-const MOST_SPLITS: u64 = 1_000_000;
+/// A proof that is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ProofRequest<'a> {
+    /// The lowered program.
+    pub(crate) program: &'a Program,
+    /// The names of its columns and of its rows, as far as there are any.
+    pub(crate) names: [&'a [String]; 2],
+    pub(crate) claim: Claim,
+    pub(crate) options: &'a Options,
+    /// Ends the proof when it is over.
+    pub(crate) token: &'a StopToken,
+    /// Splits besides those of the search.
+    pub(crate) most_splits: u64,
+    pub(crate) ladders: &'a LadderPool,
+}
 
-/// Writes the proof of a claim about a lowered program.
-///
-/// # Arguments
-///
-/// * `point`: the best point that is known.
-///
-/// # Errors
-///
-/// Those of `out`.
-pub(crate) fn prove(
-    program: &Program,
-    names: [&[String]; 2],
-    claim: Claim,
-    guide: Guide,
-    point: Option<&[f64]>,
-    (options, token): (&Options, &StopToken),
-    ladders: &LadderPool,
-    out: &mut dyn Write,
-) -> io::Result<ProofReport> {
-    let [columns, rows] = names;
-    let mut log = Log::new(out, program, &Names { columns, rows }, claim);
-    if let Some(point) = point {
-        log.point(point);
+impl ProofRequest<'_> {
+    /// Writes the proof.
+    ///
+    /// # Arguments
+    ///
+    /// * `guide`: where to split.
+    /// * `point`: the best point that is known.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub(crate) fn prove(
+        self,
+        guide: Guide,
+        point: Option<&[f64]>,
+        out: &mut dyn Write,
+    ) -> io::Result<ProofReport> {
+        let ProofRequest {
+            program,
+            names: [columns, rows],
+            claim,
+            options,
+            token,
+            most_splits,
+            ladders,
+        } = self;
+        let mut log = Log::new(out, program, &Names { columns, rows }, claim);
+        if let Some(point) = point {
+            log.point(point);
+        }
+        let facts = Facts::new(program);
+        let bounds = Bounds::new(program);
+        let mut program = program.clone();
+        if claim == Claim::Infeasible {
+            program.make_feasibility_problem();
+        }
+        let relaxer = Relaxer {
+            within: program.clone(),
+            program,
+            claim,
+            options,
+            token,
+            ladder: ladders.take(),
+            ladders,
+            combination: Combination::default(),
+            deficits: Vec::new(),
+            relaxations: 0,
+        };
+        let mut writer = ProofWriter {
+            log: &mut log,
+            facts,
+            bounds,
+            relaxer,
+            splits_left: most_splits,
+            gaps: 0,
+        };
+        let result = writer.run(Rc::new(guide));
+        let gaps = writer.gaps;
+        if result.is_err() {
+            log.remark("a limit came before the end of the proof");
+            let (commands, bytes) = log.abandon()?;
+            return Ok(ProofReport { is_complete: false, commands, bytes });
+        }
+        let (commands, bytes) = log.finish()?;
+        Ok(ProofReport { is_complete: gaps == 0, commands, bytes })
     }
-    let facts = Facts::new(program);
-    let bounds = Bounds::new(program);
-    let mut program = program.clone();
-    if claim == Claim::Infeasible {
-        program.make_feasibility_problem();
-    }
-    let relaxer = Relaxer {
-        within: program.clone(),
-        program,
-        claim,
-        options,
-        token,
-        ladder: ladders.take(),
-        ladders,
-        combination: Combination::default(),
-        deficits: Vec::new(),
-        relaxations: 0,
-    };
-    let mut writer =
-        ProofWriter { log: &mut log, facts, bounds, relaxer, splits_left: MOST_SPLITS, gaps: 0 };
-    let result = writer.run(Rc::new(guide));
-    let gaps = writer.gaps;
-    if result.is_err() {
-        log.remark("a limit came before the end of the proof");
-        let (commands, bytes) = log.abandon()?;
-        return Ok(ProofReport { is_complete: false, commands, bytes });
-    }
-    let (commands, bytes) = log.finish()?;
-    Ok(ProofReport { is_complete: gaps == 0, commands, bytes })
 }
 
 impl ProofWriter<'_, '_> {

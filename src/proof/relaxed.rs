@@ -73,7 +73,12 @@ impl Relaxer<'_> {
     /// # Arguments
     ///
     /// * `is_whole`: whether to keep all rows and columns; `is_tight`: whether big-Ms are made smaller.
-    pub(super) fn relax(&mut self, facts: &Facts, bounds: &Bounds, [is_whole, is_tight]: [bool; 2]) -> Relaxed {
+    pub(super) fn relax(
+        &mut self,
+        facts: &Facts,
+        bounds: &Bounds,
+        [is_whole, is_tight]: [bool; 2],
+    ) -> Relaxed {
         let mut domain = Domain::new(&self.program);
         for (j, [lower, upper]) in bounds.all().iter().enumerate() {
             domain.apply(j, false, *lower);
@@ -189,9 +194,9 @@ impl Relaxer<'_> {
             };
             let best = match reduced.merged.is_empty() {
                 true => (row, 1.0),
-                false => candidates
-                    .min_by(|a, b| limit(a).total_cmp(&limit(b)))
-                    .unwrap_or((row, 1.0)),
+                false => {
+                    candidates.min_by(|a, b| limit(a).total_cmp(&limit(b))).unwrap_or((row, 1.0))
+                }
             };
             let (row, multiplier) = (best.0, -multiplier / best.1);
             let [lower, upper] = facts.limits(row);
@@ -316,7 +321,8 @@ pub(super) fn conjugate_gradients(
     };
     let scale: Vec<f64> = columns.iter().map(diagonal).collect();
     let (mut x, mut rest) = (vec![0.0; columns.len()], right.to_vec());
-    let scaled = |rest: &[f64]| -> Vec<f64> { rest.iter().zip(&scale).map(|(r, d)| r / d).collect() };
+    let scaled =
+        |rest: &[f64]| -> Vec<f64> { rest.iter().zip(&scale).map(|(r, d)| r / d).collect() };
     let mut direction = scaled(&rest);
     let mut square = dot(&rest, &direction);
     let enough = 1e-30 * square;

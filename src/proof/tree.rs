@@ -167,7 +167,11 @@ impl ProofWriter<'_, '_> {
                         Some(Relation::Fails) => Part::Splits(guide, node, place + 1),
                         Some(Relation::Open(decision)) => {
                             let inside = guide.clone().part(child);
-                            return Ok(Some((decision, inside, Part::Splits(guide, node, place + 1))));
+                            return Ok(Some((
+                                decision,
+                                inside,
+                                Part::Splits(guide, node, place + 1),
+                            )));
                         }
                     }
                 }

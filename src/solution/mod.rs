@@ -10,9 +10,9 @@ mod evaluation;
 mod leaves;
 mod multipliers;
 mod note;
-mod proof_report;
 mod point;
 mod pool;
+mod proof_report;
 mod start_report;
 mod statistics;
 mod status;
@@ -21,11 +21,11 @@ mod verification;
 pub use leaves::{LeafBound, LeafBox};
 pub use multipliers::Multipliers;
 pub use note::Note;
-pub use proof_report::ProofReport;
 pub use point::{Evaluate, Point};
 #[doc(alias = "solution pool")]
 pub use pool::Pool;
 pub use pool::PoolPoint;
+pub use proof_report::ProofReport;
 pub use start_report::{StartReport, StartStatus};
 pub use statistics::{
     Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,

@@ -29,6 +29,7 @@ mod multipliers;
 mod notes;
 mod oracle;
 mod prepared;
+mod proofs;
 mod search;
 mod stop_token;
 mod torture_programs;
