@@ -56,8 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{error}");
     }
     println!("{}", infeasibility(hasty.model(), &mut solver, &ExplainOptions::default())?);
-    let options =
-        ElasticOptions::default().with_background(["start_0", "start_1", "goal_0", "goal_1"]);
+    let options = ElasticOptions::default().with_background(["start", "goal"]);
     println!("{}", elastic_relaxation(hasty.model(), &mut solver, &options)?);
 
     // The same robot in a room, with a rack in its way.
