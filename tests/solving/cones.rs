@@ -354,39 +354,3 @@ fn most_relaxations_with_cones_are_solved_by_the_own_method() {
     }
     assert!(own > 2 * others, "{own} by the own method, {others} by Clarabel");
 }
-
-/// The least risk of a choice of assets: a norm that takes many rounds of cuts at the root.
-fn portfolio(assets: usize) -> Model {
-    let mut model = Model::new("portfolio");
-    let x = model.continuous_family("x", assets, 0.0, 1.0).unwrap();
-    let held = model.binary_family("held", assets).unwrap();
-    let number = |k: usize| (((k * 7919 + 13) % 1009) as f64 / 1009.0) - 0.5;
-    for (k, (x, held)) in x.iter().zip(&held).enumerate() {
-        model.add(("held", k), (x - held).le(0.0)).unwrap();
-    }
-    model.add("all", x.iter().sum::<Affine>().equals(1.0)).unwrap();
-    model.add("few", held.iter().sum::<Affine>().le(assets as f64 / 4.0)).unwrap();
-    let factor = |i: usize| x.iter().enumerate().map(|(k, x)| number(assets * i + k) * x).sum();
-    let risk = model.norm("risk", (0..assets).map(factor).collect::<Vec<Affine>>()).unwrap();
-    let gain: Affine = x.iter().enumerate().map(|(k, x)| 0.2 * number(3 * k + 1) * x).sum();
-    model.minimize(risk - gain).unwrap();
-    model
-}
-
-/// Once the root has been relaxed with its cones, whatever interrupts the rounds of cuts leaves its bound.
-#[test]
-fn an_interrupt_in_the_rounds_of_cuts_keeps_a_bound() {
-    // The root is solved by three attempts at most.
-    const ATTEMPTS: u64 = 3;
-    let model = portfolio(40);
-    for k in 1..=40 {
-        let limit = Duration::from_millis(4 * k);
-        let mut solver = BranchAndBound::new(Options::default().with_time_limit(limit));
-        let solution = solver.solve(&model).unwrap();
-        let is_relaxed = solution.statistics().relaxations > ATTEMPTS;
-        assert!(!is_relaxed || solution.bound() > f64::NEG_INFINITY, "{limit:?}: {solution:?}");
-        if solution.is_optimal() {
-            break;
-        }
-    }
-}
