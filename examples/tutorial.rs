@@ -3,6 +3,7 @@
 //! `cargo run --release --example tutorial [-- PICTURE.svg [PICTURE.svg]]`
 
 use carom::explain::{ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility};
+use carom::picture::Chart;
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -33,7 +34,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{reason}");
     }
     if let (Some(plan), Some(tube), Some(path)) = (&found.plan, &found.tube, paths.next()) {
-        std::fs::write(&path, tube.to_svg(0, 1, Some(&plan.run))?)?;
+        let chart = tube.chart(0, 1, Some(&plan.run))?.with_labels("position (m)", "speed (m/s)");
+        std::fs::write(&path, Chart::to_svg(&[chart], "A robot at a crossing"))?;
         println!("wrote {path}");
     }
 
@@ -56,8 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{error}");
     }
     println!("{}", infeasibility(hasty.model(), &mut solver, &ExplainOptions::default())?);
-    let options =
-        ElasticOptions::default().with_background(["start_0", "start_1", "goal_0", "goal_1"]);
+    let options = ElasticOptions::default().with_background(["start", "goal"]);
     println!("{}", elastic_relaxation(hasty.model(), &mut solver, &options)?);
 
     // The same robot in a room, with a rack in its way.

@@ -29,6 +29,7 @@ mod verify;
 use crate::error::Error;
 use crate::model::Model;
 use crate::relaxation::LadderPool;
+use crate::search::{SearchResult, SolveTask};
 use crate::solution::Solution;
 use crate::solver::{Control, Options, Prepared, Solver, StopToken};
 use answer::answer;
@@ -106,4 +107,9 @@ impl Solver for BranchAndBound {
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
         Ok(Box::new(PreparedProgram::new(&mut self.options, model)?))
     }
+}
+
+/// Tightens, cuts and searches the program of a task, for `internals` only.
+pub(crate) fn search_tightened(task: SolveTask<'_>) -> SearchResult {
+    search::search_once(task, &EarlierResults::default(), &mut Control::default())
 }

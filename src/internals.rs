@@ -1,6 +1,15 @@
 //! The parts of the solving tower that the tests and benches of this crate use. No part of the
 //! public interface: it may change in any release.
 
+pub mod branch_and_bound {
+    use crate::search::{SearchResult, SolveTask};
+
+    /// Tightens, cuts and searches the program of a task.
+    pub fn search_tightened(task: SolveTask<'_>) -> SearchResult {
+        crate::branch_and_bound::search_tightened(task)
+    }
+}
+
 pub mod conformance {
     pub use crate::conformance::answer::{Case, Truth};
     pub use crate::conformance::programs::answers;

@@ -5,7 +5,9 @@ use super::cut::{CutOutcome, cut};
 use super::solve::EarlierResults;
 use super::start::PreliminaryResult;
 use super::tighten::Tightened;
-use crate::search::{SearchResult, SolveTask, approximate_cones, search, search_unstrengthened};
+use crate::search::{
+    ConeApproximation, SearchResult, SolveTask, approximate_cones, search, search_unstrengthened,
+};
 use crate::solver::Control;
 use std::borrow::Cow;
 
@@ -48,11 +50,14 @@ pub(super) fn search_once(
     };
     let Tightened { program, mut root } = tightened;
     let (mut program, mut cone_cuts) = (program, Vec::new());
+    // An interrupt may come before the search has relaxed the root itself.
+    let mut bound_before = f64::NEG_INFINITY;
     if !program.cones.is_empty() {
         let mut ladder = task.ladders.take();
-        let cut_off =
+        let ConeApproximation { program: cut_off, bound } =
             approximate_cones(&program, &root, options, token, &mut ladder, known.cone_cuts);
         task.ladders.give_back(ladder);
+        bound_before = bound;
         if let Some((cut_off, cuts)) = cut_off {
             cone_cuts = cuts;
             root.carry_over(&cut_off, token);
@@ -70,6 +75,9 @@ pub(super) fn search_once(
         found = search_unstrengthened(task, found, control);
     }
     cut.add_to(&mut found);
+    if found.termination.is_limit() && found.statistics.contradictions == 0 {
+        found.bound = found.bound.max(bound_before);
+    }
     found.cone_cuts = cone_cuts;
     let value = |x: &Vec<f64>| program.objective(x);
     let best = found.points.first().map_or(f64::INFINITY, value);

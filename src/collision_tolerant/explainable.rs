@@ -101,7 +101,7 @@ impl PlanningProgram {
             // Stated above, with the limits that are questioned.
             ["flight_least_a", "flight_most_a"]
                 .iter()
-                .try_for_each(|f| self.program.model_mut().set_background(f))?;
+                .try_for_each(|f| self.program.model_mut().set_law(f))?;
         }
         for (t, v) in self.velocity.iter().enumerate() {
             let limit = scenario.max_speed;

@@ -15,6 +15,9 @@ pub struct Explanation {
     pub(super) status: ExplanationStatus,
     pub(super) groups: Vec<Group>,
     pub(super) background: Vec<String>,
+    /// The background in words, each once.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) background_words: Vec<String>,
     pub(super) domains: Vec<Name>,
     pub(super) point: Option<Point>,
     pub(super) solves: usize,
@@ -42,6 +45,9 @@ pub enum ExplanationStatus {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Group {
     pub(super) name: String,
+    /// What the family states, in words; its name if there are none.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) words: String,
     pub(super) statements: Vec<Name>,
     pub(super) family_size: usize,
     pub(super) without: Option<Point>,
@@ -127,7 +133,8 @@ impl Group {
 
 impl fmt::Display for Group {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write_members(f, &self.name, &self.statements)
+        let words = if self.words.is_empty() { &self.name } else { &self.words };
+        write_members(f, words, &self.statements)
     }
 }
 
@@ -188,8 +195,8 @@ impl fmt::Display for Explanation {
                 }
             }
         }
-        if self.is_infeasible() && !self.background.is_empty() {
-            write!(f, " (background: {})", self.background.join(", "))?;
+        if self.is_infeasible() && !self.background_words.is_empty() {
+            write!(f, " (background: {})", self.background_words.join(", "))?;
         }
         if !self.domains.is_empty() {
             f.write_str("; the domains that play a part: ")?;

@@ -85,6 +85,7 @@ pub fn infeasibility(
         let without = oracle.known.iter().find(|known| known.satisfies(&others));
         Group {
             name: family.name.clone(),
+            words: model.words(&family.name).to_owned(),
             statements: members.iter().map(|&member| groups.names[member].clone()).collect(),
             family_size: family.members.len(),
             without: without.map(|known| known.point.clone()),
@@ -173,6 +174,12 @@ fn report(
             background.push(family.into());
         }
     }
+    let mut background_words: Vec<String> = Vec::new();
+    for words in background.iter().map(|family| model.words(family)) {
+        if !background_words.iter().any(|known| known == words) {
+            background_words.push(words.to_owned());
+        }
+    }
     let point = match status {
         ExplanationStatus::Feasible => oracle.known.first().map(|known| known.point.clone()),
         _ => None,
@@ -182,6 +189,7 @@ fn report(
         status,
         groups: found,
         background,
+        background_words,
         domains: Vec::new(),
         point,
         solves: oracle.solves,

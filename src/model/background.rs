@@ -4,6 +4,9 @@ use super::Model;
 use super::name::Name;
 use crate::error::{Error, ErrorKind};
 
+/// The words for statements that describe a system.
+const LAWS: &str = "the laws of the system";
+
 impl Model {
     /// Declares a family of statements to be background. Background statements describe the system,
     /// such as its dynamics, and [`explain`](crate::explain) never blames them for infeasibility.
@@ -37,6 +40,22 @@ impl Model {
         }
         self.stored.background.insert(family.into());
         Ok(())
+    }
+
+    /// Declares a family to be background that describes a system, and that nobody knows by its name.
+    pub(crate) fn set_law(&mut self, family: &str) -> Result<(), Error> {
+        self.describe(family, LAWS.to_owned());
+        self.set_background(family)
+    }
+
+    /// Says in words what a family states, for explanations.
+    pub(crate) fn describe(&mut self, family: &str, words: String) {
+        self.stored.words.insert(family.to_owned(), words);
+    }
+
+    /// What a family states, in words; its name if there are none.
+    pub(crate) fn words<'a>(&'a self, family: &'a str) -> &'a str {
+        self.stored.words.get(family).map_or(family, String::as_str)
     }
 
     /// Whether a statement's family was declared to be background.

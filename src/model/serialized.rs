@@ -56,7 +56,7 @@ impl TryFrom<StoredModel> for Model {
         for family in stored.background {
             model.set_background(&family)?;
         }
-        model.stored.by_step = stored.by_step;
+        (model.stored.words, model.stored.by_step) = (stored.words, stored.by_step);
         Ok(model)
     }
 }

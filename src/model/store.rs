@@ -1,6 +1,6 @@
 //! The model itself: storage, look-up by handle and name, changes.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::conic::StoredConic;
@@ -58,6 +58,9 @@ pub(super) struct StoredModel {
     /// Families of statements that explanations never question.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) background: BTreeSet<String>,
+    /// By family, what its statements say, in words.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) words: BTreeMap<String, String>,
     /// Something that depends on the step of a loop.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) by_step: Option<String>,
@@ -186,6 +189,7 @@ impl Model {
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
             background: BTreeSet::new(),
+            words: BTreeMap::new(),
             by_step: None,
         };
         let (variable_names, statement_names) = (NameTable::default(), NameTable::default());

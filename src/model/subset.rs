@@ -84,6 +84,7 @@ pub fn subset(model: &Model, keep: impl Fn(usize) -> bool) -> Model {
         sets: stored.sets.iter().filter(|_| next()).cloned().collect(),
         functions: stored.functions.clone(),
         background: stored.background.clone(),
+        words: stored.words.clone(),
         by_step: stored.by_step.clone(),
         reformulation: stored.reformulation,
         ..Model::empty(stored.name.clone(), stored.tag).stored

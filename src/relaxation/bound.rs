@@ -95,8 +95,8 @@ impl Prover {
 
     /// Whether row multipliers prove that a reduced program has no feasible point.
     ///
-    /// The certificate must survive a disturbance of every limit that it uses, so that a program is
-    /// not refuted that is infeasible only by rounding.
+    /// The certificate must survive a disturbance of every limit that it uses. Otherwise it may refute a
+    /// program that is infeasible only by rounding.
     pub fn proves_infeasible(&mut self, program: &Reduced, y: &[f64]) -> bool {
         self.clip(program, y);
         let size = self.y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

@@ -124,8 +124,8 @@ impl Ladder {
     }
 }
 
-/// A point of a program with cones, the multipliers of its rows, and the rows that the multipliers of its
-/// cones are, with their own.
+/// A point of a program with cones, the multipliers of its rows, and the cuts that the multipliers of its
+/// cones give, each with its own multiplier.
 pub(crate) type ConicMultipliers = (Vec<f64>, Vec<f64>, Vec<(ConeCut, f64)>);
 
 impl Ladder {

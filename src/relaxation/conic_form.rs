@@ -140,8 +140,8 @@ impl<'a> ConicForm<'a> {
         }
     }
 
-    /// The result for the whole program, and by cone the multipliers of its entries, from those of all rows
-    /// of the cones, which are 0 if there are none.
+    /// The result for the whole program, and for each cone the multipliers of its entries. Without
+    /// multipliers of the cones' rows, they are 0.
     pub(super) fn lift(
         &self,
         result: RelaxationResult,

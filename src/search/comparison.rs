@@ -1,9 +1,8 @@
 //! The comparison of a strengthened program with the original at accepted points.
 //!
-//! Before the search, big-Ms are tightened, costs are bent, cuts are added, and bounds are probed. All
-//! of that must keep every point with whole integers. An accepted point satisfies the model, so a
-//! strengthened program that excludes it, or that makes it dearer, was derived wrongly, and no bound
-//! of its relaxations can be believed.
+//! Before the search, big-Ms are tightened, costs are bent, cuts are added, and bounds are probed. All of
+//! that must keep every point with whole integers. An accepted point satisfies the model. A strengthened
+//! program that excludes it, or makes it dearer, was derived wrongly, and none of its bounds can be believed.
 //!
 //! Accepted points miss rows by up to the tolerance, and what is derived from rows multiplies what
 //! they miss. The margins below are far above that, and far below what a wrong rule does.

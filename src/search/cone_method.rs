@@ -2,8 +2,8 @@
 //! each a linear program that begins with the basis of the last one, or one conic program.
 //!
 //! Both give the same bound, so the quicker one is used. Which one that is depends on the program, and
-//! changes with the cuts that are known. So the favourite is used for long, and the other one is tried for
-//! a few nodes in a row, because a basis helps the next node only. Conic programs come first, because they
+//! changes with the cuts that are known. So the favourite is used for long. The other one is tried for a few
+//! nodes in a row, because a basis helps only the node that follows. Conic programs come first, because they
 //! take about the same time at all nodes.
 
 use web_time::Duration;

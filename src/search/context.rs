@@ -79,8 +79,8 @@ impl<'a> Context<'a> {
         self.options().pool > 1 && self.options().pool_mode == PoolMode::Best
     }
 
-    /// Whether the node fixes all integers that tell points apart, and the pool has a point with
-    /// these integers that the node cannot improve.
+    /// Whether nothing new can come from the node: it fixes all integers that tell points apart, and the pool
+    /// has a point with these integers that is as good as any of the node.
     ///
     /// # Arguments
     ///

@@ -175,8 +175,7 @@ fn round(program: &Program, domain: &Domain, j: usize, point: &mut [f64]) {
     }
 }
 
-/// Raises the column of a group that can be raised most, at the cost of the others, which go as far
-/// down as they can.
+/// Raises the column of a group that can be raised most. The others go down as far as they can.
 fn raise_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f64]) {
     let (old, order) = ranked(group, point);
     let order = &order[..group.len()];

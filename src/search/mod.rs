@@ -95,7 +95,7 @@ pub(crate) use driver::{complete, first_point};
 pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
 pub use found::SearchResult;
-pub(crate) use outer_approximation::approximate_cones;
+pub(crate) use outer_approximation::{ConeApproximation, approximate_cones};
 pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};

@@ -15,8 +15,8 @@ use web_time::Instant;
 /// Most rounds.
 const MAX_ROOT_ROUNDS: usize = 60;
 
-/// Distance of the linear relaxation from the conic one, relative, at which rounds end, and up to which the
-/// linear one is used.
+/// Relative distances of the linear relaxation from the conic one: rounds end at the first, and the linear
+/// one is used up to the second.
 const CLOSE: f64 = 1e-6;
 const CLOSE_ENOUGH: f64 = 1e-3;
 
@@ -28,8 +28,17 @@ const SHORT: f64 = 0.5;
 const MAX_KEPT_ROUNDS: usize = 12;
 const MAX_KEPT_CUTS: usize = 2000;
 
-/// The program whose relaxations cut off the cones, with the cuts of the root; `None` if its relaxations
-/// are better solved with the cones. Also returns these cuts.
+/// The outer approximation of the cones of a program.
+#[derive(Debug)]
+pub(crate) struct ConeApproximation {
+    /// The program whose relaxations cut off the cones, and the cuts of the root; `None` if its relaxations
+    /// are better solved with the cones.
+    pub(crate) program: Option<(Program, Vec<ConeCut>)>,
+    /// The best bound that a relaxation of the root has proved on the way; `-inf` if none has.
+    pub(crate) bound: f64,
+}
+
+/// Approximates the cones of a program.
 ///
 /// # Arguments
 ///
@@ -41,10 +50,25 @@ pub(crate) fn approximate_cones(
     token: &StopToken,
     ladder: &mut Ladder,
     kept: &[ConeCut],
+) -> ConeApproximation {
+    let mut bound = f64::NEG_INFINITY;
+    let program = match root.conflict.is_some() || program.integers.is_empty() {
+        true => None,
+        false => approximate(program, root, options, token, ladder, kept, &mut bound),
+    };
+    ConeApproximation { program, bound }
+}
+
+/// The program with its cuts, as in [`ConeApproximation`]. Raises `proved` to what relaxations prove.
+fn approximate(
+    program: &Program,
+    root: &Root,
+    options: &Options,
+    token: &StopToken,
+    ladder: &mut Ladder,
+    kept: &[ConeCut],
+    proved: &mut f64,
 ) -> Option<(Program, Vec<ConeCut>)> {
-    if root.conflict.is_some() || program.integers.is_empty() {
-        return None;
-    }
     let question = RelaxationQuestion {
         purpose: Purpose::Node,
         cutoff: f64::INFINITY,
@@ -54,7 +78,7 @@ pub(crate) fn approximate_cones(
         token,
         warm: None,
     };
-    if let Some(approximated) = approximate_from(kept, program, root, &question, ladder) {
+    if let Some(approximated) = approximate_from(kept, program, root, &question, ladder, proved) {
         return Some(approximated);
     }
     let mut reduced = ladder.reducer().reduce(program, &root.domain)?;
@@ -64,6 +88,7 @@ pub(crate) fn approximate_cones(
     else {
         return None;
     };
+    *proved = proved.max(conic);
     let scale = conic.abs().max(1.0);
     let misses = reduced.objective(&x) - conic;
     if misses.is_nan() || misses > CLOSE_ENOUGH * scale {
@@ -80,7 +105,8 @@ pub(crate) fn approximate_cones(
     for round in 0..MAX_ROOT_ROUNDS {
         let question = RelaxationQuestion { warm: warm.as_ref(), ..question };
         let verdict = ladder.solve(&mut reduced, &question);
-        let RelaxationVerdict::Relaxed { x, warm: state, y, .. } = verdict else { break };
+        let RelaxationVerdict::Relaxed { bound, x, warm: state, y, .. } = verdict else { break };
+        *proved = proved.max(bound);
         last = reduced.objective(&x);
         active = y;
         // A deterministic search must not depend on the clock.
@@ -105,14 +131,15 @@ pub(crate) fn approximate_cones(
     rounds.program(program, &active, 0)
 }
 
-/// The program with the cuts of an earlier solve, which hold for all values of its parameters and are as
-/// they were, and what few further rounds add; `None` if these are not enough.
+/// The program with the cuts of an earlier solve, which hold for all values of its parameters, and those of a
+/// few further rounds; `None` if these are not enough.
 fn approximate_from(
     kept: &[ConeCut],
     program: &Program,
     root: &Root,
     question: &RelaxationQuestion<'_>,
     ladder: &mut Ladder,
+    proved: &mut f64,
 ) -> Option<(Program, Vec<ConeCut>)> {
     if kept.is_empty() || kept.len() > MAX_KEPT_CUTS {
         return None;
@@ -126,9 +153,13 @@ fn approximate_from(
     for _ in 0..MAX_KEPT_ROUNDS {
         let question = RelaxationQuestion { warm: warm.as_ref(), ..*question };
         let verdict = ladder.solve(&mut reduced, &question);
-        let RelaxationVerdict::Relaxed { x, warm: state, y, converged: true, .. } = verdict else {
+        let RelaxationVerdict::Relaxed { bound, x, warm: state, y, converged, .. } = verdict else {
             return None;
         };
+        *proved = proved.max(bound);
+        if !converged {
+            return None;
+        }
         let (value, found) = (reduced.objective(&x), separate_cones(&reduced, &x));
         if found.is_empty() || value - last <= CLOSE * value.abs().max(1.0) {
             return rounds.program(program, &y, kept.len());

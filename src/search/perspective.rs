@@ -130,7 +130,7 @@ fn tighten_by_row(
     }
 }
 
-/// The value, 0 or a bound, that is the only one left of a column that was not fixed before.
+/// The only value that is left of a column that was not fixed before: 0 or a bound.
 fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
     // A side without an end says nothing: its width and the room would both be infinite.
     if own[0] == own[1] || !lower.is_finite() || !upper.is_finite() {

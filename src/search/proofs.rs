@@ -2,10 +2,10 @@
 //! closed its ends.
 //!
 //! A node is closed by multipliers: they prove a bound beyond the cutoff, or that nothing is feasible.
-//! Multipliers prove *some* bound on every program with the same rows, whatever its limits, bounds and
-//! costs are. So in the next solve the multipliers that closed an end of the tree are tried on the same
-//! end as it is now, with all that propagation and tightening have done to it (see `replay`). The bound
-//! is proved as ever; where it falls short, the end is open.
+//! Multipliers prove *some* bound on every program with the same rows, whatever its limits, bounds and costs
+//! are. So the next solve tries the multipliers that closed an end of the tree at the same end. Propagation
+//! and tightening may have changed that end since (see `replay`). The bound is proved as ever; where it falls
+//! short, the end is open.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

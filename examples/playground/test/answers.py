@@ -107,6 +107,7 @@ def progress_is_told(test):
         free, bold = (next(k for k, words in enumerate(seen) if words.startswith(f"[data-side={side}]") and words.endswith(" s"))
                       for side in ("free", "tolerant"))
         assert free < bold, seen
+        assert any(words.endswith(" MB") for words in seen), seen
         told = [words for words in seen if "refuted to" in words]
         assert told, seen
         print(f"{link or 'wall'}: {len(told)} times, at last {told[-1]}")

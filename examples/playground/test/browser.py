@@ -278,9 +278,11 @@ def main():
             answers.one_step_less_is_shown(test, ["", "task=bank", "task=pillar"])
             taking.all_can_be_taken(test, ["", *(f"task={name}" for name in SCENES)])
             test.is_readable(arguments.pictures)
+            drags.previews_say_so(test)
             drags.drag_all(test, ["", *(f"task={name}" for name in SCENES)])
             median = test.is_fast()
             test.is_quiet()
+            loading.need_not_scroll_in_a_frame(browser, address)
         loading.says_what_is_missing(browser)
         assert median < arguments.slowest, f"a median of {median} ms"
     finally:

@@ -40,6 +40,22 @@ def sliders(browser):
     return browser.run("return [...document.querySelectorAll('#sliders input')].map(input => input.id)")
 
 
+def previews_say_so(test):
+    """While one drags, the page says that what it shows is coarse, and no longer when it is not."""
+    test.open()
+    test.browser.run("""
+        window.seen = new Set();
+        const node = document.querySelector("#preview");
+        new MutationObserver(() => seen.add(node.textContent)).observe(node, { childList: true });
+    """)
+    test.browser.run_async(DRAG, "velocity", 60, 2 * SECONDS)
+    test.settled()
+    seen = test.browser.run("return [...window.seen]")
+    assert any(words.startswith("Coarse preview: steps of") for words in seen), seen
+    assert test.browser.text("#preview") == "", seen
+    print(f"while one drags: {max(seen, key=len)}")
+
+
 def drag_all(test, links, rates=RATES):
     """Every slider of some tasks, at every rate."""
     bad, fewest = [], 1_000

@@ -10,6 +10,23 @@ FAULTS = {
 }
 
 
+def need_not_scroll_in_a_frame(browser, address):
+    """In a frame, the page tells how high it is, at every width."""
+    for width in (1100, 360):
+        browser.call("POST", "url", {"url": f"{address}/index.html"})
+        browser.run("""
+            document.documentElement.innerHTML = `<body><iframe src="index.html" style="width: ${arguments[0]}px; border: 0"></iframe></body>`;
+            const frame = document.querySelector("iframe");
+            addEventListener("message", ({ data }) => { frame.style.height = `${Math.ceil(data.height) + 2}px`; });
+        """, width)
+        inside = "document.querySelector('iframe').contentDocument?.documentElement"
+        browser.wait(f"{inside}?.dataset.state === 'planned'", "a plan in a frame")
+        browser.wait(f"{inside}.scrollHeight <= {inside}.clientHeight && {inside}.clientHeight > 500", "its height")
+        wide = browser.run(f"return [{inside}.scrollWidth, {inside}.clientWidth]")
+        assert wide[0] <= wide[1], wide
+    print("in a frame nothing scrolls")
+
+
 def says_what_is_missing(browser):
     for fault, word in FAULTS.items():
         with Served(fault) as address:

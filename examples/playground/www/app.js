@@ -48,6 +48,7 @@ function begin() {
   form.showKind(name, (key, value) => { state[key] = value; changed(); });
   for (const side of SIDES) results.showSide(side, null);
   $("#reason").textContent = "";
+  results.showPreview(null);
   $("#verdict").textContent = planners ? "Planning …" : "Loading the planner …";
   showLess(null);
   changed();
@@ -81,6 +82,7 @@ function saveLink() {
   const hash = link(name, state);
   try {
     history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
+    $("#whole").href = location.href;
   } catch { /* The next one. */ }
 }
 
@@ -108,6 +110,7 @@ function heard(message) {
   pace.learn(job.name, job.isCoarse, message.took);
   if (job.name !== name) return;
   show(message.answer);
+  results.showPreview(job.isCoarse ? job.task : null, kind.task(state));
   page.dataset.pictures = Number(page.dataset.pictures ?? 0) + 1;
   if (!isLatest) return;
   if (job.isCoarse) resting = setTimeout(() => ask(false), REST);
@@ -144,6 +147,7 @@ function show(found) {
 
 function fail(sentence, id) {
   answer = null;
+  results.showPreview(null);
   results.showFailure(sentence);
   draw();
   settle(id, {});
@@ -160,6 +164,7 @@ function showProgress(progress) {
   if (!progress.found) return;
   answer = { ...answer, [progress.side]: progress.found };
   for (const side of SIDES) if (side !== progress.side) delete answer[side];
+  results.showPreview(null);
   results.showSide(progress.side, progress.found);
   results.setStale(false, [progress.side], asked.id);
   draw();
@@ -235,7 +240,7 @@ function listen() {
 listen();
 begin();
 try {
-  const { module, note } = await loadPlanner();
+  const { module, note } = await loadPlanner(words => { $("#progress").textContent = words; });
   $("#note").textContent = note;
   planners = new Planners(module, heard);
   ask(false);

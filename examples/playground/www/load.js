@@ -2,23 +2,46 @@
 
 const FILE = "carom_playground_bg.wasm";
 
-/** The compiled planner, and a note about how it was served, if there is something to say. */
-export async function loadPlanner() {
+/**
+ * The compiled planner, and a note about how it was served, if there is something to say. `tell(words)`
+ * hears how far it is.
+ */
+export async function loadPlanner(tell) {
   const address = new URL(`./pkg/${FILE}`, import.meta.url);
-  const response = await fetch(address).catch(() => {
+  tell("Waiting for the server …");
+  const served = await fetch(address).catch(() => {
     throw new Error(`The planner could not be loaded: the server of this page does not answer. Is it still running?`);
   });
-  if (!response.ok) {
-    throw new Error(`The planner is missing: the server answers ${response.status} for pkg/${FILE}. ` +
+  if (!served.ok) {
+    throw new Error(`The planner is missing: the server answers ${served.status} for pkg/${FILE}. ` +
       "In a clone, examples/playground/build makes it.");
   }
-  const whole = response.clone();
+  const response = counted(served, tell), whole = response.clone();
   try {
     if (response.headers.get("Content-Type")?.startsWith("application/wasm")) {
-      return { module: await WebAssembly.compileStreaming(response), note: "" };
+      const module = await WebAssembly.compileStreaming(response);
+      tell("");
+      return { module, note: "" };
     }
   } catch { /* Below it is said why. */ }
-  return compile(new Uint8Array(await whole.arrayBuffer()));
+  const compiled = await compile(new Uint8Array(await whole.arrayBuffer()));
+  tell("");
+  return compiled;
+}
+
+/** A response that tells how much of it has come. */
+function counted(response, tell) {
+  if (!response.body || !globalThis.TransformStream) return response;
+  // What is compressed on its way has another length.
+  const all = response.headers.get("Content-Encoding") ? 0 : Number(response.headers.get("Content-Length"));
+  const megabytes = bytes => (bytes / 1e6).toFixed(1);
+  let come = 0;
+  const count = new TransformStream({ transform(chunk, out) {
+    come += chunk.byteLength;
+    tell(`${megabytes(come)}${all ? ` of ${megabytes(all)}` : ""} MB`);
+    out.enqueue(chunk);
+  } });
+  return new Response(response.body.pipeThrough(count), { headers: response.headers });
 }
 
 async function compile(bytes) {

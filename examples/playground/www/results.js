@@ -38,6 +38,14 @@ export function end() {
   $("#cancel").hidden = true;
 }
 
+/** Says that the picture is a preview of a task, which is planned later as a `whole`; `null` for what is none. */
+export function showPreview(task, whole) {
+  const seconds = value => `${Number(value.toPrecision(3))} s`;
+  $("#preview").textContent = !task ? "" : task.timeStep > whole.timeStep
+    ? `Coarse preview: steps of ${seconds(task.timeStep)} instead of ${seconds(whole.timeStep)}.`
+    : "Preview: a short search.";
+}
+
 /** How far the planner is: `refuted` steps are too few on one side. */
 export function showProgress({ side, refuted }) {
   const where = { free: "without collisions", tolerant: "with collisions" }[side];

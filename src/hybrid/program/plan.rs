@@ -26,13 +26,19 @@ pub struct HybridPlan {
     others: Vec<(HybridRun, RunCertificate)>,
 }
 
-/// The objective, and a table with a line per sample.
+/// A table of comma-separated values with a line per sample, after a comment that says the objective. Further
+/// systems have tables of their own, each after a comment with its name. Comments begin with `#`.
 impl fmt::Display for HybridPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(objective) = self.solution.objective() {
-            writeln!(f, "objective {objective}, {}", self.solution.termination())?;
+            writeln!(f, "# objective {objective}, {}", self.solution.termination())?;
         }
-        self.runs().try_for_each(|run| f.write_str(&run.to_csv()))
+        self.members.all.iter().zip(self.runs()).try_for_each(|((name, _), run)| {
+            if !name.is_empty() {
+                writeln!(f, "# {}", name.escape_debug())?;
+            }
+            f.write_str(&run.to_csv())
+        })
     }
 }
 

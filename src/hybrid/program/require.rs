@@ -76,7 +76,8 @@ impl HybridProgram {
     /// Requires rows of the systems' handles to hold at given samples: starts, goals, way-points, time
     /// windows. A mode is required by `on.equals(1.0)`, a disc by `norm([x - 4.0, y - 1.0]).le(0.5)`.
     ///
-    /// The statements are `name[t]`, or `name_k[t]` if there are several at a sample; for
+    /// The statements are `name[t]`. If there are several at a sample, a row about a state `x` alone is
+    /// `name_x[t]`, and the `k`-th of all rows, counted from 0, is `name_k[t]` otherwise. For
     /// [`When::OnceIn`] it is one disjunction, `name`.
     ///
     /// # Errors
@@ -144,9 +145,9 @@ fn add(
         }
         for sample in window {
             let rows = rows(sample)?;
-            let single = rows.len() == 1;
-            for (k, row) in rows.into_iter().enumerate() {
-                let family = if single { name.to_owned() } else { format!("{name}_{k}") };
+            let families = families(model, name, &rows)?;
+            for (row, (family, words)) in rows.into_iter().zip(families) {
+                model.describe(&family, words);
                 match row {
                     // Whoever has only one mode is in it.
                     SystemRow::Row(row) if row.is_constant_and_holds() => {}
@@ -161,6 +162,43 @@ fn add(
         }
         Ok(())
     })
+}
+
+/// The families of the rows of a region at a sample, each with its words.
+fn families(model: &Model, name: &str, rows: &[SystemRow]) -> Result<Vec<(String, String)>, Error> {
+    let called = match name {
+        "start" | "goal" => format!("the {name}"),
+        _ => format!("`{name}`"),
+    };
+    if rows.len() == 1 {
+        return Ok(vec![(name.to_owned(), called)]);
+    }
+    let mut families: Vec<(String, String)> = Vec::new();
+    for (k, row) in rows.iter().enumerate() {
+        let terms = match row {
+            SystemRow::Row(row) => row.expression().terms(),
+            SystemRow::Conic(_) => Vec::new(),
+        };
+        let quantities = terms.iter().map(|(variable, _)| model.variable_ref(*variable));
+        let quantities = quantities.map(|own| Ok(own?.name().family().to_owned()));
+        let quantities = quantities.collect::<Result<Vec<String>, Error>>()?;
+        let own = match &quantities[..] {
+            [one] => Some(format!("{name}_{one}")),
+            _ => None,
+        };
+        let is_taken = |own: &str| families.iter().any(|(known, _)| known == own);
+        // A second row about a state is known by its number, as rows about several are.
+        let mut family = own.filter(|own| !is_taken(own)).unwrap_or_else(|| format!("{name}_{k}"));
+        while is_taken(&family) {
+            family.push('_');
+        }
+        let words = match quantities.is_empty() {
+            true => called.clone(),
+            false => format!("{called} of `{}`", quantities.join("`, `")),
+        };
+        families.push((family, words));
+    }
+    Ok(families)
 }
 
 impl SystemVariables {

@@ -1,8 +1,8 @@
 //! Nodes of a step: the modes of the choices with memory, and how long they have lasted.
 //!
-//! States in different nodes are in different sets. A move leads from a node to at most one node.
-//! If there are too many sets, the counts of dwell times are merged first, the longest one first,
-//! then the numbers of events, then modes, so that the sets only grow.
+//! States in different nodes are in different sets. A move leads from a node to at most one node. If there
+//! are too many sets, some are merged, by which sets only grow: first those that differ in dwell times, the
+//! longest ones first, then those that differ in numbers of events, then those of different modes.
 
 use std::sync::Arc;
 

@@ -27,7 +27,7 @@ impl Tube {
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let tube = scenario.reach_sets()?.tube(47)?;
     /// let svg = tube.to_svg(0, 1, None)?;
-    /// assert!(svg.starts_with("<svg") && svg.contains(">x</text>"));
+    /// assert!(svg.starts_with("<svg") && svg.contains(">position (m)</text>"));
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///
@@ -47,7 +47,8 @@ impl Tube {
 
     /// Draws the projection of the tube on two states: the forward and backward sets of about a dozen
     /// samples, and a run with its start and its end, and the names of its transitions where they
-    /// change. The axes have the names of the states; [`Chart::with_labels`] adds units.
+    /// change. The axes of scenes and of the paper have units. Those of a system of your own have the names of its
+    /// states; [`Chart::with_labels`] adds units.
     ///
     /// # Arguments
     ///
@@ -83,9 +84,9 @@ impl Tube {
             }
         }
         let [x, v] = self.ranges(first, second, &states, &outlines);
-        let labels = [first, second].map(|state| self.system.states[state].0.as_str());
-        let mut chart =
-            Chart::new(labels[0], labels[1]).with_size(SIZE[0], SIZE[1]).with_ranges(x, v);
+        let [across, up] =
+            [first, second].map(|state| self.words.label(&self.system.states[state].0));
+        let mut chart = Chart::new(across, up).with_size(SIZE[0], SIZE[1]).with_ranges(x, v);
         for (colour, name, outline) in outlines {
             chart.area(name, colour, 0.07, outline);
         }

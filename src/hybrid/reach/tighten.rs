@@ -18,8 +18,8 @@ pub struct HorizonVariables {
     pub states: Vec<Family>,
     /// Transitions by number, with binaries over the steps that are 1 exactly in those that take them.
     pub transitions: Vec<(usize, Family)>,
-    /// Modes, by the names of their choices and their own, with variables over the samples that are 1
-    /// exactly at those in these modes.
+    /// Modes: the name of the choice, the mode's own, and variables over the samples, which are 1 exactly
+    /// where the run is in the mode.
     pub modes: Vec<(String, String, Family)>,
     /// Variables that are affine functions of the predictions.
     pub quantities: Vec<Quantity>,

@@ -7,6 +7,7 @@ use super::graph::Graph;
 use super::set::{Layers, ReachSet};
 use super::sets::{ReachSets, Shared, add, of_node};
 use super::step::{arrive, predecessors, predict, prediction_boxes};
+use super::words::Words;
 use crate::error::Error;
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
@@ -53,6 +54,7 @@ const STOP_EVERY: usize = 64;
 pub struct Tube {
     pub(super) system: Arc<Compiled>,
     pub(super) graph: Arc<Graph>,
+    pub(super) words: Arc<Words>,
     steps: usize,
     /// Sets of the samples, by modes and by events so far.
     pub(super) forward: Vec<Shared>,
@@ -144,6 +146,7 @@ impl ReachSets {
             died: None,
             system,
             graph,
+            words: Arc::clone(&self.options.words),
         };
         let mut ahead = Edges::all(steps, &tube.graph);
         let mut back = Edges::all(steps, &tube.graph);
@@ -421,8 +424,8 @@ impl Tube {
         row.get(transition)?.as_deref()
     }
 
-    /// The states that can be reached from the start by transitions that may lead to the goal, by
-    /// events so far, for drawing. They are not intersected with the backward sets.
+    /// For drawing: the states that can be reached by transitions that may lead to the goal, one set for each
+    /// number of events so far. They are not intersected with the backward sets.
     pub fn reached(&self, sample: usize) -> impl Iterator<Item = &ReachSet> {
         self.forward.get(sample).into_iter().flat_map(|layers| layers.iter().flatten())
     }

@@ -9,8 +9,8 @@ use crate::tolerance::margin_scale;
 pub(crate) struct Words {
     /// Names of states and inputs, with words and units.
     pub(crate) quantities: Vec<(String, String, &'static str)>,
-    /// Names of transitions, with the choices that they are of, what cannot be done if they are
-    /// impossible, and the unit of what is missing if it tells something.
+    /// By the name of a transition and its choice: a sentence that says what cannot be done without it, and
+    /// the unit of what is missing, if that tells something.
     pub(crate) transitions: Vec<(String, String, Option<&'static str>)>,
     /// One event.
     pub(crate) event: Option<&'static str>,
@@ -20,6 +20,16 @@ impl Words {
     /// A state or an input in words.
     pub(super) fn name<'a>(&'a self, name: &'a str) -> &'a str {
         self.find(name).map_or(name, |(words, _)| words)
+    }
+
+    /// The label of an axis: the name of a state, with its unit if that is known.
+    pub(super) fn label(&self, name: &str) -> String {
+        match self.find(name) {
+            Some((words, unit)) => {
+                format!("{} ({unit})", words.strip_prefix("the ").unwrap_or(words))
+            }
+            None => name.to_owned(),
+        }
     }
 
     fn find(&self, name: &str) -> Option<(&str, &'static str)> {

@@ -14,11 +14,19 @@ pub(super) struct Names {
     prefix: String,
     used: BTreeSet<String>,
     keyed: BTreeMap<Key, String>,
+    /// What guards are called in words, by their families.
+    words: BTreeMap<String, String>,
 }
 
 impl Names {
     pub(super) fn new(prefix: &str) -> Self {
-        Names { prefix: prefix.to_owned(), used: BTreeSet::new(), keyed: BTreeMap::new() }
+        let (used, keyed, words) = Default::default();
+        Names { prefix: prefix.to_owned(), used, keyed, words }
+    }
+
+    /// What families of guards are called in words.
+    pub(super) fn words(self) -> BTreeMap<String, String> {
+        self.words
     }
 
     /// The parts that are not empty, joined by underscores, after the prefix. White space becomes an
@@ -42,6 +50,14 @@ impl Names {
             return family.clone();
         }
         let family = self.family(parts);
+        if let (Some(Label::Guard { .. }), Some((name, before))) = (key.2, parts.split_last()) {
+            let owner: Vec<&str> = before.iter().copied().filter(|part| !part.is_empty()).collect();
+            let words = match key.3 || owner.is_empty() {
+                true => format!("the limit `{name}`"),
+                false => format!("the limit `{name}` of `{}`", owner.join(" ")),
+            };
+            self.words.insert(family.clone(), words);
+        }
         self.keyed.insert(key, family.clone());
         family
     }

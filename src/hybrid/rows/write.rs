@@ -81,7 +81,7 @@ pub(super) fn write(
 ) -> Result<SystemVariables, Error> {
     let count = system.settles().min(horizon.steps() - 1) + 1;
     let plans: Vec<Plan> = system.choices.iter().map(|own| plan(system, own, count)).collect();
-    let (program, background) = model.all_or_nothing(|model| {
+    let (program, background, words) = model.all_or_nothing(|model| {
         let mut names = Names::new(prefix);
         let program = variables(system, model, &mut names, horizon, &plans)?;
         let mut writer = Writer {
@@ -98,10 +98,11 @@ pub(super) fn write(
         writer.steps()?;
         writer.modes()?;
         writer.events()?;
-        let background = writer.background;
-        Ok((program, background))
+        let (background, words) = (writer.background, writer.names.words());
+        Ok((program, background, words))
     })?;
-    background.iter().try_for_each(|family| model.set_background(family))?;
+    words.into_iter().for_each(|(family, words)| model.describe(&family, words));
+    background.iter().try_for_each(|family| model.set_law(family))?;
     if let Some(what) = system.by_step() {
         model.note_by_step(what);
     }

@@ -73,9 +73,9 @@ impl SceneProgram {
             }
             members.push(damage);
         }
-        self.program.model.set_background(&format!("{family}_end"))?;
+        self.program.model.set_law(&format!("{family}_end"))?;
         for (k, _) in hit_modes().enumerate().filter(|_| is_sound) {
-            self.program.model.set_background(&format!("{family}_start_{k}"))?;
+            self.program.model.set_law(&format!("{family}_start_{k}"))?;
         }
         self.damage[c] = Some(members.into_iter().collect());
         Ok(())
@@ -152,7 +152,7 @@ impl SceneProgram {
                     let right = *slope * own + (constant + off) * hit.clone() - off;
                     self.program.add((row.as_str(), t), value.ge(right))?;
                     if t + 1 == damage.len() {
-                        self.program.model.set_background(&row)?;
+                        self.program.model.set_law(&row)?;
                     }
                 }
             }

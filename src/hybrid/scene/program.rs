@@ -330,7 +330,7 @@ impl SceneProgram {
             let outside = rows.fold(either(first).or(second), |all, row| all.or(row));
             let name = format!("starts_outside_{c}");
             self.program.add(name.as_str(), outside)?;
-            self.program.model.set_background(&name)?;
+            self.program.model.set_law(&name)?;
         }
         Ok(())
     }
@@ -343,7 +343,7 @@ impl SceneProgram {
                 let hits: Affine = own.iter().map(|&c| self.hits_of(c, t)).sum();
                 self.program.add((family.as_str(), t), hits.le(1.0))?;
             }
-            self.program.model.set_background(&family)?;
+            self.program.model.set_law(&family)?;
         }
         Ok(())
     }
@@ -376,7 +376,7 @@ impl SceneProgram {
                     let row = gap.ge(face.limit_at(t + 1));
                     let name = format!("{family}_{m}");
                     self.program.add((name.as_str(), t), taken.implies(row))?;
-                    self.program.model.set_background(&name)?;
+                    self.program.model.set_law(&name)?;
                 }
             }
         }

@@ -180,11 +180,10 @@ impl<P> fmt::Display for Shortest<P> {
                     _ => write!(f, ": fewer are refuted for {law}"),
                 }
             }
-            (ShortestStatus::NoneWithin { max_steps }, _) => write!(
-                f,
-                "no plan of up to {}, under {law}; a smaller Δt may have one",
-                horizon(max_steps)
-            ),
+            (ShortestStatus::NoneWithin { max_steps }, _) => {
+                write!(f, "no plan of up to {}, under {law}; longer ones", horizon(max_steps))?;
+                f.write_str(" were not looked for")
+            }
             (status, found) => {
                 write!(f, "{status}, under {law}")?;
                 match found {

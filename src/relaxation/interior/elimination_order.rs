@@ -25,8 +25,8 @@ impl Unknowns {
     }
 }
 
-/// The orders that were used last, the last one first. Below in the tree, a system is mostly a part of
-/// one before, but for a few rows, and a part of an order leaves no more fill than the whole.
+/// The orders that were used last, the last one first. Further down in the tree, a system is mostly a part of
+/// an earlier one, but for a few rows, and the same part of its order leaves no more fill than the whole.
 #[derive(Default)]
 pub(super) struct KeptOrders {
     kept: Vec<KeptOrder>,

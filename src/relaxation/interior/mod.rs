@@ -38,8 +38,8 @@ use warm_start::{KeptIterate, ParentIterate, Resumed};
 
 /// The crate's own interior-point method.
 ///
-/// Its working memory is kept between solves, so that a solve takes memory only for a system that
-/// is unlike the last ones, and for its result, unless others were given back.
+/// Its working memory is kept between solves. A solve takes new memory only for a system unlike the last
+/// ones, and for its result if none was given back.
 #[derive(Default)]
 pub struct InteriorPoint {
     scaled: ScaledProgram,

@@ -6,8 +6,8 @@ pub(super) const SHORT_STEP: f64 = 1e-3;
 /// The number of consecutive negligible steps after which the method gives up.
 pub(super) const MAX_SHORT_STEPS: u32 = 3;
 
-/// The step length of a program with cones below which a step is taken to the centre instead, and the part of
-/// the mean complementarity that it aims at (no unit).
+/// Where the step of a program with cones is shorter than the first, a step to the centre is taken instead.
+/// It aims at the second part of the mean complementarity (no unit).
 pub(super) const POOR_STEP: f64 = 0.1;
 pub(super) const CENTRING: f64 = 0.5;
 

@@ -1,10 +1,10 @@
 //! A dual simplex method for linear relaxations, started from the parent's basis.
 //!
-//! The basis of a parent is dual feasible at its children, whose bounds are all that differs, and a
-//! few exchanges away from theirs. Rows weigh by steepest edges, columns between two bounds jump
-//! where the dual objective still rises beyond them, and a basis that no longer fits, because rows
-//! or columns of the parent are gone, is mended with the rows' own columns. The dual objective
-//! never falls, so the method stops when it exceeds the cutoff.
+//! Children differ from their parent in bounds only. So the parent's basis is dual feasible there, and a few
+//! exchanges away from an optimal one. Rows are chosen by steepest edges. Columns between two bounds jump to
+//! the other one where the dual objective still rises beyond. Where rows or columns of the parent are gone,
+//! its basis is mended with the rows' own columns. The dual objective never falls, so the method stops when
+//! it exceeds the cutoff.
 //!
 //! If the numbers are too bad, or the start cannot be made dual feasible, the method gives up.
 

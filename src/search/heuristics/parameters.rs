@@ -32,7 +32,7 @@ pub(super) struct HeuristicParameters {
     pub(super) gap_share: f64,
     /// Most relaxations of all completions of a start.
     pub(super) completion_relaxations: usize,
-    /// Most relaxations of all completions in a prepared solve that no limit may stop, where the replay of
+    /// Most relaxations of all completions in a prepared solve that no limit may stop. There, the replay of
     /// the last tree finds points as well.
     pub(super) prepared_relaxations: usize,
     /// Shares of the integers of a start, from its beginning, that are tried.

@@ -1,9 +1,9 @@
 //! The deterministic search: the same nodes, counts and answer for any number of threads.
 //!
-//! The search works in rounds. A fixed number of workers, more than most machines have threads,
-//! each get a node by a fixed rule and plunge from there for a few nodes, with the cutoff at the
-//! start of the round. Threads take workers in any order. The results are merged in the order of
-//! the workers once all are done, so nothing depends on which worker was faster.
+//! The search works in rounds. The number of workers is fixed, and larger than the number of threads of most
+//! machines. In a round, each worker gets a node by a fixed rule and plunges from there for a few nodes. It
+//! uses the cutoff that was known when the round began. Threads take workers in any order. The results are
+//! merged in the order of the workers once all are done, so nothing depends on which worker was faster.
 
 #[cfg(not(target_family = "wasm"))]
 use std::sync::atomic::AtomicUsize;

@@ -3,6 +3,7 @@
 mod allowance;
 mod best_points;
 mod comparison;
+mod first_cuts;
 mod growth;
 mod indifferent_binaries;
 mod node;

@@ -147,7 +147,7 @@ fn bad_windows_are_refused_and_change_nothing() {
     let foreign = Model::new("other").continuous("y", 0.0, 1.0).unwrap();
     let error = program.require("way", [x.ge(foreign)], When::Throughout(0..=3)).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::ForeignHandle { .. }), "{error}");
-    // The name `start_1[0]` is taken.
+    // Its names are taken.
     let error = program.require("start", at_rest(), When::At(0)).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::DuplicateName { .. }), "{error}");
     assert_eq!(program.model().to_string(), before);

@@ -152,3 +152,59 @@ fn unknown_names_are_refused() {
         ]
     );
 }
+
+/// A cart that is slower than its goal asks for.
+fn slow_cart() -> Result<(HybridProgram, State, State), Error> {
+    let mut cart = HybridSystem::new(1.0); // s
+    let x = cart.state("x", 0.0, 9.0)?;
+    let v = cart.state("v", -2.0, 2.0)?;
+    let u = cart.input("u", -1.0, 1.0)?;
+    cart.rates([x.is(v), v.is(u)])?;
+    cart.mode("roll")?.invariant(x.le(5.0))?.limit("slow", v.le(0.5))?;
+    cart.mode("run")?.invariant(x.ge(5.0))?.limit("quick", v.le(0.7))?;
+    Ok((cart.program(6)?, x, v))
+}
+
+#[test]
+fn explanations_speak_of_starts_and_limits() {
+    let (mut program, x, v) = slow_cart().unwrap();
+    program.start([x.equals(0.0), v.equals(0.0)]).unwrap();
+    program.goal([x.ge(6.0), (x + v).le(9.0), x.le(8.0)]).unwrap();
+    let text = program.model().to_string();
+    for name in ["start_x[0]:", "start_v[0]:", "goal_x[6]:", "goal_1[6]:", "goal_2[6]:"] {
+        assert!(text.contains(name), "{name} in {text}");
+    }
+    let mut solver = BranchAndBound::default();
+    let options = carom::explain::ExplainOptions::default();
+    let why = carom::explain::infeasibility(program.model(), &mut solver, &options).unwrap();
+    let names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
+    assert_eq!(names, ["start_x", "goal_x", "roll_slow"]);
+    let why = why.to_string();
+    for words in [
+        "the start of `x` at step 0; the goal of `x` at step 6; the limit `slow` of `roll` at steps",
+        "(background: the laws of the system)",
+    ] {
+        assert!(why.contains(words), "{why}");
+    }
+    assert!(!why.contains('_'), "{why}");
+}
+
+#[test]
+fn plans_are_comma_separated_values() {
+    let (mut program, x, v) = slow_cart().unwrap();
+    let mut other = HybridSystem::new(1.0); // s
+    let y = other.state("y", 0.0, 9.0).unwrap();
+    other.mode("rest").unwrap().next([y.is(y)]).unwrap();
+    program.join("second", &other).unwrap();
+    program.start([x.equals(0.0), v.equals(0.0), y.equals(1.0)]).unwrap();
+    let plan = program.solve(&mut BranchAndBound::default()).unwrap().to_string();
+    let mut tables = plan.lines().collect::<Vec<&str>>();
+    assert!(tables[0].starts_with("# objective "), "{plan}");
+    let second = tables.iter().position(|line| *line == "# second").expect("the name of a system");
+    let last = tables.split_off(second);
+    for table in [&tables[1..], &last[1..]] {
+        assert!(table[0].starts_with("time,"), "{plan}");
+        let commas = |line: &str| line.matches(',').count();
+        assert!(table.len() == 8 && table.iter().all(|line| commas(line) == commas(table[0])));
+    }
+}

@@ -267,8 +267,8 @@ fn claims_name_the_stepped_law_and_its_time_step() {
     );
     assert_eq!(
         refuted.to_string(),
-        "no plan of up to 200 steps, 10 s, under the time-stepped law with Δt = 0.05 s; a smaller \
-         Δt may have one"
+        "no plan of up to 200 steps, 10 s, under the time-stepped law with Δt = 0.05 s; longer \
+         ones were not looked for"
     );
     let scene = ball(bounce(0.8).with_rest(), 0.05, near);
     let found = scene.shortest_plan(&options, &mut solver).unwrap();
