@@ -91,7 +91,7 @@ fn narrow(model: &mut Model, ranges: &[Interval]) -> Result<(), Error> {
         .filter(|own| own.parameter_range().is_none())
         .filter_map(|own| {
             let range = own.bounds().intersection(*ranges.get(own.id().index())?);
-            (range != own.bounds() && range.lower < range.upper).then_some((own.id(), range))
+            (range != own.bounds() && range.lower <= range.upper).then_some((own.id(), range))
         })
         .collect();
     variables
@@ -248,7 +248,8 @@ impl Members {
         for RequiredMission { name, mission, margin } in &self.missions {
             let (found, wanted) =
                 (self.robustness(mission, solution)?, solution.value(margin.clone())?);
-            if !(found >= wanted - REACH * (1.0 + wanted.abs())) {
+            let holds = found >= wanted - REACH * (1.0 + wanted.abs());
+            if !holds {
                 let what = format!("the robustness of `{name}` in the plan");
                 let range = format!("at least {wanted}, the margin of the rows");
                 return Err(Error::out_of_range(what, found, range));

@@ -55,9 +55,10 @@ fn propagate(
         let rest = others.fold(Interval::point(0.0), |sum, (_, part)| sum + *part);
         let value = Interval::new(limits.lower, limits.upper) + (-rest);
         let inverse = 1.0 / factor;
-        // The inverse is rounded: give way by more than that.
         let found = value * inverse;
-        let give = 1e-9 * (1.0 + found.magnitude());
+        // The inverse is rounded: give way by more than that. The same for values of a start would only blur them.
+        let is_exact = factor.abs() == 1.0;
+        let give = if is_exact { 0.0 } else { 1e-9 * (1.0 + found.magnitude()) };
         let wider = |end: f64, by: f64| if end.is_finite() { end + by } else { end };
         let found = Interval::new(wider(found.lower, -give), wider(found.upper, give));
         let own = ranges[variable.index()];
@@ -65,8 +66,7 @@ fn propagate(
         if both.lower.is_nan() || both.upper.is_nan() || both.is_empty() {
             continue;
         }
-        let gain =
-            |new: f64, old: f64| new != old && !((new - old).abs() < 1e-6 * (1.0 + old.abs()));
+        let gain = |new: f64, old: f64| new != old && (new - old).abs() >= 1e-6 * (1.0 + old.abs());
         if gain(both.lower, own.lower) || gain(both.upper, own.upper) {
             ranges[variable.index()] = both;
             changed = true;

@@ -111,7 +111,7 @@ impl Window {
         let begin = sample.saturating_add(first);
         let stop = last.map(|last| sample.saturating_add(last));
         // An empty range for a run without samples.
-        let Some(end) = end else { return Ok((1..=0, true)) };
+        let Some(end) = end else { return Ok((RangeInclusive::new(1, 0), true)) };
         match stop {
             Some(stop) => Ok((begin..=stop.min(end), stop > end)),
             None => Ok((begin..=end, begin > end)),
