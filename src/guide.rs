@@ -17,6 +17,13 @@ pub mod hybrid_system {}
 #[doc = include_str!("../docs/scenes.md")]
 pub mod scenes {}
 
+#[doc = "[`Mission`]: crate::hybrid::Mission"]
+#[doc = "[`Mission::robustness`]: crate::hybrid::Mission::robustness"]
+#[doc = "[`MISSION_SEPARATION`]: crate::tolerance::MISSION_SEPARATION"]
+#[doc = "[`mission_conflict`]: crate::hybrid::HybridProgram::mission_conflict"]
+#[doc = include_str!("../docs/missions.md")]
+pub mod missions {}
+
 // The pages are also read as files. Of two definitions of a link, the first one counts, so that these
 // take the place of the links to files at the ends of the pages.
 #[doc = include_str!("../docs/my_search_does_not_finish.md")]

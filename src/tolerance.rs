@@ -90,6 +90,11 @@ pub const MAX_BOUNCES: usize = 1000;
 /// proportion.
 pub const REACH: f64 = 4e-6;
 
+/// By how much a negated row of a [mission](crate::hybrid::Mission) fails where a program requires it, in the
+/// row's unit, so that a mission and its negation never both hold: more than two rows that are satisfied only to
+/// [`FEASIBILITY`] can give.
+pub const MISSION_SEPARATION: f64 = 1e-5;
+
 /// Longest horizon, in steps, for which a model is built. A longer one is refused with an error
 /// before anything is allocated.
 pub const MAX_STEPS: usize = 100_000;

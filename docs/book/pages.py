@@ -16,6 +16,7 @@ GUIDES = [
     ("From a robot to a proved plan", "docs/tutorial.md", ["hybrid"]),
     ("Hybrid systems", "docs/hybrid_system.md", ["hybrid"]),
     ("Scenes: vehicles among walls", "docs/scenes.md", ["hybrid::scene"]),
+    ("A mission", "docs/missions.md", ["hybrid"]),
     ("Models", "docs/modelling.md", ["model", "reformulate"]),
     ("A search that does not finish", "docs/my_search_does_not_finish.md", ["solver", "explain"]),
     ("How horizons are refuted", "docs/reach_sets.md", ["hybrid::reach"]),

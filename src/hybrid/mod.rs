@@ -8,6 +8,7 @@ mod flaws;
 pub(crate) mod horizon;
 pub mod linear;
 mod matrix;
+pub(crate) mod mission;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
 pub(crate) mod program;
@@ -28,7 +29,7 @@ pub use damage::ImpactEstimate;
 pub use flaws::{Flaw, Witness};
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
-#[doc(alias("STL", "signal temporal logic", "temporal logic"))]
+pub use mission::{IntoWindow, Mission};
 pub use program::When;
 pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit};
 #[doc(alias("MPC", "model predictive control", "receding horizon"))]

@@ -10,6 +10,7 @@ mod goals;
 mod graph_of_sets;
 mod hybrid;
 mod loops;
+mod mission;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
 mod physics;

@@ -132,6 +132,10 @@ impl HybridProgram {
         Ok(())
     }
 
+    pub(crate) fn members_mut(&mut self) -> &mut Members {
+        Arc::make_mut(&mut self.members)
+    }
+
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model

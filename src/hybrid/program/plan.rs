@@ -56,10 +56,15 @@ impl HybridPlan {
             return Err(ErrorKind::NoPlan { termination, help }.into());
         }
         let (run, certificate) = members.first().certified(solution)?;
+        members.check_missions(solution)?;
         let others = members.iter().skip(1).map(|own| own.certified(solution));
         let others = others.collect::<Result<_, Error>>()?;
         let (members, solution) = (members.clone(), solution.clone());
         Ok(HybridPlan { run, certificate, solution, members, others })
+    }
+
+    pub(crate) fn members(&self) -> &Members {
+        &self.members
     }
 
     /// The number of steps.

@@ -13,7 +13,7 @@ use crate::model::{Affine, Either, Model, Term};
 /// At which samples, from 0 to the number of steps τ, a run must be in a region.
 ///
 /// `Throughout` and `OnceIn` are the bounded operators *always* and *eventually* of signal temporal
-/// logic, for a region. Formulas that nest them are not supported.
+/// logic, for a region. Formulas that nest them are [missions](crate::hybrid::Mission).
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum When {

@@ -1,6 +1,7 @@
 //! Expressions of systems, taken at a sample of a program.
 
 use crate::error::{Error, ErrorKind};
+use crate::hybrid::mission::RequiredMission;
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow};
 use crate::model::{Affine, ConicRow, Literal, Model, ModelTag, Quadratic, Row, Variable};
@@ -14,15 +15,17 @@ use super::HybridPlan;
 pub(crate) struct Members {
     /// Of the program's model.
     tag: ModelTag,
-    pub(super) steps: usize,
+    pub(crate) steps: usize,
     /// By name; the first one has none.
     pub(super) all: Vec<(String, SystemVariables)>,
+    /// What plans are checked for.
+    pub(crate) missions: Vec<RequiredMission>,
 }
 
 impl Members {
     pub(super) fn new(tag: ModelTag, variables: SystemVariables) -> Self {
         let steps = variables.horizon().steps();
-        Members { tag, steps, all: vec![(String::new(), variables)] }
+        Members { tag, steps, all: vec![(String::new(), variables)], missions: Vec::new() }
     }
 
     /// The first system's variables.
@@ -70,7 +73,7 @@ impl Members {
     }
 
     /// A handle at a sample.
-    pub(super) fn value(&self, handle: Variable, sample: usize) -> Result<Affine, Error> {
+    pub(crate) fn value(&self, handle: Variable, sample: usize) -> Result<Affine, Error> {
         if handle.tag == self.tag {
             return Ok(handle.into());
         }
@@ -124,7 +127,7 @@ impl Members {
     }
 
     /// The number of samples at which an expression has a value: that of steps, or one more.
-    pub(super) fn samples(&self, expression: &Affine) -> usize {
+    pub(crate) fn samples(&self, expression: &Affine) -> usize {
         let is_at_samples = |handle: Variable| {
             let own = self.meaning(handle).map(|(_, meaning)| meaning);
             matches!(

@@ -241,6 +241,7 @@ impl SceneProgram {
     /// [`ErrorKind::ForeignHandle`] for a solution of another model.
     pub fn plan(&self, solution: &Solution) -> Result<ScenePlan, Error> {
         let (run, _) = self.variables().certified(solution)?;
+        self.program.members.check_missions(solution)?;
         let mut bodies = Vec::new();
         for body in &self.scene.bodies {
             let axes = &AXES[..self.scene.axes()];

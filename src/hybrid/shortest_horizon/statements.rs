@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::Waiting;
 use super::options::ShortestOptions;
 use crate::error::Error;
+use crate::hybrid::mission::Mission;
 use crate::hybrid::program::{HybridProgram, When};
 use crate::hybrid::system::{IntoRegion, StatedRegion};
 use crate::model::{Model, Reformulation};
@@ -19,6 +20,7 @@ type Write = dyn Fn(&mut HybridProgram) -> Result<(), Error> + Send + Sync;
 pub(super) struct Statements {
     windows: Vec<(String, StatedRegion, When)>,
     rows: Vec<Arc<Write>>,
+    missions: Vec<(String, Mission)>,
     reformulation: Option<Reformulation>,
 }
 
@@ -27,6 +29,7 @@ impl fmt::Debug for Statements {
         f.debug_struct("Statements")
             .field("windows", &self.windows)
             .field("rows", &self.rows.len())
+            .field("missions", &self.missions)
             .field("reformulation", &self.reformulation)
             .finish()
     }
@@ -95,6 +98,38 @@ impl ShortestOptions {
         self
     }
 
+    /// Requires every run to do what a mission says, as
+    /// [`require_mission`](HybridProgram::require_mission) does: the shortest horizon is that at which the
+    /// mission is true.
+    ///
+    /// What is beyond the end of a run counts as not true there, so a horizon for which windows are too long is
+    /// refuted: an *eventually* must be true in time, and an *always* holds when its window is over, or at once
+    /// if that is open, as in `always(0..)`. Waiting is not free, and every smaller horizon is refuted separately.
+    ///
+    /// ```
+    /// use carom::hybrid::Mission;
+    /// use carom::prelude::*;
+    ///
+    /// let mut cart = HybridSystem::new(1.0); // s
+    /// let x = cart.state("x", -9.0, 9.0)?;
+    /// let v = cart.input("v", -1.0, 1.0)?;
+    /// cart.mode("roll")?.next([x.is(x + v)])?;
+    /// // Two seconds at the depot, then far away.
+    /// let depot = Mission::holds("at the depot", [x.within(-2.0, -1.0)]);
+    /// let far = Mission::holds("far", [x.ge(3.0)]);
+    /// let mission = (depot.always(0..=2) & far.eventually(3..)).eventually(0..);
+    /// let options = ShortestOptions::default().with_mission("mission", &mission);
+    /// let (start, goal) = ([x.equals(0.0)], [x.ge(-9.0)]);
+    /// let found = cart.shortest_with(start, goal, &options, &mut BranchAndBound::default())?;
+    /// assert_eq!(found.steps, Some(7));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_mission(mut self, name: &str, mission: &Mission) -> Self {
+        self.statements.missions.push((name.to_owned(), mission.clone()));
+        self
+    }
+
     /// Sets how the programs of all horizons are lowered: their conditions, disjunctions and choices.
     #[must_use]
     pub fn with_reformulation(mut self, reformulation: Reformulation) -> Self {
@@ -104,7 +139,8 @@ impl ShortestOptions {
 
     /// Whether programs get windows or rows besides those of their system.
     pub(crate) fn has_statements(&self) -> bool {
-        !self.statements.windows.is_empty() || !self.statements.rows.is_empty()
+        let Statements { windows, rows, missions, .. } = &self.statements;
+        !windows.is_empty() || !rows.is_empty() || !missions.is_empty()
     }
 
     /// The same for a grid on which the samples of windows mean nothing.
@@ -117,6 +153,9 @@ impl ShortestOptions {
     /// The same for steps of half the length.
     pub(crate) fn halved(&self) -> Self {
         let mut halved = self.clone();
+        for (_, mission) in &mut halved.statements.missions {
+            *mission = mission.halved();
+        }
         for (_, _, when) in &mut halved.statements.windows {
             let twice = |window: &RangeInclusive<usize>| {
                 window.start().saturating_mul(2)..=window.end().saturating_mul(2)
@@ -161,6 +200,9 @@ impl ShortestOptions {
                     program.model.add(name.as_str(), late.ge(1.0))?;
                 }
             }
+        }
+        for (name, mission) in &self.statements.missions {
+            program.require_mission_if_in_time(name, mission)?;
         }
         self.statements.rows.iter().try_for_each(|rows| rows(program))
     }

@@ -6,6 +6,7 @@ use crate::model::{ConicRow, Row};
 ///
 /// Methods take `impl Into<SystemRow>`, so both can be given as they are.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum SystemRow {
     /// An affine row.

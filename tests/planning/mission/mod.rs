@@ -1,0 +1,5 @@
+//! Missions in signal temporal logic.
+
+mod random;
+mod scenarios;
+mod statements;
