@@ -5,6 +5,7 @@ use faer::Mat;
 use super::axes::region_where;
 use super::error::SceneError;
 use super::geometry::dot;
+use super::spin::Spin;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
@@ -12,7 +13,7 @@ use crate::hybrid::system::{Region, State, SystemRow};
 use crate::interval::Interval;
 use crate::setters::setters;
 
-/// The shape of a body, around its position. It does not turn.
+/// The shape of a body, around its position. Only a disc may turn, by [`Body::with_spin`].
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -77,6 +78,7 @@ pub struct Body {
     /// Where it ends, in the same order.
     pub goal: Option<Region>,
     pub(super) first: Option<Vec<f64>>,
+    pub(super) spin: Option<Spin>,
 }
 
 impl Body {
@@ -108,6 +110,7 @@ impl Body {
             start: None,
             goal: None,
             first: None,
+            spin: None,
         }
     }
 
@@ -118,14 +121,16 @@ impl Body {
         with_shape(shape: Shape) => shape = shape;
     }
 
-    /// Sets where it starts: positions (m), then velocities (m/s), as a point or as a range for each.
+    /// Sets where it starts: positions (m), then velocities (m/s), and last the spin (rad/s) of a body that
+    /// has one, as a point or as a range for each.
     #[must_use]
     pub fn with_start(mut self, region: impl Into<Region>) -> Self {
         self.start = Some(region.into());
         self
     }
 
-    /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each.
+    /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each; and last,
+    /// if it matters, the spin (rad/s).
     #[must_use]
     pub fn with_goal(mut self, region: impl Into<Region>) -> Self {
         self.goal = Some(region.into());
@@ -350,6 +355,7 @@ impl Body {
                 return Err(Error::out_of_range(what, value, "finite and positive"));
             }
         }
+        self.check_spin()?;
         for matrix in self.dynamics.iter().flat_map(|(k, d)| [k, d]) {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
             if rows != axes || columns != axes {

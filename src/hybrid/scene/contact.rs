@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::geometry::{self, Across, Side, dot};
 use super::solid::Solid;
+use super::spin::ContactSpin;
 use super::statement::{Pair, Scene};
 use super::surface::Surface;
 
@@ -49,6 +50,8 @@ pub(super) struct ContactPair {
     pub(super) share: f64,
     /// The mass that matters in a hit, in kg.
     pub(super) mass: f64,
+    /// The spins that impulses along the surface change.
+    pub(super) spins: Vec<ContactSpin>,
     /// In the order of the transitions; filled by the statement of the system.
     pub(super) modes: Vec<Mode>,
 }
@@ -69,6 +72,13 @@ impl ContactPair {
     /// Whether bodies may bounce off one of its faces.
     pub(super) fn bounces(&self) -> bool {
         self.faces.iter().any(|face| face.surface.restitution.is_some())
+    }
+
+    /// By how many times more an impulse along the surface moves the touching points than the centres:
+    /// `1 + m Σ r²/I`.
+    pub(super) fn mobility(&self) -> f64 {
+        let turning = self.spins.iter().map(|spin| spin.lever * spin.lever / spin.inertia);
+        1.0 + self.mass * turning.sum::<f64>()
     }
 
     /// The velocity of the surface in a step, in m/s.
@@ -117,6 +127,7 @@ fn with_obstacle(
         velocity: velocity.collect(),
         share: 1.0,
         mass: body.mass,
+        spins: scene.contact_spins(&[b]),
         modes: Vec::new(),
     }
 }
@@ -140,6 +151,7 @@ fn between(scene: &Scene, pair: &Pair) -> ContactPair {
         velocity: Vec::new(),
         share: second.mass / total,
         mass: first.mass * second.mass / total,
+        spins: scene.contact_spins(&[pair.first, pair.second]),
         modes: Vec::new(),
     }
 }

@@ -25,8 +25,12 @@ impl Body {
     }
 
     fn check_region(&self, word: &str, region: &Region) -> Result<(), Error> {
-        let expected = 2 * self.axes();
+        let mut expected = 2 * self.axes();
         let found = region.ranges.len();
+        // A goal need not say anything about a spin.
+        if self.spin.is_some() && (word == "start" || found > expected) {
+            expected += 1;
+        }
         if found != expected {
             let name = format!("the {word} of {}", self.name);
             return Err(SceneError::Axes { name, found, expected }.into());
@@ -56,11 +60,13 @@ impl Body {
         let body = || self.name.clone();
         let speed = Interval::new(-self.max_speed, self.max_speed);
         let mut left = Vec::new();
+        let spin = self.spin.map_or(Interval::REALS, |spin| spin.rates());
         for (i, &range) in region.ranges.iter().enumerate() {
             let axis = AXES[i % axes];
-            let (what, allowed, words, unit) = match i < axes {
-                true => (axis.to_owned(), self.domain[i], "domain", "m"),
-                false => (format!("v{axis}"), speed, "largest speed", "m/s"),
+            let (what, allowed, words, unit) = match i / axes {
+                0 => (axis.to_owned(), self.domain[i], "domain", "m"),
+                1 => (format!("v{axis}"), speed, "largest speed", "m/s"),
+                _ => ("spin".to_owned(), spin, "largest spin", "rad/s"),
             };
             let both = range.intersection(allowed);
             let miss = FEASIBILITY * margin_scale(allowed.magnitude(), 0.0);
@@ -74,7 +80,8 @@ impl Body {
         let polygon = region.polyhedral();
         if self.is_speed_ball {
             // The slowest state of the box.
-            let slowest: Vec<f64> = left[axes..].iter().map(|range| range.nearest(0.0)).collect();
+            let slowest: Vec<f64> =
+                left[axes..2 * axes].iter().map(|range| range.nearest(0.0)).collect();
             let nearest = dot(&slowest, &slowest).sqrt();
             let limit = self.max_speed;
             if nearest - limit > FEASIBILITY * margin_scale(nearest, limit) {

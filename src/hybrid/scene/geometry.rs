@@ -1,5 +1,7 @@
 //! Convex sets in one to three dimensions: corners, extents of faces.
 
+use std::f64::consts::TAU;
+
 /// How far a corner may be outside a face, relative to the size of the set (no unit).
 const NEAR: f64 = 1e-9;
 
@@ -184,4 +186,20 @@ pub(super) fn tangents(normal: &[f64]) -> Vec<Vec<f64>> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Directions along a face: both in the plane, `count` in space, none on a line.
+pub(super) fn around(normal: &[f64], count: usize) -> impl Iterator<Item = Vec<f64>> {
+    let tangents = tangents(normal);
+    let all: Vec<Vec<f64>> = match &tangents[..] {
+        [one] => vec![one.clone(), one.iter().map(|t| -t).collect()],
+        [one, two] => (0..count)
+            .map(|k| {
+                let (sin, cos) = (TAU * k as f64 / count as f64).sin_cos();
+                one.iter().zip(two).map(|(a, b)| cos * a + sin * b).collect()
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    all.into_iter()
 }

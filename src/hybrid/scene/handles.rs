@@ -1,5 +1,6 @@
 //! Handles of a scene: its rules, pairs, expressions and rows are stated with them.
 
+use super::statement::Scene;
 use crate::hybrid::system::{Handles, Meaning, State};
 use crate::model::{ModelTag, Variable};
 
@@ -31,11 +32,11 @@ impl BodyHandle {
         self.handle(axis, 4 * self.axes + axis)
     }
 
-    /// A handle of the body by its place in the order of [`declared`]: each state, followed by its
-    /// prediction, and then the inputs.
-    fn handle(self, axis: usize, place: usize) -> Variable {
+    /// A handle of the body by its place in the order of [`Scene::declared`]: each state, followed by its
+    /// prediction, the inputs, and then the spin, its prediction and its torque.
+    pub(super) fn handle(self, axis: usize, place: usize) -> Variable {
         let own = axis < self.axes;
-        let index = if own { 5 * self.axes * self.number + place } else { usize::MAX };
+        let index = if own { (5 * self.axes + 3) * self.number + place } else { usize::MAX };
         Variable::new(index, self.tag)
     }
 }
@@ -47,16 +48,27 @@ pub struct ObstacleHandle {
     pub(super) number: usize,
 }
 
-/// The handles of the system of a scene with some bodies of so many axes.
-pub(super) fn declared(tag: ModelTag, bodies: usize, axes: usize) -> Handles {
-    let mut handles = Handles::with_tag(tag);
-    for body in 0..bodies {
-        for state in 0..2 * axes {
-            handles.state(2 * axes * body + state);
+impl Scene {
+    /// The handles of its system.
+    pub(super) fn declared(&self) -> Handles {
+        let (axes, bodies) = (self.axes(), self.bodies.len());
+        let mut handles = Handles::with_tag(self.tag);
+        for body in 0..bodies {
+            for state in 0..2 * axes {
+                handles.state(2 * axes * body + state);
+            }
+            for input in 0..axes {
+                handles.of(Meaning::Input(axes * body + input));
+            }
+            match self.spins().position(|(own, _)| own == body) {
+                Some(spin) => {
+                    handles.state(2 * axes * bodies + spin);
+                    handles.of(Meaning::Input(axes * bodies + spin));
+                }
+                // The same number of handles for every body, whatever is said about it later.
+                None => handles.skip(3),
+            }
         }
-        for input in 0..axes {
-            handles.of(Meaning::Input(axes * body + input));
-        }
+        handles
     }
-    handles
 }

@@ -17,7 +17,8 @@ use faer::Mat;
 
 use super::contact::ContactFace;
 use super::entry::plus;
-use super::law::{Guard, Law, Writer, at_start, laws, norm_of};
+use super::law::{Writer, at_start, norm_of};
+use super::rebound::{Guard, Law, laws};
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, Transition};
@@ -37,7 +38,7 @@ impl Writer<'_> {
         let mut all = Vec::new();
         for kind in [Kind::Hit, Kind::Settle, Kind::Rest] {
             let rebound = if kind == Kind::Hit { e } else { 0.0 };
-            for mut law in laws(own, 0.0, rebound) {
+            for mut law in laws(own, self.contact.mobility(), 0.0, rebound) {
                 let word = match kind {
                     Kind::Hit => "",
                     Kind::Settle => "settle",
@@ -130,6 +131,12 @@ impl Writer<'_> {
                 for (j, change) in self.velocity(&law.at_start[i]).iter().enumerate() {
                     a[(row, j)] += share * change;
                 }
+            }
+        }
+        for spin in &self.contact.spins {
+            let part = -self.contact.mass * spin.lever / spin.inertia;
+            for (j, change) in self.velocity(&law.along[1]).iter().enumerate() {
+                a[(spin.state, j)] += part * change;
             }
         }
         LinearSystem::new(a, b, constant.collect::<Vec<_>>())

@@ -1,6 +1,7 @@
 //! A scene: bodies, obstacles, pairs of bodies.
 
 use super::body::{Body, Shape};
+use super::contact::contacts;
 use super::error::SceneError;
 use super::geometry::{self, Side, dot};
 use super::handles::BodyHandle;
@@ -268,6 +269,11 @@ impl Scene {
         }
         for k in 0..own.pairs.len() {
             own.pairs[k] = own.checked_pair(k)?;
+        }
+        for contact in contacts(&own) {
+            let name = contact.obstacle.map_or(&contact.name, |o| &own.obstacles[o].name);
+            let mut surfaces = contact.faces.iter().map(|face| face.surface);
+            surfaces.try_for_each(|surface| surface.check_energy(name, contact.mobility()))?;
         }
         own.check_ends()?;
         own.rules.iter().try_for_each(|rule| rule.check(&own))?;

@@ -50,7 +50,7 @@ pub(super) fn in_plane(picture: &ScenePicture) -> Chart {
             }
             let at_end = k == 0 || k > count;
             if !(at_end && ends.iter().any(|(own, _)| distance(own, &place) < 1e-6)) {
-                ghost(&mut chart, &motion, &place, colour);
+                ghost(&mut chart, &motion, (time, &place), colour);
             }
             if k > 0 && k <= count && time < motion.plan.duration() - 0.3 * every {
                 chart.label_if_room(format!("{} s", short(time)), colour, [place[0], place[1]]);
@@ -126,12 +126,17 @@ pub(super) fn over_time(picture: &ScenePicture, track: &Track) -> Chart {
     chart
 }
 
-/// A body's shape at a place.
-fn ghost(chart: &mut Chart, motion: &Motion<'_>, place: &[f64], colour: &str) {
+/// A body's shape at a time and a place, with a radius if it spins.
+fn ghost(chart: &mut Chart, motion: &Motion<'_>, (time, place): (f64, &[f64]), colour: &str) {
     let at = [place[0], place[1]];
     match &motion.body.shape {
         Shape::Point => chart.dots("", colour, 3.5, [at]),
-        Shape::Ball(radius) => chart.discs("", colour, 0.14, *radius, [at]),
+        Shape::Ball(radius) => {
+            chart.discs("", colour, 0.14, *radius, [at]);
+            if let Some((sin, cos)) = motion.turned(time).map(f64::sin_cos) {
+                chart.line("", colour, [at, [at[0] + radius * cos, at[1] + radius * sin]]);
+            }
+        }
         Shape::Box(half) => chart.area("", colour, 0.14, rectangle(place, half)),
     }
 }
