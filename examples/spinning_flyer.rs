@@ -59,8 +59,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     if let Some(path) = std::env::args().nth(1) {
         let [without, with] = &plans[..] else { return Ok(()) };
-        let picture =
-            with.picture(&scene(0.2)?)?.with_name("with torque").with_rival("without", without)?;
+        let title = format!(
+            "A free-flyer with hardly any thrust\nTorque before the hit steers it off the wall: {:.1} s \
+             against {:.1} s, both proved.",
+            with.duration(),
+            without.duration()
+        );
+        let picture = with.picture(&scene(0.2)?)?.with_title(title).with_name("with torque");
+        let picture = picture.with_rival("without", without)?;
         std::fs::write(path, picture.to_svg())?;
     }
     Ok(())

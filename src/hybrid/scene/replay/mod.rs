@@ -51,9 +51,9 @@ pub struct SceneCertificate {
     /// something, in kg m²/s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub angular_momentum_error: f64,
-    /// Largest kinetic energy, with that of spins, that the law of a hit adds to that of the flight's end, in J; of hits of
-    /// a body in one step, all together. What counting a hit at the end of its step adds is in
-    /// `stepped_gain`.
+    /// Largest kinetic energy, with that of spins, that the law of a hit adds to that of the flight's end,
+    /// in J; of hits of a body in one step, all together. What counting a hit at the end of its step adds
+    /// is in `stepped_gain`.
     pub energy_gain: f64,
     /// Largest energy by which a step with hits ends above the same step with its impacts where they
     /// are located, in J: what the time-stepped law adds, beside the work of torques. It shrinks with Δt.
