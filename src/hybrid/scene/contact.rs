@@ -81,6 +81,13 @@ impl ContactPair {
         1.0 + self.mass * turning.sum::<f64>()
     }
 
+    /// The bodies with the share of the velocity's change that each takes, with its sign.
+    pub(super) fn shares(&self) -> impl Iterator<Item = (usize, f64)> {
+        [(Some(self.body), self.share), (self.other, self.share - 1.0)]
+            .into_iter()
+            .filter_map(|(body, share)| Some((body?, share)))
+    }
+
     /// The velocity of the surface in a step, in m/s.
     pub(super) fn velocity_in(&self, step: usize, axes: usize) -> Vec<f64> {
         let last = self.velocity.last();

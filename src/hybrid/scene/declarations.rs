@@ -33,7 +33,7 @@ impl Scene {
     /// [`ErrorKind::InvalidName`], [`ErrorKind::DuplicateName`]. What else may be wrong with it is said
     /// when the scene is used.
     pub fn body(&mut self, body: Body) -> Result<BodyHandle, Error> {
-        self.check_name(&body.name)?;
+        check_name(&body.name, self.names())?;
         self.bodies.push(body);
         Ok(self.body_handle(self.bodies.len() - 1))
     }
@@ -44,7 +44,7 @@ impl Scene {
     ///
     /// As for [`body`](Scene::body).
     pub fn obstacle(&mut self, obstacle: Solid) -> Result<ObstacleHandle, Error> {
-        self.check_name(&obstacle.name)?;
+        check_name(&obstacle.name, self.names())?;
         self.obstacles.push(obstacle);
         Ok(ObstacleHandle { tag: self.tag, number: self.obstacles.len() - 1 })
     }
@@ -92,18 +92,26 @@ impl Scene {
         is_own.then_some(obstacle.number).ok_or_else(|| foreign("obstacle", obstacle.number, place))
     }
 
-    /// Refuses a name that is none, or that another body or obstacle has.
-    fn check_name(&self, name: &str) -> Result<(), Error> {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
-        let mut names = self.bodies.iter().map(|body| &body.name);
-        if names.any(|own| own == name) || self.obstacles.iter().any(|own| own.name == name) {
-            let kind = "body or obstacle";
-            return Err(ErrorKind::DuplicateName { name: name.to_owned(), kind }.into());
-        }
-        Ok(())
+    /// The names of bodies and obstacles.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let obstacles = self.obstacles.iter().map(|obstacle| &obstacle.name);
+        self.bodies.iter().map(|body| &body.name).chain(obstacles).map(String::as_str)
     }
+}
+
+/// Refuses a name that is none, or that another body or obstacle has.
+pub(super) fn check_name<'a>(
+    name: &str,
+    mut others: impl Iterator<Item = &'a str>,
+) -> Result<(), Error> {
+    if !is_name(name) {
+        return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
+    }
+    if others.any(|own| own == name) {
+        let kind = "body or obstacle";
+        return Err(ErrorKind::DuplicateName { name: name.to_owned(), kind }.into());
+    }
+    Ok(())
 }
 
 fn unknown(name: &str, kind: &'static str) -> Error {

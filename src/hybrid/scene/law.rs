@@ -10,6 +10,7 @@ use faer::Mat;
 use super::contact::{ContactFace, ContactPair, Mode, at};
 use super::geometry::{around, dot, tangents};
 use super::rebound::{Guard, Law, laws};
+use super::spin::ContactSpin;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
@@ -275,6 +276,24 @@ impl Writer<'_> {
         norm_of(parts).map(|limit| NormLimit { is_limit: true, ..limit })
     }
 
+    /// The states that a change of the relative velocity changes, with their shares and with its rows: the
+    /// velocities of the bodies, and their spins, which the impulse along the surface turns.
+    pub(super) fn taken<'b>(
+        &self,
+        change: &'b [Vec<f64>],
+        along: &'b [f64],
+    ) -> Vec<(usize, f64, &'b [f64])> {
+        let axes = self.axes();
+        let of = |(body, share): (usize, f64)| {
+            let rows = change.iter().enumerate();
+            rows.map(move |(i, row)| (axes * (2 * body + 1) + i, share, &row[..]))
+        };
+        let turn = |spin: &ContactSpin| {
+            (spin.state, -self.contact.mass * spin.lever / spin.inertia, along)
+        };
+        self.contact.shares().flat_map(of).chain(self.contact.spins.iter().map(turn)).collect()
+    }
+
     /// The reset of a hit: a matrix and an offset by step. The position moves by the gap times
     /// `1 + e`.
     pub(super) fn reset(
@@ -289,12 +308,7 @@ impl Writer<'_> {
         let steps = face.limit.len().saturating_sub(1).max(1);
         let mut offsets = vec![vec![0.0; width]; steps];
         let gap = self.position(n);
-        let parts = [
-            (Some(self.contact.body), self.contact.share),
-            (self.contact.other, self.contact.share - 1.0),
-        ];
-        for (body, share) in parts {
-            let Some(body) = body else { continue };
+        for (body, share) in self.contact.shares() {
             let first = 2 * axes * body;
             for i in 0..axes {
                 // One after the other, so that 1 - (1 + e) is exactly -e along the normal.
@@ -303,31 +317,22 @@ impl Writer<'_> {
                         matrix[(first + i, j)] += lift * g;
                     }
                 }
-                for change in [&law.change[i], &law.rebound[i]] {
-                    for (j, c) in self.velocity(change).iter().enumerate() {
-                        matrix[(first + axes + i, j)] += share * c;
-                    }
-                }
                 let lift = -share * (1.0 + e) * n[i];
                 for (t, offset) in offsets.iter_mut().enumerate() {
                     offset[first + i] -= lift * at(&face.limit, t + 1);
-                    let surface = self.contact.velocity_in(t, axes);
-                    let rows = [&law.change[i], &law.rebound[i], &law.at_start[i]];
-                    let moved: f64 = rows.iter().map(|row| dot(row, &surface)).sum();
-                    offset[first + axes + i] -= share * moved;
                 }
             }
         }
-        for spin in &self.contact.spins {
-            // The impulse along the surface turns the body as much as it pushes it.
-            let part = -self.contact.mass * spin.lever / spin.inertia;
-            for (j, c) in self.velocity(&law.along[0]).iter().enumerate() {
-                matrix[(spin.state, j)] += part * c;
+        let [along, along_at_start] = &law.along;
+        let ended = [self.taken(&law.change, along), self.taken(&law.rebound, &[])].concat();
+        for (state, share, row) in &ended {
+            for (j, c) in self.velocity(row).iter().enumerate() {
+                matrix[(*state, j)] += share * c;
             }
+        }
+        for (state, share, row) in ended.iter().chain(&self.taken(&law.at_start, along_at_start)) {
             for (t, offset) in offsets.iter_mut().enumerate() {
-                let surface = self.contact.velocity_in(t, axes);
-                let moved: f64 = law.along.iter().map(|row| dot(row, &surface)).sum();
-                offset[spin.state] -= part * moved;
+                offset[*state] -= share * dot(row, &self.contact.velocity_in(t, axes));
             }
         }
         // Not -0.

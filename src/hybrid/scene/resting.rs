@@ -120,23 +120,9 @@ impl Writer<'_> {
         let (mut a, b) = (reset * a.faer(), reset * b.faer());
         let width = self.flow.states();
         let constant = (0..width).map(|i| (0..width).map(|j| reset[(i, j)] * c[j]).sum::<f64>());
-        let parts = [
-            (Some(self.contact.body), self.contact.share),
-            (self.contact.other, self.contact.share - 1.0),
-        ];
-        for (body, share) in parts {
-            let Some(body) = body else { continue };
-            for i in 0..self.axes() {
-                let row = self.axes() * (2 * body + 1) + i;
-                for (j, change) in self.velocity(&law.at_start[i]).iter().enumerate() {
-                    a[(row, j)] += share * change;
-                }
-            }
-        }
-        for spin in &self.contact.spins {
-            let part = -self.contact.mass * spin.lever / spin.inertia;
-            for (j, change) in self.velocity(&law.along[1]).iter().enumerate() {
-                a[(spin.state, j)] += part * change;
+        for (state, share, row) in self.taken(&law.at_start, &law.along[1]) {
+            for (j, change) in self.velocity(row).iter().enumerate() {
+                a[(state, j)] += share * change;
             }
         }
         LinearSystem::new(a, b, constant.collect::<Vec<_>>())

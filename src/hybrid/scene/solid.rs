@@ -56,6 +56,24 @@ impl Solid {
         Solid::polytope(name, [(normal.into(), offset)], surface)
     }
 
+    /// The walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the lower and
+    /// the upper side of each axis.
+    pub(super) fn room(
+        name: &str,
+        sides: impl IntoIterator<Item: Into<Interval>>,
+        surface: Surface,
+    ) -> Vec<Solid> {
+        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
+        let wall = |number: usize| {
+            let (axis, side) = (number / 2, sides[number / 2]);
+            let (sign, at) = if number % 2 == 0 { (1.0, side.lower) } else { (-1.0, -side.upper) };
+            let normal: Vec<f64> =
+                (0..sides.len()).map(|j| if j == axis { sign } else { 0.0 }).collect();
+            Solid::halfspace(format!("{name} {number}"), normal, at, surface)
+        };
+        (0..2 * sides.len()).map(wall).collect()
+    }
+
     /// A convex polytope, solid where `normal . x <= offset` for all of its faces; normals point
     /// out of it. Faces are numbered from 0.
     pub fn polytope<N: Into<Vec<f64>>>(

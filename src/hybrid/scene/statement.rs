@@ -2,6 +2,7 @@
 
 use super::body::{Body, Shape};
 use super::contact::contacts;
+use super::declarations::check_name;
 use super::error::SceneError;
 use super::geometry::{self, Side, dot};
 use super::handles::BodyHandle;
@@ -12,7 +13,7 @@ use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::interval::Interval;
-use crate::model::{ModelTag, is_name};
+use crate::model::ModelTag;
 use crate::setters::setters;
 
 /// Number of normals of two bodies in the plane that meet, if one of them is a disc.
@@ -141,15 +142,7 @@ impl Scene {
         sides: impl IntoIterator<Item: Into<Interval>>,
         surface: Surface,
     ) -> Self {
-        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
-        for (i, side) in sides.iter().enumerate() {
-            for (k, sign, at) in [(0, 1.0, side.lower), (1, -1.0, -side.upper)] {
-                let normal: Vec<f64> =
-                    (0..sides.len()).map(|j| if i == j { sign } else { 0.0 }).collect();
-                let name = format!("{name} {}", 2 * i + k);
-                self.obstacles.push(Solid::halfspace(name, normal, at, surface));
-            }
-        }
+        self.obstacles.extend(Solid::room(name, sides, surface));
         self
     }
 
@@ -246,17 +239,8 @@ impl Scene {
             let what = "the number of axes of the scene's first body";
             return Err(Error::out_of_range(what, axes as f64, "from 1 to 3"));
         }
-        let mut names: Vec<&str> = Vec::new();
-        let all = self.bodies.iter().map(|body| &body.name);
-        for name in all.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)) {
-            if !is_name(name) {
-                return Err(ErrorKind::InvalidName { name: name.clone() }.into());
-            }
-            if names.contains(&name.as_str()) {
-                let kind = "body or obstacle";
-                return Err(ErrorKind::DuplicateName { name: name.clone(), kind }.into());
-            }
-            names.push(name);
+        for (k, name) in self.names().enumerate() {
+            check_name(name, self.names().take(k))?;
         }
         for body in &self.bodies {
             body.check(axes)?;

@@ -28,7 +28,8 @@ impl Scene {
     ///
     /// A convex obstacle has a transition `beyond k` for each face k, in front of which the whole
     /// step stays, and `hit k`, or `stick k` and `slip ... k`, for each face to bounce off. With a
-    /// single face they are `clear`, `hit`, `stick`, `slip ...`.
+    /// single face they are `clear`, `hit`, `stick`, `slip ...`. A surface with rest adds `settle` and `rest`,
+    /// or with friction `settle, stick`, `rest, slip ...` and so on.
     ///
     /// # Errors
     ///

@@ -428,3 +428,21 @@ fn spins_that_cannot_be_are_refused() {
         }
     }
 }
+
+#[test]
+fn grids_that_get_coarser_without_plans_end() {
+    // A room with friction, of which no coarser grid has a plan: its steps are too long for hits.
+    let sides = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
+    let puck = Body::new("puck", sides, 5.0, 2.0)
+        .with_shape(Shape::Ball(0.1))
+        .with_start([0.5, 0.5, 1.5, -1.5])
+        .with_goal([1.0, 0.5, 0.0, 0.0]);
+    let walls = bounce(0.6).with_friction(0.3);
+    let scene = Scene::new(0.1).with_body(puck).with_room("wall", sides, walls);
+    let steps = |options: ShortestOptions| {
+        scene.shortest_plan(&options, &mut BranchAndBound::default()).unwrap().steps
+    };
+    let options = ShortestOptions::default();
+    assert_eq!(steps(options.clone()), Some(9));
+    assert_eq!(steps(options.with_coarse_guess(false)), Some(9));
+}
