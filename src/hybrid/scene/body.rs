@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::axes::region_where;
 use super::error::SceneError;
-use super::geometry::dot;
+use super::geometry::length;
 use super::spin::Spin;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
@@ -333,7 +333,7 @@ impl Body {
             }
         }
         if let (Some(most), Some(first)) = (self.acceleration_ball, &self.first) {
-            let length = dot(first, first).sqrt();
+            let length = length(first);
             if length > most * (1.0 + 1e-12) {
                 let what = format!("the length of the first acceleration of `{name}`");
                 return Err(Error::out_of_range(what, length, format!("at most {most}")));

@@ -5,7 +5,7 @@ use super::axes::AXES;
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair, contacts};
 use super::error::SceneError;
-use super::geometry::dot;
+use super::geometry::{length, minus};
 use super::statement::{INSIDE, Scene};
 use crate::error::Error;
 use crate::hybrid::system::{Region, check_cut, check_ends};
@@ -82,7 +82,7 @@ impl Body {
             // The slowest state of the box.
             let slowest: Vec<f64> =
                 left[axes..2 * axes].iter().map(|range| range.nearest(0.0)).collect();
-            let nearest = dot(&slowest, &slowest).sqrt();
+            let nearest = length(&slowest);
             let limit = self.max_speed;
             if nearest - limit > FEASIBILITY * margin_scale(nearest, limit) {
                 let what = "the speed".to_owned();
@@ -92,7 +92,7 @@ impl Body {
             }
         }
         for side in &polygon.halfspaces {
-            let back: Vec<f64> = side.normal.iter().map(|n| -n).collect();
+            let back = minus(&side.normal);
             // Not -0.
             let (nearest, limit) = (0.0 - farthest(&left, &back), side.limit_at(0));
             if nearest - limit > FEASIBILITY * margin_scale(nearest.abs(), limit) {
@@ -118,14 +118,14 @@ impl Scene {
             Some(region) => farthest(&region.ranges, direction),
             None => farthest(&self.bodies[body].domain, direction),
         };
-        let back: Vec<f64> = direction.iter().map(|n| -n).collect();
+        let back = minus(direction);
         let other = contact.other.zip(its).map_or(0.0, |(body, its)| of(body, its, &back));
         of(contact.body, own, direction) + other
     }
 
     /// The least `normal . x` at which a contact may start.
     pub(super) fn nearest_start(&self, contact: &ContactPair, face: &ContactFace) -> f64 {
-        let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+        let back = minus(&face.normal);
         let own = &self.bodies[contact.body].start;
         let its = contact.other.map(|b| &self.bodies[b].start);
         -self.farthest(contact, &back, own, its)

@@ -12,6 +12,16 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
+/// The length of a vector.
+pub(super) fn length(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The numbers with the other sign.
+pub(super) fn minus(a: &[f64]) -> Vec<f64> {
+    a.iter().map(|x| -x).collect()
+}
+
 /// The unit vector along an axis.
 fn unit(axes: usize, axis: usize, sign: f64) -> Vec<f64> {
     (0..axes).map(|i| if i == axis { sign } else { 0.0 }).collect()
@@ -123,7 +133,7 @@ pub(super) fn across(sides: &[Side], face: usize) -> Vec<Across> {
     for (other, (normal, _)) in sides.iter().enumerate().filter(|(k, _)| *k != face) {
         let own_factor = dot(normal, own);
         let edge: Vec<f64> = normal.iter().zip(own).map(|(n, o)| n - own_factor * o).collect();
-        let length = dot(&edge, &edge).sqrt();
+        let length = length(&edge);
         if length < 1e-9 {
             continue;
         }
@@ -175,7 +185,7 @@ pub(super) fn tangents(normal: &[f64]) -> Vec<Vec<f64>> {
             let along = unit(3, least, 1.0);
             let part = dot(&along, normal);
             let first: Vec<f64> = along.iter().zip(normal).map(|(a, n)| a - part * n).collect();
-            let length = dot(&first, &first).sqrt();
+            let length = length(&first);
             let first: Vec<f64> = first.into_iter().map(|a| a / length).collect();
             let second = vec![
                 y * first[2] - z * first[1],

@@ -8,7 +8,7 @@
 use faer::Mat;
 
 use super::contact::{ContactFace, ContactPair, Mode, at};
-use super::geometry::{around, dot, tangents};
+use super::geometry::{around, dot, minus, tangents};
 use super::rebound::{Guard, Law, laws};
 use super::spin::ContactSpin;
 use super::statement::Scene;
@@ -131,8 +131,7 @@ impl Writer<'_> {
     /// The step stays in front of a face.
     fn flight(&self, face: usize) -> Transition {
         let own = &self.contact.faces[face];
-        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
-        let minus = |values: &[f64]| values.iter().map(|b| -b).collect::<Vec<f64>>();
+        let back = minus(&own.normal);
         let word = if self.is_convex() { "beyond" } else { "clear" };
         let mut flight = Transition::new(self.name(word, face), self.flow.clone());
         let limits = minus(&own.limit);
@@ -153,8 +152,8 @@ impl Writer<'_> {
     /// The middle control point of the step's parabola is in front of a face, so that the whole step
     /// is if both ends are: `g + Δt/2 s >= J Δt³/12`, where J bounds the third derivative of g.
     fn no_dip(&self, face: &ContactFace) -> Halfspace {
-        let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
-        let limits: Vec<f64> = face.limit.iter().map(|b| -b).collect();
+        let back = minus(&face.normal);
+        let limits = minus(&face.limit);
         self.middle("no dip".into(), &back, &limits)
     }
 
@@ -195,14 +194,14 @@ impl Writer<'_> {
         let towards = self.velocity(&own.normal);
         let moves = Halfspace::new("moves towards it", towards.clone(), self.speed(&own.normal));
         hit = self.limited(hit.with_prediction_guard(moves), face);
-        let away: Vec<f64> = towards.iter().map(|n| -n).collect();
+        let away = minus(&towards);
         hit.with_output(IMPACT_SPEED, away, self.speed(&own.normal))
     }
 
     /// The limits of the rules on a single hit.
     fn limited(&self, mut hit: Transition, face: usize) -> Transition {
         let own = &self.contact.faces[face];
-        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+        let back = minus(&own.normal);
         let dt = self.scene.time_step;
         let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         for rule in &self.scene.rules {

@@ -17,6 +17,7 @@ use faer::Mat;
 
 use super::contact::ContactFace;
 use super::entry::plus;
+use super::geometry::minus;
 use super::law::{Writer, at_start, norm_of};
 use super::rebound::{Guard, Law, laws};
 use crate::error::Error;
@@ -93,7 +94,7 @@ impl Writer<'_> {
 
     /// The guards on the approach at the start.
     fn starting(&self, contact: Transition, kind: Kind, own: &ContactFace) -> Transition {
-        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+        let back = minus(&own.normal);
         let towards =
             |name: &str| Halfspace::new(name, self.velocity(&own.normal), self.speed(&own.normal));
         let away = |name: &str| Halfspace::new(name, self.velocity(&back), self.speed(&back));

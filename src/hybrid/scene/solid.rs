@@ -1,6 +1,7 @@
 //! Obstacles: half-spaces and convex polytopes, still or on a course.
 
 use super::error::SceneError;
+use super::geometry::length;
 use super::surface::Surface;
 use crate::error::{Error, check_finite};
 use crate::interval::Interval;
@@ -165,7 +166,7 @@ impl Solid {
         for (k, face) in own.faces.iter_mut().enumerate() {
             let numbers = face.normal.iter().copied().chain([face.offset]);
             check_finite(&self.name, "a number of a face", numbers)?;
-            let length = face.normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+            let length = length(&face.normal);
             if !(length > 1e-9 && length.is_finite()) {
                 return Err(SceneError::Normal { obstacle: name(), face: k }.into());
             }

@@ -4,7 +4,7 @@ use super::body::{Body, Shape};
 use super::contact::contacts;
 use super::declarations::check_name;
 use super::error::SceneError;
-use super::geometry::{self, Side, dot};
+use super::geometry::{self, Side, dot, length};
 use super::handles::BodyHandle;
 use super::rule::DamageRule;
 use super::solid::Solid;
@@ -280,7 +280,7 @@ impl Scene {
                 return Err(SceneError::Axes { name, found, expected: axes }.into());
             }
             check_finite(&name, "a normal", normal.iter().copied())?;
-            let length = dot(normal, normal).sqrt();
+            let length = length(normal);
             if !(length > 1e-9 && length.is_finite()) {
                 return Err(SceneError::Normal { obstacle: name, face }.into());
             }

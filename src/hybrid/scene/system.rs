@@ -4,6 +4,7 @@ use faer::Mat;
 
 use super::axes::AXES;
 use super::contact::{ContactPair, at, contacts};
+use super::geometry::minus;
 use super::law::Writer;
 use super::spin::Spin;
 use super::statement::Scene;
@@ -204,8 +205,8 @@ fn outside(
         }
         return None;
     }
-    let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+    let back = minus(&face.normal);
     let writer = Writer { scene, contact, flow };
-    let limits: Vec<f64> = face.limit.iter().map(|b| -b).collect();
+    let limits = minus(&face.limit);
     Some(Halfspace::new(format!("outside {}", contact.name), writer.position(&back), limits))
 }

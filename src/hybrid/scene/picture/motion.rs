@@ -1,6 +1,7 @@
 //! Where a body is, at any time of its plan.
 
 use crate::hybrid::scene::body::{Body, Shape};
+use crate::hybrid::scene::geometry::length;
 use crate::hybrid::scene::plan::{BodyPath, SceneHit, ScenePlan};
 use crate::picture::{COLOURS, Mover, Outline};
 
@@ -110,7 +111,7 @@ impl<'a> Motion<'a> {
 
     /// Its speed at a sample, in m/s.
     pub(super) fn speed(&self, sample: usize) -> f64 {
-        self.path.velocity[sample].iter().map(|v| v * v).sum::<f64>().sqrt()
+        length(&self.path.velocity[sample])
     }
 
     /// It, moving in the plane.

@@ -6,7 +6,7 @@ use super::plans::ScenePicture;
 use super::view::{MARGIN, SIZE, Track, View};
 use super::words::{self, short};
 use crate::hybrid::scene::body::Shape;
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::geometry::length;
 use crate::picture::{Chart, spacing};
 
 /// The height of a picture over time, in pixels, and the most that one in the plane may have.
@@ -149,15 +149,14 @@ fn hits(
     size: f64,
     at: impl Fn(f64, &[f64]) -> [f64; 2],
 ) {
-    let strength = |j: &[f64]| dot(j, j).sqrt();
-    let largest = motion.plan.hits.iter().map(|hit| strength(&hit.impulse)).fold(0.0, f64::max);
+    let largest = motion.plan.hits.iter().map(|hit| length(&hit.impulse)).fold(0.0, f64::max);
     let mut last: Option<[f64; 2]> = None;
     for hit in motion.hits() {
         let place = at(hit.time, &hit.place);
-        let own = strength(&hit.impulse);
+        let own = length(&hit.impulse);
         if own > 1e-3 * largest && size > 0.0 {
-            let length = ARROW * size * (0.4 + 0.6 * own / largest) / own;
-            let to = [place[0] + length * hit.impulse[0], place[1] + length * hit.impulse[1]];
+            let long = ARROW * size * (0.4 + 0.6 * own / largest) / own;
+            let to = [place[0] + long * hit.impulse[0], place[1] + long * hit.impulse[1]];
             chart.arrow("black", place, to);
         }
         chart.dots("", colour, 4.5, [place]);

@@ -5,7 +5,7 @@ use super::world::{self, State, Touch};
 use super::{MISS, Played};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::scene::error::SceneError;
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::geometry::{dot, length};
 use crate::hybrid::scene::surface::Tangential;
 
 /// The most combinations of directions of friction that are compared.
@@ -251,7 +251,7 @@ impl Played<'_> {
             let normal = dot(&hit.impulse, n);
             let along: Vec<f64> = hit.impulse.iter().zip(n).map(|(j, n)| j - normal * n).collect();
             if let Tangential::Coulomb { coefficient, .. } = world.surface(touch, face).tangential {
-                let excess = dot(&along, &along).sqrt() - coefficient * normal;
+                let excess = length(&along) - coefficient * normal;
                 worst.cone_excess = worst.cone_excess.max(excess);
             }
             for (b, lever, inertia) in world.spins(touch).into_iter().filter(|_| single) {

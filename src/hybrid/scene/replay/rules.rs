@@ -5,7 +5,7 @@ use super::world::Touch;
 use super::{MISS, Played};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::scene::error::SceneError;
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::geometry::{dot, length};
 use crate::hybrid::scene::handles::BodyHandle;
 use crate::hybrid::scene::place::Where;
 use crate::hybrid::scene::rule::{DamageMeasure, DamageRule};
@@ -111,8 +111,8 @@ impl Played<'_> {
             let r = world.relative(hit.touch, v, hit.step);
             let normal = dot(n, &r);
             let along: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - normal * n).collect();
-            let scale = margin_scale(dot(&r, &r).sqrt(), 0.0);
-            (dot(&along, &along).sqrt() * angle.cos() + normal * angle.sin()) / scale
+            let scale = margin_scale(length(&r), 0.0);
+            (length(&along) * angle.cos() + normal * angle.sin()) / scale
         };
         match world.scene.estimate {
             ImpactEstimate::Sound => excess(&start.v).max(excess(&end.v)),
@@ -194,11 +194,6 @@ impl Played<'_> {
         }
         Ok(())
     }
-}
-
-/// The length of a vector.
-fn length(vector: &[f64]) -> f64 {
-    vector.iter().fold(0.0_f64, |length, entry| length.hypot(*entry))
 }
 
 /// By how much a value is outside a range, relative to its size.

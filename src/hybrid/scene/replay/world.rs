@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use crate::hybrid::scene::body::{Body, Shape};
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::geometry::{dot, length};
 use crate::hybrid::scene::statement::Scene;
 use crate::hybrid::scene::surface::{Surface, Tangential};
 use crate::tolerance::margin_scale;
@@ -289,7 +289,7 @@ impl World<'_> {
             sliding[0] += lever * end.w[body] * n[1];
             sliding[1] -= lever * end.w[body] * n[0];
         }
-        let speed = dot(&sliding, &sliding).sqrt();
+        let speed = length(&sliding);
         let with = |factor: f64, direction: &[f64]| -> Vec<f64> {
             normal.iter().zip(direction).map(|(a, d)| a + factor * d).collect()
         };
@@ -317,7 +317,7 @@ impl World<'_> {
                 let largest = shares.iter().copied().fold(0.0, f64::max);
                 // Rows compare neighbouring directions, which are closer to each other the more
                 // there are.
-                let slack = slack * margin_scale(dot(r, r).sqrt(), 0.0);
+                let slack = slack * margin_scale(length(r), 0.0);
                 let nearest = 2.0 * (std::f64::consts::PI / directions as f64).sin();
                 let sector = slack / nearest.min(1.0);
                 let mut all = Vec::new();
@@ -349,8 +349,8 @@ fn directions_along(n: &[f64], count: usize) -> Vec<Vec<f64>> {
     let least = (0..3).fold(0, |best, i| if n[i].abs() < n[best].abs() { i } else { best });
     let mut first: Vec<f64> = n.iter().map(|a| -n[least] * a).collect();
     first[least] += 1.0;
-    let length = dot(&first, &first).sqrt();
-    first.iter_mut().for_each(|a| *a /= length);
+    let size = length(&first);
+    first.iter_mut().for_each(|a| *a /= size);
     let second = [
         n[1] * first[2] - n[2] * first[1],
         n[2] * first[0] - n[0] * first[2],
