@@ -5,7 +5,6 @@ use faer::Mat;
 use super::axes::region_where;
 use super::error::SceneError;
 use super::geometry::length;
-use super::spin::Spin;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
@@ -35,6 +34,27 @@ impl Shape {
             Shape::Ball(radius) => *radius,
             Shape::Box(half) => half.iter().zip(direction).map(|(h, n)| h * n.abs()).sum(),
         }
+    }
+}
+
+/// How a body spins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spin {
+    /// In kg m².
+    pub(super) inertia: f64,
+    /// At a sample, in rad/s.
+    pub(super) max_rate: f64,
+    /// In N m.
+    pub(super) max_torque: f64,
+}
+
+impl Spin {
+    pub(super) fn rates(&self) -> Interval {
+        Interval::new(-self.max_rate, self.max_rate)
+    }
+
+    pub(super) fn torques(&self) -> Interval {
+        Interval::new(-self.max_torque, self.max_torque)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Contact pairs: a body and an obstacle, or two bodies, that can touch, face by face in one frame.
 
 use super::body::Body;
+use super::error::SceneError;
 use super::geometry::{self, Across, Side, dot};
 use super::solid::Solid;
-use super::spin::ContactSpin;
 use super::statement::{Pair, Scene};
 use super::surface::Surface;
 
@@ -30,6 +30,17 @@ pub(super) struct Mode {
     pub(super) name: String,
     pub(super) face: usize,
     pub(super) is_hit: bool,
+}
+
+/// The spin of a body in one of its contacts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ContactSpin {
+    /// The number of its state.
+    pub(super) state: usize,
+    /// From the centre to the surface, in m.
+    pub(super) lever: f64,
+    /// In kg m².
+    pub(super) inertia: f64,
 }
 
 /// A body and an obstacle, or two bodies.
@@ -92,6 +103,18 @@ impl ContactPair {
     pub(super) fn velocity_in(&self, step: usize, axes: usize) -> Vec<f64> {
         let last = self.velocity.last();
         self.velocity.get(step).or(last).cloned().unwrap_or_else(|| vec![0.0; axes])
+    }
+}
+
+impl Scene {
+    /// Refuses surfaces that add energy in one of their contacts.
+    pub(super) fn check_energy(&self) -> Result<(), SceneError> {
+        for contact in contacts(self) {
+            let name = contact.obstacle.map_or(&contact.name, |o| &self.obstacles[o].name);
+            let mut surfaces = contact.faces.iter().map(|face| face.surface);
+            surfaces.try_for_each(|surface| surface.check_energy(name, contact.mobility()))?;
+        }
+        Ok(())
     }
 }
 

@@ -3,9 +3,9 @@
 use super::body::Body;
 use super::handles::{BodyHandle, ObstacleHandle};
 use super::solid::Solid;
-use super::statement::Scene;
+use super::statement::{Scene, check_name};
 use crate::error::{Error, ErrorKind};
-use crate::model::is_name;
+use crate::hybrid::system::{Handles, Meaning};
 
 impl Scene {
     /// Adds a body.
@@ -72,6 +72,29 @@ impl Scene {
         Ok(ObstacleHandle { tag: self.tag, number })
     }
 
+    /// The handles of its system.
+    pub(super) fn declared(&self) -> Handles {
+        let (axes, bodies) = (self.axes(), self.bodies.len());
+        let mut handles = Handles::with_tag(self.tag);
+        for body in 0..bodies {
+            for state in 0..2 * axes {
+                handles.state(2 * axes * body + state);
+            }
+            for input in 0..axes {
+                handles.of(Meaning::Input(axes * body + input));
+            }
+            match self.spins().position(|(own, _)| own == body) {
+                Some(spin) => {
+                    handles.state(2 * axes * bodies + spin);
+                    handles.of(Meaning::Input(axes * bodies + spin));
+                }
+                // The same number of handles for every body, whatever is said about it later.
+                None => handles.skip(3),
+            }
+        }
+        handles
+    }
+
     fn body_handle(&self, number: usize) -> BodyHandle {
         BodyHandle { tag: self.tag, number, axes: self.bodies[number].axes() }
     }
@@ -91,27 +114,6 @@ impl Scene {
         let is_own = obstacle.tag == self.tag && obstacle.number < self.obstacles.len();
         is_own.then_some(obstacle.number).ok_or_else(|| foreign("obstacle", obstacle.number, place))
     }
-
-    /// The names of bodies and obstacles.
-    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
-        let obstacles = self.obstacles.iter().map(|obstacle| &obstacle.name);
-        self.bodies.iter().map(|body| &body.name).chain(obstacles).map(String::as_str)
-    }
-}
-
-/// Refuses a name that is none, or that another body or obstacle has.
-pub(super) fn check_name<'a>(
-    name: &str,
-    mut others: impl Iterator<Item = &'a str>,
-) -> Result<(), Error> {
-    if !is_name(name) {
-        return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-    }
-    if others.any(|own| own == name) {
-        let kind = "body or obstacle";
-        return Err(ErrorKind::DuplicateName { name: name.to_owned(), kind }.into());
-    }
-    Ok(())
 }
 
 fn unknown(name: &str, kind: &'static str) -> Error {

@@ -1,7 +1,6 @@
 //! Handles of a scene: its rules, pairs, expressions and rows are stated with them.
 
-use super::statement::Scene;
-use crate::hybrid::system::{Handles, Meaning, State};
+use crate::hybrid::system::State;
 use crate::model::{ModelTag, Variable};
 
 /// A body of a [`Scene`](super::Scene), made by [`Scene::body`](super::Scene::body).
@@ -32,7 +31,7 @@ impl BodyHandle {
         self.handle(axis, 4 * self.axes + axis)
     }
 
-    /// A handle of the body by its place in the order of [`Scene::declared`]: each state, followed by its
+    /// A handle of the body by its place in the order of [`Scene::declared`](super::Scene): each state, followed by its
     /// prediction, the inputs, and then the spin, its prediction and its torque.
     pub(super) fn handle(self, axis: usize, place: usize) -> Variable {
         let own = axis < self.axes;
@@ -46,29 +45,4 @@ impl BodyHandle {
 pub struct ObstacleHandle {
     pub(super) tag: ModelTag,
     pub(super) number: usize,
-}
-
-impl Scene {
-    /// The handles of its system.
-    pub(super) fn declared(&self) -> Handles {
-        let (axes, bodies) = (self.axes(), self.bodies.len());
-        let mut handles = Handles::with_tag(self.tag);
-        for body in 0..bodies {
-            for state in 0..2 * axes {
-                handles.state(2 * axes * body + state);
-            }
-            for input in 0..axes {
-                handles.of(Meaning::Input(axes * body + input));
-            }
-            match self.spins().position(|(own, _)| own == body) {
-                Some(spin) => {
-                    handles.state(2 * axes * bodies + spin);
-                    handles.of(Meaning::Input(axes * bodies + spin));
-                }
-                // The same number of handles for every body, whatever is said about it later.
-                None => handles.skip(3),
-            }
-        }
-        handles
-    }
 }

@@ -7,10 +7,9 @@
 
 use faer::Mat;
 
-use super::contact::{ContactFace, ContactPair, Mode, at};
+use super::contact::{ContactFace, ContactPair, ContactSpin, Mode, at};
 use super::geometry::{around, dot, minus, tangents};
 use super::rebound::{Guard, Law, laws};
-use super::spin::ContactSpin;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;

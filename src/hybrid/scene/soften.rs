@@ -1,9 +1,9 @@
 //! Obstacles and rooms that bodies may enter or leave at a price.
 
 use super::SceneError;
-use super::declarations::check_name;
 use super::program::SceneProgram;
 use super::solid::Solid;
+use super::statement::check_name;
 use super::surface::Surface;
 use crate::error::Error;
 #[cfg(doc)]

@@ -67,7 +67,8 @@ impl Solid {
         let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
         let wall = |number: usize| {
             let (axis, side) = (number / 2, sides[number / 2]);
-            let (sign, at) = if number % 2 == 0 { (1.0, side.lower) } else { (-1.0, -side.upper) };
+            let (sign, at) =
+                if number.is_multiple_of(2) { (1.0, side.lower) } else { (-1.0, -side.upper) };
             let normal: Vec<f64> =
                 (0..sides.len()).map(|j| if j == axis { sign } else { 0.0 }).collect();
             Solid::halfspace(format!("{name} {number}"), normal, at, surface)

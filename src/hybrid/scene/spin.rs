@@ -2,46 +2,14 @@
 //!
 //! States and inputs of spins come after those of all bodies, so that scenes without spin have none.
 
-use super::body::{Body, Shape};
+use super::body::{Body, Shape, Spin};
+use super::contact::ContactSpin;
 use super::error::SceneError;
 use super::handles::BodyHandle;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::system::State;
-use crate::interval::Interval;
 use crate::model::Variable;
-
-/// How a body spins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spin {
-    /// In kg m².
-    pub(super) inertia: f64,
-    /// At a sample, in rad/s.
-    pub(super) max_rate: f64,
-    /// In N m.
-    pub(super) max_torque: f64,
-}
-
-/// The spin of a body in one of its contacts.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ContactSpin {
-    /// The number of its state.
-    pub(super) state: usize,
-    /// From the centre to the surface, in m.
-    pub(super) lever: f64,
-    /// In kg m².
-    pub(super) inertia: f64,
-}
-
-impl Spin {
-    pub(super) fn rates(&self) -> Interval {
-        Interval::new(-self.max_rate, self.max_rate)
-    }
-
-    pub(super) fn torques(&self) -> Interval {
-        Interval::new(-self.max_torque, self.max_torque)
-    }
-}
 
 impl Body {
     /// Lets a disc in the plane spin: `dω/dt = torque / inertia`, with the torque held over each step. Hits

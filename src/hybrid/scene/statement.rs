@@ -1,8 +1,6 @@
 //! A scene: bodies, obstacles, pairs of bodies.
 
 use super::body::{Body, Shape};
-use super::contact::contacts;
-use super::declarations::check_name;
 use super::error::SceneError;
 use super::geometry::{self, Side, dot, length};
 use super::handles::BodyHandle;
@@ -13,7 +11,7 @@ use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::interval::Interval;
-use crate::model::ModelTag;
+use crate::model::{ModelTag, is_name};
 use crate::setters::setters;
 
 /// Number of normals of two bodies in the plane that meet, if one of them is a disc.
@@ -221,6 +219,12 @@ impl Scene {
         self.bodies.first().map_or(0, Body::axes)
     }
 
+    /// The names of bodies and obstacles.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let obstacles = self.obstacles.iter().map(|obstacle| &obstacle.name);
+        self.bodies.iter().map(|body| &body.name).chain(obstacles).map(String::as_str)
+    }
+
     /// The longest plan that courses allow, in steps; `None` if nothing moves.
     pub(super) fn longest(&self) -> Option<(&Solid, usize)> {
         let moving = self.obstacles.iter().filter(|obstacle| !obstacle.course.is_empty());
@@ -254,11 +258,7 @@ impl Scene {
         for k in 0..own.pairs.len() {
             own.pairs[k] = own.checked_pair(k)?;
         }
-        for contact in contacts(&own) {
-            let name = contact.obstacle.map_or(&contact.name, |o| &own.obstacles[o].name);
-            let mut surfaces = contact.faces.iter().map(|face| face.surface);
-            surfaces.try_for_each(|surface| surface.check_energy(name, contact.mobility()))?;
-        }
+        own.check_energy()?;
         own.check_ends()?;
         own.rules.iter().try_for_each(|rule| rule.check(&own))?;
         Ok(own)
@@ -288,6 +288,21 @@ impl Scene {
         }
         Ok(pair)
     }
+}
+
+/// Refuses a name that is none, or that another body or obstacle has.
+pub(super) fn check_name<'a>(
+    name: &str,
+    mut others: impl Iterator<Item = &'a str>,
+) -> Result<(), Error> {
+    if !is_name(name) {
+        return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
+    }
+    if others.any(|own| own == name) {
+        let kind = "body or obstacle";
+        return Err(ErrorKind::DuplicateName { name: name.to_owned(), kind }.into());
+    }
+    Ok(())
 }
 
 /// Refuses obstacles without inside and faces without extent.

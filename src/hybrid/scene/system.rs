@@ -3,10 +3,10 @@
 use faer::Mat;
 
 use super::axes::AXES;
+use super::body::Spin;
 use super::contact::{ContactPair, at, contacts};
 use super::geometry::minus;
 use super::law::Writer;
-use super::spin::Spin;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;

@@ -13,7 +13,7 @@ use crate::solver::{Solver, StopToken};
 const SHARE: u32 = 4;
 
 /// How many times longer than the horizon a plan on the coarser grid may be.
-const LONGER: f64 = 2.0;
+const AS_LONG: f64 = 2.0;
 
 /// The result on the coarser grid.
 pub(super) enum Guess {
@@ -50,7 +50,7 @@ impl Guess {
         let mut options = options.without_statements();
         options.time_limit = token.left().map(|left| left / SHARE);
         if let (Some(own), Some(coarse)) = (builder.time_step(), coarser.time_step()) {
-            let most = (LONGER * steps as f64 * own / coarse).ceil() as usize + 1;
+            let most = (AS_LONG * steps as f64 * own / coarse).ceil() as usize + 1;
             // A search that is as long as the one it helps does not help, nor one on ever coarser grids.
             if most >= steps {
                 return Ok(nothing);

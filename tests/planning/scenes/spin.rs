@@ -108,6 +108,35 @@ fn dot(a: [f64; 2], b: &[f64]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+/// Discs before a face, and behind it after the step: their approach, how their centres slide, velocities
+/// and spins, and the state.
+fn thrown(
+    numbers: &mut Numbers,
+    bodies: usize,
+    reach: f64,
+    [n, t]: [[f64; 2]; 2],
+) -> (f64, f64, [[f64; 3]; 2], Vec<f64>) {
+    let f = numbers.within(0.5, 3.0);
+    let gap = numbers.within(0.0, 0.09) * f;
+    let mut before = [[0.0; 3]; 2];
+    for own in &mut before[..bodies] {
+        *own = [(); 3].map(|()| numbers.within(-2.0, 2.0));
+        own[2] *= 10.0;
+    }
+    // Two bodies stay in front of the same face.
+    let most = if bodies == 2 { 9.0 * reach } else { 3.0 };
+    let (other, slide) = (before[1], numbers.within(-most, most));
+    before[0][0] = other[0] - f * n[0] + slide * t[0];
+    before[0][1] = other[1] - f * n[1] + slide * t[1];
+    let mut state = vec![n[0] * (gap + reach), n[1] * (gap + reach)];
+    state.extend(&before[0][..2]);
+    if bodies == 2 {
+        state.extend([0.0, 0.0, other[0], other[1]]);
+    }
+    state.extend(before[..bodies].iter().map(|own| own[2]));
+    (f, slide, before, state)
+}
+
 #[test]
 fn ten_thousand_hits_keep_energy_and_both_momenta() {
     let mut numbers = Numbers(3);
@@ -135,25 +164,7 @@ fn ten_thousand_hits_keep_energy_and_both_momenta() {
         let system = scene.hybrid_system().unwrap();
         let reach: f64 = discs[..bodies].iter().map(|disc| disc.radius).sum();
         for _ in 0..40 {
-            // Before the face, and behind it after the step.
-            let f = numbers.within(0.5, 3.0);
-            let gap = numbers.within(0.0, 0.09) * f;
-            let mut before = [[0.0; 3]; 2];
-            for own in &mut before[..bodies] {
-                *own = [(); 3].map(|()| numbers.within(-2.0, 2.0));
-                own[2] *= 10.0;
-            }
-            // Two bodies stay in front of the same face.
-            let most = if bodies == 2 { 9.0 * reach } else { 3.0 };
-            let (other, slide) = (before[1], numbers.within(-most, most));
-            before[0][0] = other[0] - f * n[0] + slide * t[0];
-            before[0][1] = other[1] - f * n[1] + slide * t[1];
-            let mut state = vec![n[0] * (gap + reach), n[1] * (gap + reach)];
-            state.extend(&before[0][..2]);
-            if bodies == 2 {
-                state.extend([0.0, 0.0, other[0], other[1]]);
-            }
-            state.extend(before[..bodies].iter().map(|own| own[2]));
+            let (f, slide, before, state) = thrown(&mut numbers, bodies, reach, [n, t]);
             let run = system.simulate(&state, &[vec![0.0; 3 * bodies]]).unwrap();
             assert!(run.is_complete() && run.events() == 1, "{along:?}, {state:?}");
             let end = run.end().unwrap();

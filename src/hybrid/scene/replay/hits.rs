@@ -1,7 +1,7 @@
 //! The hits of a step: which of the changes that their laws allow the plan makes, and what they do.
 
 use super::events::Span;
-use super::world::{self, State, Touch};
+use super::world::{State, Touch};
 use super::{MISS, Played};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::scene::error::SceneError;
@@ -240,13 +240,7 @@ impl Played<'_> {
             };
             let mass = world.mass(touch);
             hit.impulse = change.iter().map(|c| mass * c).collect();
-            let after: Vec<f64> = r.iter().zip(&change).map(|(r, c)| r + c).collect();
-            let mut struck = flown.clone();
-            world.strike(touch, face, &change, &mut struck);
-            let turning = world.spins(touch).into_iter().map(|(b, _, inertia)| {
-                0.5 * inertia * (flown.w[b] * flown.w[b] - struck.w[b] * struck.w[b])
-            });
-            hit.energy = 0.5 * mass * (dot(&r, &r) - dot(&after, &after)) + turning.sum::<f64>();
+            hit.energy = world.lost((touch, face), step, &flown, &change);
             pushes.push((touch, hit.impulse.clone()));
             let normal = dot(&hit.impulse, n);
             let along: Vec<f64> = hit.impulse.iter().zip(n).map(|(j, n)| j - normal * n).collect();
@@ -254,12 +248,9 @@ impl Played<'_> {
                 let excess = length(&along) - coefficient * normal;
                 worst.cone_excess = worst.cone_excess.max(excess);
             }
-            for (b, lever, inertia) in world.spins(touch).into_iter().filter(|_| single) {
-                let pushed: Vec<f64> =
-                    planned.v[b].iter().zip(&flown.v[b]).map(|(v, flown)| v - flown).collect();
-                let turned = inertia * (planned.w[b] - flown.w[b]);
-                let about = turned + lever * world.scene.bodies[b].mass * world::turned(n, &pushed);
-                worst.angular_momentum_error = worst.angular_momentum_error.max(about.abs());
+            if single {
+                let error = world.turned_about((touch, face), [&flown, planned]);
+                worst.angular_momentum_error = worst.angular_momentum_error.max(error);
             }
             if let (true, [(a, _), (b, _)]) = (single, &shares[..]) {
                 let [a, b] = [*a, *b];

@@ -129,6 +129,40 @@ impl World<'_> {
         }
     }
 
+    /// The kinetic energy that a change of the relative velocity takes from a state, in J.
+    pub(super) fn lost(
+        &self,
+        (touch, face): (Touch, usize),
+        step: usize,
+        state: &State,
+        change: &[f64],
+    ) -> f64 {
+        let mut struck = state.clone();
+        self.strike(touch, face, change, &mut struck);
+        let relative = |state: &State| {
+            let r = self.relative(touch, &state.v, step);
+            let turning = |(b, _, inertia)| inertia * state.w[b] * state.w[b];
+            self.mass(touch) * dot(&r, &r) + self.spins(touch).into_iter().map(turning).sum::<f64>()
+        };
+        0.5 * (relative(state) - relative(&struck))
+    }
+
+    /// The largest change of the angular momentum of a body about the point at which it touches a face, in
+    /// kg m²/s.
+    pub(super) fn turned_about(
+        &self,
+        (touch, face): (Touch, usize),
+        [before, after]: [&State; 2],
+    ) -> f64 {
+        let of = |(b, lever, inertia): (usize, f64, f64)| {
+            let pushed = after.v[b].iter().zip(&before.v[b]).map(|(v, before)| v - before);
+            let pushed = turned(self.normal(touch, face), &pushed.collect::<Vec<f64>>());
+            let turn = inertia * (after.w[b] - before.w[b]);
+            (turn + lever * self.scene.bodies[b].mass * pushed).abs()
+        };
+        self.spins(touch).into_iter().map(of).fold(0.0, f64::max)
+    }
+
     /// Gap to a face, `part` of the way through a step, in m.
     pub(super) fn gap(
         &self,
@@ -336,7 +370,7 @@ impl World<'_> {
 }
 
 /// The entry of a vector in the plane along the normal turned left; 0 on a line and in space.
-pub(super) fn turned(n: &[f64], vector: &[f64]) -> f64 {
+fn turned(n: &[f64], vector: &[f64]) -> f64 {
     match (n, vector) {
         ([x, y], [a, b]) => x * b - y * a,
         _ => 0.0,
