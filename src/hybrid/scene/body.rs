@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::axes::region_where;
 use super::error::SceneError;
-use super::geometry::dot;
+use super::geometry::length;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
@@ -12,7 +12,7 @@ use crate::hybrid::system::{Region, State, SystemRow};
 use crate::interval::Interval;
 use crate::setters::setters;
 
-/// The shape of a body, around its position. It does not turn.
+/// The shape of a body, around its position. Only a disc may turn, by [`Body::with_spin`].
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -34,6 +34,27 @@ impl Shape {
             Shape::Ball(radius) => *radius,
             Shape::Box(half) => half.iter().zip(direction).map(|(h, n)| h * n.abs()).sum(),
         }
+    }
+}
+
+/// How a body spins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spin {
+    /// In kg m².
+    pub(super) inertia: f64,
+    /// At a sample, in rad/s.
+    pub(super) max_rate: f64,
+    /// In N m.
+    pub(super) max_torque: f64,
+}
+
+impl Spin {
+    pub(super) fn rates(&self) -> Interval {
+        Interval::new(-self.max_rate, self.max_rate)
+    }
+
+    pub(super) fn torques(&self) -> Interval {
+        Interval::new(-self.max_torque, self.max_torque)
     }
 }
 
@@ -77,6 +98,7 @@ pub struct Body {
     /// Where it ends, in the same order.
     pub goal: Option<Region>,
     pub(super) first: Option<Vec<f64>>,
+    pub(super) spin: Option<Spin>,
 }
 
 impl Body {
@@ -108,6 +130,7 @@ impl Body {
             start: None,
             goal: None,
             first: None,
+            spin: None,
         }
     }
 
@@ -118,14 +141,16 @@ impl Body {
         with_shape(shape: Shape) => shape = shape;
     }
 
-    /// Sets where it starts: positions (m), then velocities (m/s), as a point or as a range for each.
+    /// Sets where it starts: positions (m), then velocities (m/s), and last the spin (rad/s) of a body that
+    /// has one, as a point or as a range for each.
     #[must_use]
     pub fn with_start(mut self, region: impl Into<Region>) -> Self {
         self.start = Some(region.into());
         self
     }
 
-    /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each.
+    /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each; and last,
+    /// if it matters, the spin (rad/s).
     #[must_use]
     pub fn with_goal(mut self, region: impl Into<Region>) -> Self {
         self.goal = Some(region.into());
@@ -328,7 +353,7 @@ impl Body {
             }
         }
         if let (Some(most), Some(first)) = (self.acceleration_ball, &self.first) {
-            let length = dot(first, first).sqrt();
+            let length = length(first);
             if length > most * (1.0 + 1e-12) {
                 let what = format!("the length of the first acceleration of `{name}`");
                 return Err(Error::out_of_range(what, length, format!("at most {most}")));
@@ -350,6 +375,7 @@ impl Body {
                 return Err(Error::out_of_range(what, value, "finite and positive"));
             }
         }
+        self.check_spin()?;
         for matrix in self.dynamics.iter().flat_map(|(k, d)| [k, d]) {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
             if rows != axes || columns != axes {

@@ -1,6 +1,7 @@
 //! Contact pairs: a body and an obstacle, or two bodies, that can touch, face by face in one frame.
 
 use super::body::Body;
+use super::error::SceneError;
 use super::geometry::{self, Across, Side, dot};
 use super::solid::Solid;
 use super::statement::{Pair, Scene};
@@ -31,6 +32,17 @@ pub(super) struct Mode {
     pub(super) is_hit: bool,
 }
 
+/// The spin of a body in one of its contacts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ContactSpin {
+    /// The number of its state.
+    pub(super) state: usize,
+    /// From the centre to the surface, in m.
+    pub(super) lever: f64,
+    /// In kg m².
+    pub(super) inertia: f64,
+}
+
 /// A body and an obstacle, or two bodies.
 #[derive(Debug, Clone)]
 pub(super) struct ContactPair {
@@ -49,6 +61,8 @@ pub(super) struct ContactPair {
     pub(super) share: f64,
     /// The mass that matters in a hit, in kg.
     pub(super) mass: f64,
+    /// The spins that impulses along the surface change.
+    pub(super) spins: Vec<ContactSpin>,
     /// In the order of the transitions; filled by the statement of the system.
     pub(super) modes: Vec<Mode>,
 }
@@ -71,10 +85,36 @@ impl ContactPair {
         self.faces.iter().any(|face| face.surface.restitution.is_some())
     }
 
+    /// By how many times more an impulse along the surface moves the touching points than the centres:
+    /// `1 + m Σ r²/I`.
+    pub(super) fn mobility(&self) -> f64 {
+        let turning = self.spins.iter().map(|spin| spin.lever * spin.lever / spin.inertia);
+        1.0 + self.mass * turning.sum::<f64>()
+    }
+
+    /// The bodies with the share of the velocity's change that each takes, with its sign.
+    pub(super) fn shares(&self) -> impl Iterator<Item = (usize, f64)> {
+        [(Some(self.body), self.share), (self.other, self.share - 1.0)]
+            .into_iter()
+            .filter_map(|(body, share)| Some((body?, share)))
+    }
+
     /// The velocity of the surface in a step, in m/s.
     pub(super) fn velocity_in(&self, step: usize, axes: usize) -> Vec<f64> {
         let last = self.velocity.last();
         self.velocity.get(step).or(last).cloned().unwrap_or_else(|| vec![0.0; axes])
+    }
+}
+
+impl Scene {
+    /// Refuses surfaces that add energy in one of their contacts.
+    pub(super) fn check_energy(&self) -> Result<(), SceneError> {
+        for contact in contacts(self) {
+            let name = contact.obstacle.map_or(&contact.name, |o| &self.obstacles[o].name);
+            let mut surfaces = contact.faces.iter().map(|face| face.surface);
+            surfaces.try_for_each(|surface| surface.check_energy(name, contact.mobility()))?;
+        }
+        Ok(())
     }
 }
 
@@ -117,6 +157,7 @@ fn with_obstacle(
         velocity: velocity.collect(),
         share: 1.0,
         mass: body.mass,
+        spins: scene.contact_spins(&[b]),
         modes: Vec::new(),
     }
 }
@@ -140,6 +181,7 @@ fn between(scene: &Scene, pair: &Pair) -> ContactPair {
         velocity: Vec::new(),
         share: second.mass / total,
         mass: first.mass * second.mass / total,
+        spins: scene.contact_spins(&[pair.first, pair.second]),
         modes: Vec::new(),
     }
 }

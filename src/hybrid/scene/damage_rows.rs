@@ -1,7 +1,7 @@
 //! Damage and rules about it in the program of a scene.
 
 use super::contact::ContactPair;
-use super::geometry::dot;
+use super::geometry::{dot, minus};
 use super::law::sound_margin;
 use super::program::SceneProgram;
 use super::rule::{CHORDS, DamageMeasure, DamageRule};
@@ -49,7 +49,7 @@ impl SceneProgram {
             for mode in hit_modes().filter(|_| is_sound) {
                 let face = &contact.faces[mode.face];
                 let surface = dot(&face.normal, &contact.velocity_in(t, self.scene.axes()));
-                let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+                let back = minus(&face.normal);
                 let margin = sound_margin(face, dt);
                 let start = self.along(&contact, &back, t, true) + (surface + margin);
                 most = most.max(self.program.model.range(&start)?.upper);

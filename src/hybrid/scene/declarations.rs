@@ -3,9 +3,9 @@
 use super::body::Body;
 use super::handles::{BodyHandle, ObstacleHandle};
 use super::solid::Solid;
-use super::statement::Scene;
+use super::statement::{Scene, check_name};
 use crate::error::{Error, ErrorKind};
-use crate::model::is_name;
+use crate::hybrid::system::{Handles, Meaning};
 
 impl Scene {
     /// Adds a body.
@@ -33,7 +33,7 @@ impl Scene {
     /// [`ErrorKind::InvalidName`], [`ErrorKind::DuplicateName`]. What else may be wrong with it is said
     /// when the scene is used.
     pub fn body(&mut self, body: Body) -> Result<BodyHandle, Error> {
-        self.check_name(&body.name)?;
+        check_name(&body.name, self.names())?;
         self.bodies.push(body);
         Ok(self.body_handle(self.bodies.len() - 1))
     }
@@ -44,7 +44,7 @@ impl Scene {
     ///
     /// As for [`body`](Scene::body).
     pub fn obstacle(&mut self, obstacle: Solid) -> Result<ObstacleHandle, Error> {
-        self.check_name(&obstacle.name)?;
+        check_name(&obstacle.name, self.names())?;
         self.obstacles.push(obstacle);
         Ok(ObstacleHandle { tag: self.tag, number: self.obstacles.len() - 1 })
     }
@@ -72,6 +72,29 @@ impl Scene {
         Ok(ObstacleHandle { tag: self.tag, number })
     }
 
+    /// The handles of its system.
+    pub(super) fn declared(&self) -> Handles {
+        let (axes, bodies) = (self.axes(), self.bodies.len());
+        let mut handles = Handles::with_tag(self.tag);
+        for body in 0..bodies {
+            for state in 0..2 * axes {
+                handles.state(2 * axes * body + state);
+            }
+            for input in 0..axes {
+                handles.of(Meaning::Input(axes * body + input));
+            }
+            match self.spins().position(|(own, _)| own == body) {
+                Some(spin) => {
+                    handles.state(2 * axes * bodies + spin);
+                    handles.of(Meaning::Input(axes * bodies + spin));
+                }
+                // The same number of handles for every body, whatever is said about it later.
+                None => handles.skip(3),
+            }
+        }
+        handles
+    }
+
     fn body_handle(&self, number: usize) -> BodyHandle {
         BodyHandle { tag: self.tag, number, axes: self.bodies[number].axes() }
     }
@@ -90,19 +113,6 @@ impl Scene {
     ) -> Result<usize, Error> {
         let is_own = obstacle.tag == self.tag && obstacle.number < self.obstacles.len();
         is_own.then_some(obstacle.number).ok_or_else(|| foreign("obstacle", obstacle.number, place))
-    }
-
-    /// Refuses a name that is none, or that another body or obstacle has.
-    fn check_name(&self, name: &str) -> Result<(), Error> {
-        if !is_name(name) {
-            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
-        }
-        let mut names = self.bodies.iter().map(|body| &body.name);
-        if names.any(|own| own == name) || self.obstacles.iter().any(|own| own.name == name) {
-            let kind = "body or obstacle";
-            return Err(ErrorKind::DuplicateName { name: name.to_owned(), kind }.into());
-        }
-        Ok(())
     }
 }
 

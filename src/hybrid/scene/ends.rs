@@ -5,7 +5,7 @@ use super::axes::AXES;
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair, contacts};
 use super::error::SceneError;
-use super::geometry::dot;
+use super::geometry::{length, minus};
 use super::statement::{INSIDE, Scene};
 use crate::error::Error;
 use crate::hybrid::system::{Region, check_cut, check_ends};
@@ -25,8 +25,12 @@ impl Body {
     }
 
     fn check_region(&self, word: &str, region: &Region) -> Result<(), Error> {
-        let expected = 2 * self.axes();
+        let mut expected = 2 * self.axes();
         let found = region.ranges.len();
+        // A goal need not say anything about a spin.
+        if self.spin.is_some() && (word == "start" || found > expected) {
+            expected += 1;
+        }
         if found != expected {
             let name = format!("the {word} of {}", self.name);
             return Err(SceneError::Axes { name, found, expected }.into());
@@ -56,11 +60,13 @@ impl Body {
         let body = || self.name.clone();
         let speed = Interval::new(-self.max_speed, self.max_speed);
         let mut left = Vec::new();
+        let spin = self.spin.map_or(Interval::REALS, |spin| spin.rates());
         for (i, &range) in region.ranges.iter().enumerate() {
             let axis = AXES[i % axes];
-            let (what, allowed, words, unit) = match i < axes {
-                true => (axis.to_owned(), self.domain[i], "domain", "m"),
-                false => (format!("v{axis}"), speed, "largest speed", "m/s"),
+            let (what, allowed, words, unit) = match i / axes {
+                0 => (axis.to_owned(), self.domain[i], "domain", "m"),
+                1 => (format!("v{axis}"), speed, "largest speed", "m/s"),
+                _ => ("spin".to_owned(), spin, "largest spin", "rad/s"),
             };
             let both = range.intersection(allowed);
             let miss = FEASIBILITY * margin_scale(allowed.magnitude(), 0.0);
@@ -74,8 +80,9 @@ impl Body {
         let polygon = region.polyhedral();
         if self.is_speed_ball {
             // The slowest state of the box.
-            let slowest: Vec<f64> = left[axes..].iter().map(|range| range.nearest(0.0)).collect();
-            let nearest = dot(&slowest, &slowest).sqrt();
+            let slowest: Vec<f64> =
+                left[axes..2 * axes].iter().map(|range| range.nearest(0.0)).collect();
+            let nearest = length(&slowest);
             let limit = self.max_speed;
             if nearest - limit > FEASIBILITY * margin_scale(nearest, limit) {
                 let what = "the speed".to_owned();
@@ -85,7 +92,7 @@ impl Body {
             }
         }
         for side in &polygon.halfspaces {
-            let back: Vec<f64> = side.normal.iter().map(|n| -n).collect();
+            let back = minus(&side.normal);
             // Not -0.
             let (nearest, limit) = (0.0 - farthest(&left, &back), side.limit_at(0));
             if nearest - limit > FEASIBILITY * margin_scale(nearest.abs(), limit) {
@@ -111,14 +118,14 @@ impl Scene {
             Some(region) => farthest(&region.ranges, direction),
             None => farthest(&self.bodies[body].domain, direction),
         };
-        let back: Vec<f64> = direction.iter().map(|n| -n).collect();
+        let back = minus(direction);
         let other = contact.other.zip(its).map_or(0.0, |(body, its)| of(body, its, &back));
         of(contact.body, own, direction) + other
     }
 
     /// The least `normal . x` at which a contact may start.
     pub(super) fn nearest_start(&self, contact: &ContactPair, face: &ContactFace) -> f64 {
-        let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+        let back = minus(&face.normal);
         let own = &self.bodies[contact.body].start;
         let its = contact.other.map(|b| &self.bodies[b].start);
         -self.farthest(contact, &back, own, its)

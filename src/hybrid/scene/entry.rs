@@ -1,6 +1,7 @@
 //! Through which face of a convex obstacle a step enters, as guards of its hit.
 
 use super::contact::{ContactFace, at};
+use super::geometry::minus;
 use super::law::{Writer, at_end, at_start};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::system::{Halfspace, NormLimit, Transition};
@@ -19,8 +20,8 @@ impl Writer<'_> {
     pub(super) fn entering(&self, mut hit: Transition, own: &ContactFace) -> Transition {
         let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         if self.is_convex() {
-            let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
-            let limits: Vec<f64> = own.limit.iter().map(|b| -b).collect();
+            let back = minus(&own.normal);
+            let limits = minus(&own.limit);
             let starts = Halfspace::new("starts in front", self.position(&back), at_start(&limits));
             hit = hit.with_guard(starts);
         }

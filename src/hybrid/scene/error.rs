@@ -14,7 +14,7 @@ pub enum SceneError {
     /// A body, a normal or a course has another number of axes than the scene.
     #[error(
         "`{name}` has {found} entries and the scene needs {expected}; give one per axis, and in \
-         starts and goals one per position and one per velocity"
+         starts and goals one per position, one per velocity, and one for a spin"
     )]
     Axes {
         /// The body or the obstacle.
@@ -22,7 +22,7 @@ pub enum SceneError {
         /// Its number of axes.
         found: usize,
         /// The number of axes of the scene, those of its first body, from 1 to 3; twice as many in
-        /// starts and goals.
+        /// starts and goals, and one more for a spin.
         expected: usize,
     },
     /// A face of an obstacle has no direction.
@@ -70,9 +70,9 @@ pub enum SceneError {
         body: String,
         /// `starts` or `ends`.
         end: &'static str,
-        /// `x`, `vy`, ...
+        /// `x`, `vy`, `spin`, ...
         what: String,
-        /// The range that the start or the goal gives it, in m or m/s.
+        /// The range that the start or the goal gives it, in m, m/s or rad/s.
         range: Interval,
         /// The limit in words, with its range and unit.
         limit: String,
@@ -112,6 +112,14 @@ pub enum SceneError {
     Surface {
         /// The obstacle.
         obstacle: String,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
+    /// A spin that the scene cannot state.
+    #[error("the spin of `{body}` cannot be used: {reason}")]
+    Spin {
+        /// The body.
+        body: String,
         /// Why, and what to do.
         reason: &'static str,
     },

@@ -1,5 +1,7 @@
 //! Convex sets in one to three dimensions: corners, extents of faces.
 
+use std::f64::consts::TAU;
+
 /// How far a corner may be outside a face, relative to the size of the set (no unit).
 const NEAR: f64 = 1e-9;
 
@@ -8,6 +10,16 @@ pub(super) type Side = (Vec<f64>, f64);
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// The length of a vector.
+pub(super) fn length(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The numbers with the other sign.
+pub(super) fn minus(a: &[f64]) -> Vec<f64> {
+    a.iter().map(|x| -x).collect()
 }
 
 /// The unit vector along an axis.
@@ -121,7 +133,7 @@ pub(super) fn across(sides: &[Side], face: usize) -> Vec<Across> {
     for (other, (normal, _)) in sides.iter().enumerate().filter(|(k, _)| *k != face) {
         let own_factor = dot(normal, own);
         let edge: Vec<f64> = normal.iter().zip(own).map(|(n, o)| n - own_factor * o).collect();
-        let length = dot(&edge, &edge).sqrt();
+        let length = length(&edge);
         if length < 1e-9 {
             continue;
         }
@@ -173,7 +185,7 @@ pub(super) fn tangents(normal: &[f64]) -> Vec<Vec<f64>> {
             let along = unit(3, least, 1.0);
             let part = dot(&along, normal);
             let first: Vec<f64> = along.iter().zip(normal).map(|(a, n)| a - part * n).collect();
-            let length = dot(&first, &first).sqrt();
+            let length = length(&first);
             let first: Vec<f64> = first.into_iter().map(|a| a / length).collect();
             let second = vec![
                 y * first[2] - z * first[1],
@@ -184,4 +196,20 @@ pub(super) fn tangents(normal: &[f64]) -> Vec<Vec<f64>> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Directions along a face: both in the plane, `count` in space, none on a line.
+pub(super) fn around(normal: &[f64], count: usize) -> impl Iterator<Item = Vec<f64>> {
+    let tangents = tangents(normal);
+    let all: Vec<Vec<f64>> = match &tangents[..] {
+        [one] => vec![one.clone(), one.iter().map(|t| -t).collect()],
+        [one, two] => (0..count)
+            .map(|k| {
+                let (sin, cos) = (TAU * k as f64 / count as f64).sin_cos();
+                one.iter().zip(two).map(|(a, b)| cos * a + sin * b).collect()
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    all.into_iter()
 }

@@ -1,6 +1,6 @@
 //! Handles of a scene: its rules, pairs, expressions and rows are stated with them.
 
-use crate::hybrid::system::{Handles, Meaning, State};
+use crate::hybrid::system::State;
 use crate::model::{ModelTag, Variable};
 
 /// A body of a [`Scene`](super::Scene), made by [`Scene::body`](super::Scene::body).
@@ -31,11 +31,11 @@ impl BodyHandle {
         self.handle(axis, 4 * self.axes + axis)
     }
 
-    /// A handle of the body by its place in the order of [`declared`]: each state, followed by its
-    /// prediction, and then the inputs.
-    fn handle(self, axis: usize, place: usize) -> Variable {
+    /// A handle of the body by its place in the order of [`Scene::declared`](super::Scene): each state, followed by its
+    /// prediction, the inputs, and then the spin, its prediction and its torque.
+    pub(super) fn handle(self, axis: usize, place: usize) -> Variable {
         let own = axis < self.axes;
-        let index = if own { 5 * self.axes * self.number + place } else { usize::MAX };
+        let index = if own { (5 * self.axes + 3) * self.number + place } else { usize::MAX };
         Variable::new(index, self.tag)
     }
 }
@@ -45,18 +45,4 @@ impl BodyHandle {
 pub struct ObstacleHandle {
     pub(super) tag: ModelTag,
     pub(super) number: usize,
-}
-
-/// The handles of the system of a scene with some bodies of so many axes.
-pub(super) fn declared(tag: ModelTag, bodies: usize, axes: usize) -> Handles {
-    let mut handles = Handles::with_tag(tag);
-    for body in 0..bodies {
-        for state in 0..2 * axes {
-            handles.state(2 * axes * body + state);
-        }
-        for input in 0..axes {
-            handles.of(Meaning::Input(axes * body + input));
-        }
-    }
-    handles
 }

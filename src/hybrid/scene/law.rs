@@ -3,43 +3,19 @@
 //! With the prediction of free flight, let `g` be the gap to a face with the normal n, and `r` the
 //! velocity relative to the face. A hit needs `g <= 0` and `n . r <= 0`, and then
 //! `x⁺ = x - n (1+e) g` and `v⁺ = v + (M - 1) r`, where M is the surface's law; in a hit of two
-//! bodies, each takes its share.
-
-use std::f64::consts::{PI, TAU};
+//! bodies, each takes its share. Spins take theirs of the impulse along the surface.
 
 use faer::Mat;
 
-use super::contact::{ContactFace, ContactPair, Mode, at};
-use super::geometry::{dot, tangents};
+use super::contact::{ContactFace, ContactPair, ContactSpin, Mode, at};
+use super::geometry::{around, dot, minus, tangents};
+use super::rebound::{Guard, Law, laws};
 use super::statement::Scene;
-use super::surface::Tangential;
 use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, NormEntry, NormLimit, Schedule, Transition};
-
-/// A linear function of the relative velocity that must be at most 0: its factors, and a name.
-pub(super) struct Guard {
-    pub(super) name: &'static str,
-    pub(super) factors: Vec<f64>,
-    /// The same of the relative velocity at the start of the step; 0 in mirrored hits.
-    pub(super) at_start: Vec<f64>,
-}
-
-/// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies.
-pub(super) struct Law {
-    pub(super) name: String,
-    /// M - 1 without a rebound, by rows.
-    pub(super) change: Vec<Vec<f64>>,
-    /// The part that the rebound adds to it: `-e n n'`.
-    pub(super) rebound: Vec<Vec<f64>>,
-    /// The factors of the relative velocity at the start of the step in the change; 0 in mirrored hits.
-    pub(super) at_start: Vec<Vec<f64>>,
-    pub(super) guards: Vec<Guard>,
-    /// Functions of which the length of the first ones is at most the last one; empty if there is no cone.
-    pub(super) cone: Vec<Guard>,
-}
 
 /// Writes the transitions of one contact.
 pub(super) struct Writer<'a> {
@@ -74,15 +50,22 @@ impl Writer<'_> {
         self.spread(direction, 0)
     }
 
-    /// `direction . v`, likewise.
+    /// `direction . v`, likewise. An entry after those of the axes is the factor of the speed at which
+    /// spin moves the surfaces past each other.
     pub(super) fn velocity(&self, direction: &[f64]) -> Vec<f64> {
-        self.spread(direction, self.axes())
+        let mut factors = self.spread(direction, self.axes());
+        if let Some(factor) = direction.get(self.axes()) {
+            for spin in &self.contact.spins {
+                factors[spin.state] -= spin.lever * factor;
+            }
+        }
+        factors
     }
 
     fn spread(&self, direction: &[f64], from: usize) -> Vec<f64> {
         let mut factors = vec![0.0; self.flow.states()];
         let block = 2 * self.axes();
-        for (i, n) in direction.iter().enumerate() {
+        for (i, n) in direction.iter().take(self.axes()).enumerate() {
             factors[block * self.contact.body + from + i] += n;
             if let Some(other) = self.contact.other {
                 factors[block * other + from + i] -= n;
@@ -120,7 +103,7 @@ impl Writer<'_> {
                 continue;
             }
             let e = restitution.value();
-            for law in laws(own, e, 0.0) {
+            for law in laws(own, self.contact.mobility(), e, 0.0) {
                 let mut hit = self.hit(face, &law);
                 for guard in &law.guards {
                     hit = hit.with_prediction_guard(self.guard(guard));
@@ -147,8 +130,7 @@ impl Writer<'_> {
     /// The step stays in front of a face.
     fn flight(&self, face: usize) -> Transition {
         let own = &self.contact.faces[face];
-        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
-        let minus = |values: &[f64]| values.iter().map(|b| -b).collect::<Vec<f64>>();
+        let back = minus(&own.normal);
         let word = if self.is_convex() { "beyond" } else { "clear" };
         let mut flight = Transition::new(self.name(word, face), self.flow.clone());
         let limits = minus(&own.limit);
@@ -169,8 +151,8 @@ impl Writer<'_> {
     /// The middle control point of the step's parabola is in front of a face, so that the whole step
     /// is if both ends are: `g + Δt/2 s >= J Δt³/12`, where J bounds the third derivative of g.
     fn no_dip(&self, face: &ContactFace) -> Halfspace {
-        let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
-        let limits: Vec<f64> = face.limit.iter().map(|b| -b).collect();
+        let back = minus(&face.normal);
+        let limits = minus(&face.limit);
         self.middle("no dip".into(), &back, &limits)
     }
 
@@ -211,14 +193,14 @@ impl Writer<'_> {
         let towards = self.velocity(&own.normal);
         let moves = Halfspace::new("moves towards it", towards.clone(), self.speed(&own.normal));
         hit = self.limited(hit.with_prediction_guard(moves), face);
-        let away: Vec<f64> = towards.iter().map(|n| -n).collect();
+        let away = minus(&towards);
         hit.with_output(IMPACT_SPEED, away, self.speed(&own.normal))
     }
 
     /// The limits of the rules on a single hit.
     fn limited(&self, mut hit: Transition, face: usize) -> Transition {
         let own = &self.contact.faces[face];
-        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+        let back = minus(&own.normal);
         let dt = self.scene.time_step;
         let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         for rule in &self.scene.rules {
@@ -292,6 +274,24 @@ impl Writer<'_> {
         norm_of(parts).map(|limit| NormLimit { is_limit: true, ..limit })
     }
 
+    /// The states that a change of the relative velocity changes, with their shares and with its rows: the
+    /// velocities of the bodies, and their spins, which the impulse along the surface turns.
+    pub(super) fn taken<'b>(
+        &self,
+        change: &'b [Vec<f64>],
+        along: &'b [f64],
+    ) -> Vec<(usize, f64, &'b [f64])> {
+        let axes = self.axes();
+        let of = |(body, share): (usize, f64)| {
+            let rows = change.iter().enumerate();
+            rows.map(move |(i, row)| (axes * (2 * body + 1) + i, share, &row[..]))
+        };
+        let turn = |spin: &ContactSpin| {
+            (spin.state, -self.contact.mass * spin.lever / spin.inertia, along)
+        };
+        self.contact.shares().flat_map(of).chain(self.contact.spins.iter().map(turn)).collect()
+    }
+
     /// The reset of a hit: a matrix and an offset by step. The position moves by the gap times
     /// `1 + e`.
     pub(super) fn reset(
@@ -306,12 +306,7 @@ impl Writer<'_> {
         let steps = face.limit.len().saturating_sub(1).max(1);
         let mut offsets = vec![vec![0.0; width]; steps];
         let gap = self.position(n);
-        let parts = [
-            (Some(self.contact.body), self.contact.share),
-            (self.contact.other, self.contact.share - 1.0),
-        ];
-        for (body, share) in parts {
-            let Some(body) = body else { continue };
+        for (body, share) in self.contact.shares() {
             let first = 2 * axes * body;
             for i in 0..axes {
                 // One after the other, so that 1 - (1 + e) is exactly -e along the normal.
@@ -320,19 +315,22 @@ impl Writer<'_> {
                         matrix[(first + i, j)] += lift * g;
                     }
                 }
-                for change in [&law.change[i], &law.rebound[i]] {
-                    for (j, c) in self.velocity(change).iter().enumerate() {
-                        matrix[(first + axes + i, j)] += share * c;
-                    }
-                }
                 let lift = -share * (1.0 + e) * n[i];
                 for (t, offset) in offsets.iter_mut().enumerate() {
                     offset[first + i] -= lift * at(&face.limit, t + 1);
-                    let surface = self.contact.velocity_in(t, axes);
-                    let rows = [&law.change[i], &law.rebound[i], &law.at_start[i]];
-                    let moved: f64 = rows.iter().map(|row| dot(row, &surface)).sum();
-                    offset[first + axes + i] -= share * moved;
                 }
+            }
+        }
+        let [along, along_at_start] = &law.along;
+        let ended = [self.taken(&law.change, along), self.taken(&law.rebound, &[])].concat();
+        for (state, share, row) in &ended {
+            for (j, c) in self.velocity(row).iter().enumerate() {
+                matrix[(*state, j)] += share * c;
+            }
+        }
+        for (state, share, row) in ended.iter().chain(&self.taken(&law.at_start, along_at_start)) {
+            for (t, offset) in offsets.iter_mut().enumerate() {
+                offset[*state] -= share * dot(row, &self.contact.velocity_in(t, axes));
             }
         }
         // Not -0.
@@ -356,115 +354,4 @@ pub(super) fn norm_of(parts: impl Iterator<Item = Halfspace>) -> Option<NormLimi
 /// By how much the approach within a step may exceed that at its ends, in m/s: `J Δt²/8`.
 pub(super) fn sound_margin(face: &ContactFace, time_step: f64) -> f64 {
     face.jerk * time_step * time_step / 8.0
-}
-
-/// Directions along a face: both in the plane, `count` in space, none on a line.
-fn around(normal: &[f64], count: usize) -> impl Iterator<Item = Vec<f64>> {
-    let tangents = tangents(normal);
-    let all: Vec<Vec<f64>> = match &tangents[..] {
-        [one] => vec![one.clone(), one.iter().map(|t| -t).collect()],
-        [one, two] => (0..count)
-            .map(|k| {
-                let (sin, cos) = (TAU * k as f64 / count as f64).sin_cos();
-                one.iter().zip(two).map(|(a, b)| cos * a + sin * b).collect()
-            })
-            .collect(),
-        _ => Vec::new(),
-    };
-    all.into_iter()
-}
-
-/// `-factor n n'`, as rows.
-fn rebound(n: &[f64], factor: f64) -> Vec<Vec<f64>> {
-    n.iter().map(|a| n.iter().map(|b| -factor * a * b).collect()).collect()
-}
-
-/// Adds `factor a b'`.
-fn add(change: &mut [Vec<f64>], factor: f64, a: &[f64], b: &[f64]) {
-    for (row, a) in change.iter_mut().zip(a) {
-        row.iter_mut().zip(b).for_each(|(c, b)| *c += factor * a * b);
-    }
-}
-
-/// The laws of a face: one, or those of sticking and slipping. The velocity along the normal changes
-/// by `1 + e` times the approach at the end of the step and `start` times that at its start.
-pub(super) fn laws(face: &ContactFace, e: f64, start: f64) -> Vec<Law> {
-    let (n, end) = (&face.normal, 1.0 + e);
-    let plain = || Law {
-        name: "hit".into(),
-        change: rebound(n, 1.0),
-        rebound: rebound(n, e),
-        at_start: rebound(n, start),
-        guards: Vec::new(),
-        cone: Vec::new(),
-    };
-    let tangents = tangents(n);
-    match face.surface.tangential {
-        _ if tangents.is_empty() || face.surface.is_frictionless() => vec![plain()],
-        Tangential::Frictionless => vec![plain()],
-        Tangential::Linear { keep, from_normal } => {
-            let mut law = plain();
-            for tangent in &tangents {
-                add(&mut law.change, keep - 1.0, tangent, tangent);
-                // The impact speed is -n . r.
-                add(&mut law.change, -from_normal, tangent, n);
-            }
-            vec![law]
-        }
-        Tangential::Coulomb { coefficient, directions } => {
-            let in_plane = tangents.len() == 1;
-            // The pyramid lies inside the cone.
-            let inside = if in_plane { 1.0 } else { (PI / directions as f64).cos() };
-            let bound = coefficient * inside;
-            let ways: Vec<Vec<f64>> = around(n, directions).collect();
-            let mut stick = Law { name: "stick".into(), ..plain() };
-            for tangent in &tangents {
-                add(&mut stick.change, -1.0, tangent, tangent);
-            }
-            // d . r <= bound j, where the normal impulse is j = -end n . r - start n . r(start).
-            let exceeds = |name: &'static str, d: &[f64], sign: f64| -> Guard {
-                let factors = d.iter().zip(n).map(|(d, n)| sign * (d + bound * end * n));
-                let at_start = n.iter().map(|n| sign * bound * start * n);
-                Guard { name, factors: factors.collect(), at_start: at_start.collect() }
-            };
-            match in_plane {
-                true => stick.guards = ways.iter().map(|d| exceeds("sticks", d, 1.0)).collect(),
-                // In space the cone itself.
-                false => {
-                    let along = |d: &Vec<f64>| Guard {
-                        name: "sticks",
-                        factors: d.clone(),
-                        at_start: vec![0.0; n.len()],
-                    };
-                    let most = |share: f64| n.iter().map(|n| -coefficient * share * n).collect();
-                    let bound = Guard { name: "sticks", factors: most(end), at_start: most(start) };
-                    stick.cone = tangents.iter().map(along).chain([bound]).collect();
-                }
-            }
-            let mut laws = vec![stick];
-            for (k, d) in ways.iter().enumerate() {
-                let name = match (in_plane, k) {
-                    (true, 0) => "slip left".to_owned(),
-                    (true, _) => "slip right".to_owned(),
-                    (false, k) => format!("slip {k} at"),
-                };
-                let mut law = Law { name, ..plain() };
-                // The impulse -bound j d.
-                add(&mut law.change, bound * end, d, n);
-                add(&mut law.at_start, bound * start, d, n);
-                law.guards.push(exceeds("slips", d, -1.0));
-                if !in_plane {
-                    // Within the sector: nearer to d than to its neighbours.
-                    for other in [k + 1, k + ways.len() - 1] {
-                        let other = &ways[other % ways.len()];
-                        let factors = other.iter().zip(d).map(|(o, d)| o - d).collect();
-                        let at_start = vec![0.0; n.len()];
-                        law.guards.push(Guard { name: "sector", factors, at_start });
-                    }
-                }
-                laws.push(law);
-            }
-            laws
-        }
-    }
 }

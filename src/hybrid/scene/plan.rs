@@ -24,6 +24,12 @@ pub struct BodyPath {
     pub velocity: Vec<Vec<f64>>,
     /// Input of each step, in m/s².
     pub acceleration: Vec<Vec<f64>>,
+    /// [Spin](super::Body::with_spin) at each sample, in rad/s; empty without one.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub spin: Vec<f64>,
+    /// Torque of each step, in N m; empty without spin.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub torque: Vec<f64>,
 }
 
 /// A hit of a plan.
@@ -53,7 +59,7 @@ pub struct SceneHit {
     pub place: Vec<f64>,
     /// The impulse on the body, in N s.
     pub impulse: Vec<f64>,
-    /// The kinetic energy that the hit takes, in J.
+    /// The kinetic energy that the hit takes, with that of spins, in J.
     pub energy: f64,
 }
 
@@ -186,6 +192,9 @@ impl Scene {
                 check_length(what, values.len(), count)?;
                 values.iter().try_for_each(|row| check_length(what, row.len(), self.axes()))?;
             }
+            let turns = usize::from(own.spin.is_some());
+            check_length("the spins of a body", path.spin.len(), turns * (steps + 1))?;
+            check_length("the torques on a body", path.torque.len(), turns * steps)?;
         }
         if let Some((obstacle, last)) = self.longest().filter(|(_, last)| *last < steps) {
             let obstacle = obstacle.name.clone();
@@ -255,11 +264,18 @@ impl SceneProgram {
                 let count = columns.first().map_or(0, Vec::len);
                 Ok((0..count).map(|t| columns.iter().map(|c| c[t]).collect()).collect())
             };
+            let (mut spin, mut torque) = (Vec::new(), Vec::new());
+            if body.spin.is_some() {
+                spin = run.state(&format!("{} spin", body.name))?.to_vec();
+                torque = run.input(&format!("{} torque", body.name))?.to_vec();
+            }
             bodies.push(BodyPath {
                 name: body.name.clone(),
                 position: series("")?,
                 velocity: series("v")?,
                 acceleration: series("a")?,
+                spin,
+                torque,
             });
         }
         let mut hits = Vec::new();

@@ -130,14 +130,14 @@ impl Stated {
 }
 
 impl SceneProgram {
-    /// The effort `Σ Δt |u(t)|²` of all bodies, in m²/s³.
+    /// The effort `Σ Δt |u(t)|²` of all bodies, in m²/s³, without that of torques.
     ///
     /// # Errors
     ///
     /// None for programs of scenes.
     pub fn effort(&self) -> Result<Quadratic, Error> {
         let mut effort = Quadratic::zero();
-        for family in self.variables().inputs() {
+        for family in self.accelerations() {
             for variable in family {
                 effort.add_product(self.scene.time_step, variable, variable);
             }
@@ -145,7 +145,7 @@ impl SceneProgram {
         Ok(effort)
     }
 
-    /// The fuel of all bodies, in m/s²; adds variables to the model. Of a body with an [acceleration
+    /// The fuel of all bodies, in m/s², without that of torques; adds variables to the model. Of a body with an [acceleration
     /// ball](super::Body::with_acceleration_ball), whose thrust can be turned, it is the sum of the lengths of
     /// the inputs, and of others the sum of their magnitudes along each axis.
     ///
@@ -155,7 +155,7 @@ impl SceneProgram {
     pub fn fuel(&mut self) -> Result<Affine, Error> {
         let mut fuel = Affine::zero();
         let axes = self.scene.axes();
-        for (k, family) in self.variables().inputs().to_vec().iter().enumerate() {
+        for (k, family) in self.accelerations().to_vec().iter().enumerate() {
             if self.scene.bodies[k / axes].acceleration_ball.is_some() {
                 if k % axes == 0 {
                     fuel += self.lengths(k)?;
@@ -176,10 +176,14 @@ impl SceneProgram {
         Ok(fuel)
     }
 
+    /// The inputs along the axes, by body.
+    fn accelerations(&self) -> &[Family] {
+        &self.variables().inputs()[..self.scene.axes() * self.scene.bodies.len()]
+    }
+
     /// The sum of the lengths of a body's inputs, of which the first is given.
     fn lengths(&mut self, first: usize) -> Result<Affine, Error> {
-        let own = &self.program.variables().inputs()[first..first + self.scene.axes()];
-        let own = own.to_vec();
+        let own = self.accelerations()[first..first + self.scene.axes()].to_vec();
         let (steps, model) = (self.program.steps(), &mut self.program.model);
         let length = |t: usize| {
             let entries = own.iter().filter_map(|family| family.get(t));

@@ -17,7 +17,9 @@ use faer::Mat;
 
 use super::contact::ContactFace;
 use super::entry::plus;
-use super::law::{Guard, Law, Writer, at_start, laws, norm_of};
+use super::geometry::minus;
+use super::law::{Writer, at_start, norm_of};
+use super::rebound::{Guard, Law, laws};
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, Transition};
@@ -37,7 +39,7 @@ impl Writer<'_> {
         let mut all = Vec::new();
         for kind in [Kind::Hit, Kind::Settle, Kind::Rest] {
             let rebound = if kind == Kind::Hit { e } else { 0.0 };
-            for mut law in laws(own, 0.0, rebound) {
+            for mut law in laws(own, self.contact.mobility(), 0.0, rebound) {
                 let word = match kind {
                     Kind::Hit => "",
                     Kind::Settle => "settle",
@@ -92,7 +94,7 @@ impl Writer<'_> {
 
     /// The guards on the approach at the start.
     fn starting(&self, contact: Transition, kind: Kind, own: &ContactFace) -> Transition {
-        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+        let back = minus(&own.normal);
         let towards =
             |name: &str| Halfspace::new(name, self.velocity(&own.normal), self.speed(&own.normal));
         let away = |name: &str| Halfspace::new(name, self.velocity(&back), self.speed(&back));
@@ -119,17 +121,9 @@ impl Writer<'_> {
         let (mut a, b) = (reset * a.faer(), reset * b.faer());
         let width = self.flow.states();
         let constant = (0..width).map(|i| (0..width).map(|j| reset[(i, j)] * c[j]).sum::<f64>());
-        let parts = [
-            (Some(self.contact.body), self.contact.share),
-            (self.contact.other, self.contact.share - 1.0),
-        ];
-        for (body, share) in parts {
-            let Some(body) = body else { continue };
-            for i in 0..self.axes() {
-                let row = self.axes() * (2 * body + 1) + i;
-                for (j, change) in self.velocity(&law.at_start[i]).iter().enumerate() {
-                    a[(row, j)] += share * change;
-                }
+        for (state, share, row) in self.taken(&law.at_start, &law.along[1]) {
+            for (j, change) in self.velocity(row).iter().enumerate() {
+                a[(state, j)] += share * change;
             }
         }
         LinearSystem::new(a, b, constant.collect::<Vec<_>>())

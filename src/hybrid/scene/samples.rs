@@ -62,6 +62,8 @@ fn checked_path(scene: &Scene, samples: &Samples<'_>) -> Result<(Scene, BodyPath
         position: column(position),
         velocity: column(velocity),
         acceleration: column(acceleration),
+        spin: Vec::new(),
+        torque: Vec::new(),
     };
     scene.check_paths(std::slice::from_ref(&path))?;
     Ok((scene, path))

@@ -130,6 +130,7 @@ impl Stated {
             Some(first) => first.iter().map(|&a| Interval::point(a)).collect(),
             None => body.acceleration.clone(),
         });
+        let first = first.chain(self.scene.spins().map(|(_, spin)| spin.torques()));
         sets.with_first_inputs(&first.collect::<Vec<_>>())
     }
 

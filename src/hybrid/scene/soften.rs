@@ -3,8 +3,11 @@
 use super::SceneError;
 use super::program::SceneProgram;
 use super::solid::Solid;
+use super::statement::check_name;
 use super::surface::Surface;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::interval::Interval;
 use crate::model::{Affine, Either, Model, Row};
 
@@ -42,8 +45,8 @@ impl SceneProgram {
     /// # Errors
     ///
     /// [`SceneError`] for an obstacle without faces, of another dimension or with a course shorter than
-    /// the horizon; [`ErrorKind::DuplicateName`] for the name of an
-    /// obstacle of the scene or of another soft one. The model then stays as it was.
+    /// the horizon; [`ErrorKind::InvalidName`]; [`ErrorKind::DuplicateName`] for the name of a body or an
+    /// obstacle of the scene, or of another soft one. The model then stays as it was.
     pub fn soften_obstacle(&mut self, obstacle: &Solid) -> Result<Affine, Error> {
         let (axes, steps) = (self.scene.axes(), self.steps());
         let obstacle = obstacle.checked(axes)?;
@@ -52,11 +55,7 @@ impl SceneProgram {
             let obstacle = obstacle.name.clone();
             return Err(SceneError::Course { obstacle, last, needed: steps }.into());
         }
-        let known = self.scene.obstacles.iter().any(|own| own.name == obstacle.name);
-        if known || self.scene.bodies.iter().any(|body| body.name == obstacle.name) {
-            let kind = "body or obstacle";
-            return Err(ErrorKind::DuplicateName { name: obstacle.name, kind }.into());
-        }
+        check_name(&obstacle.name, self.scene.names())?;
         let mut model = std::mem::replace(&mut self.program.model, Model::new(""));
         let added = model.all_or_nothing(|model| {
             let mut sum = Affine::zero();
@@ -86,18 +85,8 @@ impl SceneProgram {
         name: &str,
         sides: impl IntoIterator<Item: Into<Interval>>,
     ) -> Result<Affine, Error> {
-        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
-        let mut sum = Affine::zero();
-        for (i, side) in sides.iter().enumerate() {
-            for (k, sign, at) in [(0, 1.0, side.lower), (1, -1.0, -side.upper)] {
-                let normal = (0..sides.len()).map(|j| if i == j { sign } else { 0.0 });
-                let name = format!("{name} {}", 2 * i + k);
-                let normal: Vec<f64> = normal.collect();
-                sum +=
-                    self.soften_obstacle(&Solid::halfspace(name, normal, at, Surface::avoid()))?;
-            }
-        }
-        Ok(sum)
+        let walls = Solid::room(name, sides, Surface::avoid()).into_iter();
+        walls.map(|wall| self.soften_obstacle(&wall)).sum()
     }
 
     /// The depth of a body in an obstacle in a step, as a new variable.

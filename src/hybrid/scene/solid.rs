@@ -1,6 +1,7 @@
 //! Obstacles: half-spaces and convex polytopes, still or on a course.
 
 use super::error::SceneError;
+use super::geometry::length;
 use super::surface::Surface;
 use crate::error::{Error, check_finite};
 use crate::interval::Interval;
@@ -54,6 +55,25 @@ impl Solid {
         surface: Surface,
     ) -> Self {
         Solid::polytope(name, [(normal.into(), offset)], surface)
+    }
+
+    /// The walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the lower and
+    /// the upper side of each axis.
+    pub(super) fn room(
+        name: &str,
+        sides: impl IntoIterator<Item: Into<Interval>>,
+        surface: Surface,
+    ) -> Vec<Solid> {
+        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
+        let wall = |number: usize| {
+            let (axis, side) = (number / 2, sides[number / 2]);
+            let (sign, at) =
+                if number.is_multiple_of(2) { (1.0, side.lower) } else { (-1.0, -side.upper) };
+            let normal: Vec<f64> =
+                (0..sides.len()).map(|j| if j == axis { sign } else { 0.0 }).collect();
+            Solid::halfspace(format!("{name} {number}"), normal, at, surface)
+        };
+        (0..2 * sides.len()).map(wall).collect()
     }
 
     /// A convex polytope, solid where `normal . x <= offset` for all of its faces; normals point
@@ -147,7 +167,7 @@ impl Solid {
         for (k, face) in own.faces.iter_mut().enumerate() {
             let numbers = face.normal.iter().copied().chain([face.offset]);
             check_finite(&self.name, "a number of a face", numbers)?;
-            let length = face.normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+            let length = length(&face.normal);
             if !(length > 1e-9 && length.is_finite()) {
                 return Err(SceneError::Normal { obstacle: name(), face: k }.into());
             }

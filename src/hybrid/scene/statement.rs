@@ -2,7 +2,7 @@
 
 use super::body::{Body, Shape};
 use super::error::SceneError;
-use super::geometry::{self, Side, dot};
+use super::geometry::{self, Side, dot, length};
 use super::handles::BodyHandle;
 use super::rule::DamageRule;
 use super::solid::Solid;
@@ -140,15 +140,7 @@ impl Scene {
         sides: impl IntoIterator<Item: Into<Interval>>,
         surface: Surface,
     ) -> Self {
-        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
-        for (i, side) in sides.iter().enumerate() {
-            for (k, sign, at) in [(0, 1.0, side.lower), (1, -1.0, -side.upper)] {
-                let normal: Vec<f64> =
-                    (0..sides.len()).map(|j| if i == j { sign } else { 0.0 }).collect();
-                let name = format!("{name} {}", 2 * i + k);
-                self.obstacles.push(Solid::halfspace(name, normal, at, surface));
-            }
-        }
+        self.obstacles.extend(Solid::room(name, sides, surface));
         self
     }
 
@@ -227,6 +219,12 @@ impl Scene {
         self.bodies.first().map_or(0, Body::axes)
     }
 
+    /// The names of bodies and obstacles.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let obstacles = self.obstacles.iter().map(|obstacle| &obstacle.name);
+        self.bodies.iter().map(|body| &body.name).chain(obstacles).map(String::as_str)
+    }
+
     /// The longest plan that courses allow, in steps; `None` if nothing moves.
     pub(super) fn longest(&self) -> Option<(&Solid, usize)> {
         let moving = self.obstacles.iter().filter(|obstacle| !obstacle.course.is_empty());
@@ -245,17 +243,8 @@ impl Scene {
             let what = "the number of axes of the scene's first body";
             return Err(Error::out_of_range(what, axes as f64, "from 1 to 3"));
         }
-        let mut names: Vec<&str> = Vec::new();
-        let all = self.bodies.iter().map(|body| &body.name);
-        for name in all.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)) {
-            if !is_name(name) {
-                return Err(ErrorKind::InvalidName { name: name.clone() }.into());
-            }
-            if names.contains(&name.as_str()) {
-                let kind = "body or obstacle";
-                return Err(ErrorKind::DuplicateName { name: name.clone(), kind }.into());
-            }
-            names.push(name);
+        for (k, name) in self.names().enumerate() {
+            check_name(name, self.names().take(k))?;
         }
         for body in &self.bodies {
             body.check(axes)?;
@@ -269,6 +258,7 @@ impl Scene {
         for k in 0..own.pairs.len() {
             own.pairs[k] = own.checked_pair(k)?;
         }
+        own.check_energy()?;
         own.check_ends()?;
         own.rules.iter().try_for_each(|rule| rule.check(&own))?;
         Ok(own)
@@ -290,7 +280,7 @@ impl Scene {
                 return Err(SceneError::Axes { name, found, expected: axes }.into());
             }
             check_finite(&name, "a normal", normal.iter().copied())?;
-            let length = dot(normal, normal).sqrt();
+            let length = length(normal);
             if !(length > 1e-9 && length.is_finite()) {
                 return Err(SceneError::Normal { obstacle: name, face }.into());
             }
@@ -298,6 +288,21 @@ impl Scene {
         }
         Ok(pair)
     }
+}
+
+/// Refuses a name that is none, or that another body or obstacle has.
+pub(super) fn check_name<'a>(
+    name: &str,
+    mut others: impl Iterator<Item = &'a str>,
+) -> Result<(), Error> {
+    if !is_name(name) {
+        return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
+    }
+    if others.any(|own| own == name) {
+        let kind = "body or obstacle";
+        return Err(ErrorKind::DuplicateName { name: name.to_owned(), kind }.into());
+    }
+    Ok(())
 }
 
 /// Refuses obstacles without inside and faces without extent.

@@ -57,9 +57,11 @@ impl Surface {
         /// The same with another number of directions in space, from 3 to 32.
         with_friction_along(coefficient: f64, directions: usize) =>
             tangential = Tangential::Coulomb { coefficient, directions };
-        /// A linear law, as identified from experiments: the velocity u along the surface becomes
-        /// `keep u + from_normal f`, where f is the impact speed (both no unit). In the plane, u
-        /// is counted along the normal turned left; on a line and in space `from_normal` is 0.
+        /// A linear law, as identified from experiments: the velocity u with which the touching points
+        /// slide along the surface becomes `keep u + from_normal f`, where f is the impact speed (both no
+        /// unit). With a [spin](super::Body::with_spin), `-keep` is the tangential restitution: 1 of
+        /// Garwin's ideal superball, 0 where it sticks. In the plane, u is counted along the normal turned
+        /// left; on a line and in space `from_normal` is 0.
         with_linear_map(keep: f64, from_normal: f64) =>
             tangential = Tangential::Linear { keep, from_normal };
     }
@@ -120,19 +122,28 @@ impl Surface {
                 }
                 Ok(())
             }
-            Tangential::Linear { keep, from_normal } => {
-                let e = self.restitution.map_or(0.0, |e| e.value());
-                // The largest singular value of [[e, 0], [from_normal, keep]] is at most 1.
-                let (trace, det) = (e * e + from_normal * from_normal + keep * keep, e * keep);
-                let gains = !(trace - det * det <= 1.0 + 1e-12 && det.abs() <= 1.0);
-                if gains || !trace.is_finite() {
-                    return wrong("its linear map adds energy; make its entries smaller");
-                }
+            Tangential::Linear { from_normal, .. } => {
                 if axes != 2 && from_normal != 0.0 {
                     return wrong("`from_normal` has a meaning in the plane alone; set it to 0");
                 }
                 Ok(())
             }
         }
+    }
+
+    /// Refuses a linear map that adds energy in a contact of a [mobility](super::contact::ContactPair::mobility).
+    pub(super) fn check_energy(&self, obstacle: &str, mobility: f64) -> Result<(), SceneError> {
+        let Tangential::Linear { keep, from_normal } = self.tangential else { return Ok(()) };
+        let e = self.restitution.map_or(0.0, |e| e.value());
+        // Spin and sliding share u: the angular momentum about the touching points stays, and the rest of
+        // the energy is m (f² + u²/k)/2. The largest singular value of [[e, 0], [from_normal/√k, keep]] is
+        // at most 1.
+        let square = from_normal * from_normal / mobility;
+        let (trace, det) = (e * e + square + keep * keep, e * keep);
+        if trace - det * det <= 1.0 + 1e-12 && det.abs() <= 1.0 && trace.is_finite() {
+            return Ok(());
+        }
+        let reason = "its linear map adds energy; make its entries smaller";
+        Err(SceneError::Surface { obstacle: obstacle.to_owned(), reason })
     }
 }

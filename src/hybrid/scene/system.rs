@@ -3,8 +3,9 @@
 use faer::Mat;
 
 use super::axes::AXES;
+use super::body::Spin;
 use super::contact::{ContactPair, at, contacts};
-use super::handles::declared;
+use super::geometry::minus;
 use super::law::Writer;
 use super::statement::Scene;
 use crate::error::Error;
@@ -23,11 +24,13 @@ pub(super) struct Stated {
 impl Scene {
     /// The scene as a hybrid system. For a body `puck` in the plane, its states are `puck x`,
     /// `puck y` (m), `puck vx` and `puck vy` (m/s), its inputs `puck ax` and `puck ay` (m/s²); its
-    /// choices are the contacts, such as `puck at wall`, and `a and b` for two bodies.
+    /// choices are the contacts, such as `puck at wall`, and `a and b` for two bodies. After those of all
+    /// bodies, a body with spin has the state `puck spin` (rad/s) and the input `puck torque` (N m).
     ///
     /// A convex obstacle has a transition `beyond k` for each face k, in front of which the whole
     /// step stays, and `hit k`, or `stick k` and `slip ... k`, for each face to bounce off. With a
-    /// single face they are `clear`, `hit`, `stick`, `slip ...`.
+    /// single face they are `clear`, `hit`, `stick`, `slip ...`. A surface with rest adds `settle` and `rest`,
+    /// or with friction `settle, stick`, `rest, slip ...` and so on.
     ///
     /// # Errors
     ///
@@ -42,7 +45,7 @@ impl Scene {
         let mut contacts = contacts(&scene);
         let flow = scene.flow()?;
         let mut system = HybridSystem::new(scene.time_step);
-        system.handles = declared(scene.tag, scene.bodies.len(), scene.axes());
+        system.handles = scene.declared();
         let mut limits = Vec::new();
         let mut domains: Vec<Interval> = Vec::new();
         for body in &scene.bodies {
@@ -50,6 +53,7 @@ impl Scene {
             domains
                 .extend(body.domain.iter().map(|_| Interval::new(-body.max_speed, body.max_speed)));
         }
+        domains.extend(scene.spins().map(|(_, spin)| spin.rates()));
         for contact in &contacts {
             limits.extend(outside(&scene, contact, &flow, &mut domains));
         }
@@ -60,6 +64,10 @@ impl Scene {
             for (axis, range) in AXES.iter().zip(&body.acceleration) {
                 system = system.with_input(format!("{} a{axis}", body.name), *range);
             }
+        }
+        for (b, spin) in scene.spins() {
+            let name = format!("{} torque", scene.bodies[b].name);
+            system = system.with_input(name, spin.torques());
         }
         system = limits.into_iter().fold(system, HybridSystem::with_limit);
         system.norms.extend(scene.balls());
@@ -81,47 +89,60 @@ impl Scene {
         Ok(Stated { scene, contacts, system })
     }
 
-    /// The names of the states: for each body, positions and then velocities.
+    /// The names of the states: for each body, positions and then velocities; then spins.
     pub(super) fn state_names(&self) -> Vec<String> {
         let axes = &AXES[..self.axes()];
         let of = |name: &String| -> Vec<String> {
             let positions = axes.iter().map(|axis| format!("{name} {axis}"));
             positions.chain(axes.iter().map(|axis| format!("{name} v{axis}"))).collect()
         };
-        self.bodies.iter().flat_map(|body| of(&body.name)).collect()
+        let spins = self.spins().map(|(b, _)| format!("{} spin", self.bodies[b].name));
+        self.bodies.iter().flat_map(|body| of(&body.name)).chain(spins).collect()
     }
 
     /// Free flight of all bodies.
     fn flow(&self) -> Result<LinearSystem, Error> {
         let flows = self.bodies.iter().map(|body| body.flow(self.time_step));
         let flows: Vec<LinearSystem> = flows.collect::<Result<_, _>>()?;
+        let spins: Vec<Spin> = self.spins().map(|(_, spin)| spin).collect();
         let (d, count) = (self.axes(), flows.len());
-        let block = |size: usize, of: &dyn Fn(&LinearSystem, usize, usize) -> f64| {
-            Mat::from_fn(2 * d * count, size * count, |i, j| {
-                let (b, c) = (i / (2 * d), j / size);
-                if b == c { of(&flows[b], i % (2 * d), j % size) } else { 0.0 }
+        let width = |size: usize| size * count + spins.len();
+        // On the diagonal: a block for each body, and an entry for each spin.
+        let diagonal = |size: usize,
+                        of: &dyn Fn(&LinearSystem, usize, usize) -> f64,
+                        of_spin: &dyn Fn(&Spin) -> f64| {
+            Mat::from_fn(width(2 * d), width(size), |i, j| {
+                match (i.checked_sub(2 * d * count), j.checked_sub(size * count)) {
+                    (Some(own), Some(other)) if own == other => of_spin(&spins[own]),
+                    (None, None) if i / (2 * d) == j / size => {
+                        of(&flows[j / size], i % (2 * d), j % size)
+                    }
+                    _ => 0.0,
+                }
             })
         };
-        let a = block(2 * d, &|flow, i, j| flow.a()[(i, j)]);
-        let b = block(d, &|flow, i, j| flow.b()[(i, j)]);
-        let c: Vec<f64> = flows.iter().flat_map(|flow| flow.c().to_vec()).collect();
+        let a = diagonal(2 * d, &|flow, i, j| flow.a()[(i, j)], &|_| 1.0);
+        let b = diagonal(d, &|flow, i, j| flow.b()[(i, j)], &|spin| self.time_step / spin.inertia);
+        let mut c: Vec<f64> = flows.iter().flat_map(|flow| flow.c().to_vec()).collect();
+        c.resize(width(2 * d), 0.0);
         LinearSystem::new(a, b, c)
     }
 
     /// The limits of the lengths of velocities and inputs.
     fn balls(&self) -> Vec<NormLimit> {
-        let (d, count) = (self.axes(), self.bodies.len());
+        let (d, count, spins) = (self.axes(), self.bodies.len(), self.spins().count());
+        let states = 2 * d * count + spins;
         let mut balls = Vec::new();
         for (b, body) in self.bodies.iter().enumerate() {
             if body.is_speed_ball {
                 let name = format!("speed of {}", body.name);
                 let first = 2 * d * b + d;
-                balls.push(NormLimit::ball(name, first..first + d, 2 * d * count, body.max_speed));
+                balls.push(NormLimit::ball(name, first..first + d, states, body.max_speed));
             }
             if let Some(most) = body.acceleration_ball {
                 let name = format!("acceleration of {}", body.name);
-                let first = 2 * d * count + d * b;
-                balls.push(NormLimit::ball(name, first..first + d, 3 * d * count, most));
+                let (first, width) = (states + d * b, states + d * count + spins);
+                balls.push(NormLimit::ball(name, first..first + d, width, most));
             }
         }
         balls
@@ -130,17 +151,23 @@ impl Scene {
     /// Starts or goals of all bodies as one region.
     pub(super) fn ends(&self, system: &HybridSystem, is_start: bool) -> Region {
         let block = 2 * self.axes();
-        let mut ranges = Vec::new();
+        let (mut ranges, mut spins) = (Vec::new(), Vec::new());
         let (mut halfspaces, mut norms) = (Vec::new(), Vec::new());
         for (b, body) in self.bodies.iter().enumerate() {
             let region = if is_start { &body.start } else { &body.goal };
+            let spin = self.spin_state(b);
+            let own = region.as_ref().and_then(|region| region.ranges.get(block));
+            spins.extend(spin.map(|_| own.copied().unwrap_or(Interval::REALS)));
             match region {
                 None => ranges.extend(vec![Interval::REALS; block]),
                 Some(region) => {
-                    ranges.extend(&region.ranges);
+                    ranges.extend(&region.ranges[..block]);
                     let place = |factors: &[f64]| {
                         let mut wide = vec![0.0; system.states.len()];
-                        wide[block * b..block * (b + 1)].copy_from_slice(factors);
+                        wide[block * b..block * (b + 1)].copy_from_slice(&factors[..block]);
+                        if let (Some(spin), Some(factor)) = (spin, factors.get(block)) {
+                            wide[spin] = *factor;
+                        }
                         wide
                     };
                     norms.extend(region.norms.iter().map(|disc| disc.placed(place)));
@@ -152,6 +179,7 @@ impl Scene {
                 }
             }
         }
+        ranges.extend(spins);
         let region = halfspaces.into_iter().fold(Region::from(ranges), Region::with_halfspace);
         Region { norms, ..region }
     }
@@ -177,8 +205,8 @@ fn outside(
         }
         return None;
     }
-    let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+    let back = minus(&face.normal);
     let writer = Writer { scene, contact, flow };
-    let limits: Vec<f64> = face.limit.iter().map(|b| -b).collect();
+    let limits = minus(&face.limit);
     Some(Halfspace::new(format!("outside {}", contact.name), writer.position(&back), limits))
 }

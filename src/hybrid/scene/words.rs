@@ -19,6 +19,10 @@ impl Stated {
                 quantities.push((format!("{body} a{axis}"), push, "m/s²"));
             }
         }
+        for body in self.scene.spins().map(|(b, _)| &self.scene.bodies[b].name) {
+            quantities.push((format!("{body} spin"), format!("the spin of {body}"), "rad/s"));
+            quantities.push((format!("{body} torque"), format!("the torque on {body}"), "N m"));
+        }
         let transitions = self.contacts.iter().flat_map(|contact| self.undone(contact)).collect();
         Words { quantities, transitions, event: Some("hit") }
     }

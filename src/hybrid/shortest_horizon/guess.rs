@@ -12,35 +12,64 @@ use crate::solver::{Solver, StopToken};
 /// The share of the remaining time that the coarser search may take.
 const SHARE: u32 = 4;
 
+/// How many times longer than the horizon a plan on the coarser grid may be.
+const AS_LONG: f64 = 2.0;
+
 /// The result on the coarser grid.
 pub(super) enum Guess {
     NotAsked,
-    /// There is no coarser grid, or no plan was found on it.
-    Nothing,
+    /// There is no coarser grid, or no plan was found on it for horizons of up to so many steps.
+    Nothing {
+        up_to: usize,
+    },
     /// Per family of binaries, their values over the coarser plan's steps.
     Modes(Vec<Vec<bool>>),
 }
 
 impl Guess {
-    /// Searches the coarser grid, if there is one, with a share of the remaining time.
+    /// Whether to ask for a horizon: if that was never done, or for much shorter ones alone.
+    pub(super) fn is_due(&self, steps: usize) -> bool {
+        match self {
+            Guess::NotAsked => true,
+            Guess::Nothing { up_to } => steps >= up_to.saturating_mul(2),
+            Guess::Modes(_) => false,
+        }
+    }
+
+    /// Searches the coarser grid, if there is one, for a plan that takes about as long as some steps, with
+    /// a share of the remaining time.
     pub(super) fn ask<B: HorizonModel + ?Sized>(
         builder: &B,
+        steps: usize,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
         token: &StopToken,
     ) -> Result<Guess, Error> {
-        let Some(coarser) = builder.coarser() else { return Ok(Guess::Nothing) };
+        let nothing = Guess::Nothing { up_to: steps };
+        let Some(coarser) = builder.coarser() else { return Ok(nothing) };
         let mut options = options.without_statements();
         options.time_limit = token.left().map(|left| left / SHARE);
-        let found = shortest_horizon(&*coarser, &options, solver)?;
-        let Some(Solved { program, solution }) = &found.plan else { return Ok(Guess::Nothing) };
+        if let (Some(own), Some(coarse)) = (builder.time_step(), coarser.time_step()) {
+            let most = (AS_LONG * steps as f64 * own / coarse).ceil() as usize + 1;
+            // A search that is as long as the one it helps does not help, nor one on ever coarser grids.
+            if most >= steps {
+                return Ok(nothing);
+            }
+            options.max_steps = options.max_steps.min(most);
+        }
+        // Nobody has asked for the coarser grid: what is wrong there is no error.
+        let found = shortest_horizon(&*coarser, &options, solver).ok();
+        let Some(Solved { program, solution }) = found.as_ref().and_then(|f| f.plan.as_ref())
+        else {
+            return Ok(nothing);
+        };
         let mut modes = Vec::new();
         for family in coarser.variables(program).binaries() {
             let values = family.iter().map(|z| Ok(solution.value(z)? > 0.5));
             modes.push(values.collect::<Result<Vec<bool>, Error>>()?);
         }
         let fits = !modes.is_empty() && modes.iter().all(|values| !values.is_empty());
-        Ok(if fits { Guess::Modes(modes) } else { Guess::Nothing })
+        Ok(if fits { Guess::Modes(modes) } else { nothing })
     }
 }
 

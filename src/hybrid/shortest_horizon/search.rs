@@ -347,8 +347,8 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         if !self.options.coarse_guess {
             return Ok(None);
         }
-        if let Guess::NotAsked = self.guess {
-            self.guess = Guess::ask(self.builder, self.options, self.solver, &self.token)?;
+        if self.guess.is_due(steps) {
+            self.guess = Guess::ask(self.builder, steps, self.options, self.solver, &self.token)?;
         }
         let Guess::Modes(modes) = &self.guess else { return Ok(None) };
         let Some(freed) = restricted(modes, model, variables)? else { return Ok(None) };

@@ -118,7 +118,8 @@ pub(crate) enum Meaning {
 #[derive(Debug, Clone)]
 pub(crate) struct Handles {
     pub(crate) tag: ModelTag,
-    meanings: Vec<Meaning>,
+    /// `None` for those that stand for nothing.
+    meanings: Vec<Option<Meaning>>,
 }
 
 impl Default for Handles {
@@ -135,9 +136,9 @@ impl Handles {
 
     /// The handle of a thing, which is declared if it is new.
     pub(crate) fn of(&mut self, meaning: Meaning) -> Variable {
-        let index = self.meanings.iter().position(|known| *known == meaning);
+        let index = self.meanings.iter().position(|known| known.as_ref() == Some(&meaning));
         let index = index.unwrap_or_else(|| {
-            self.meanings.push(meaning);
+            self.meanings.push(Some(meaning));
             self.meanings.len() - 1
         });
         Variable::new(index, self.tag)
@@ -150,14 +151,19 @@ impl Handles {
         State { variable }
     }
 
-    /// The meaning of a handle; `None` if it is of another system.
+    /// Declares handles that stand for nothing.
+    pub(crate) fn skip(&mut self, count: usize) {
+        self.meanings.extend((0..count).map(|_| None));
+    }
+
+    /// The meaning of a handle; `None` if it has none, or is of another system.
     pub(crate) fn meaning(&self, variable: Variable) -> Option<&Meaning> {
-        self.meanings.get(variable.index()).filter(|_| variable.tag == self.tag)
+        self.meanings.get(variable.index())?.as_ref().filter(|_| variable.tag == self.tag)
     }
 
     /// The handle of a thing, if it is declared.
     pub(super) fn find(&self, meaning: &Meaning) -> Option<Variable> {
-        let index = self.meanings.iter().position(|known| known == meaning)?;
+        let index = self.meanings.iter().position(|known| known.as_ref() == Some(meaning))?;
         Some(Variable::new(index, self.tag))
     }
 
@@ -168,7 +174,7 @@ impl Handles {
 
     /// Whether there is a handle of a kind.
     pub(super) fn is_any(&self, wanted: impl Fn(&Meaning) -> bool) -> bool {
-        self.meanings.iter().any(wanted)
+        self.meanings.iter().flatten().any(wanted)
     }
 
     /// Whether the name of a series is taken.
@@ -177,7 +183,7 @@ impl Handles {
     }
 
     pub(super) fn series(&self) -> impl Iterator<Item = (&str, &Schedule<f64>)> {
-        self.meanings.iter().filter_map(|meaning| match meaning {
+        self.meanings.iter().flatten().filter_map(|meaning| match meaning {
             Meaning::Series(name, values) => Some((name.as_str(), values)),
             _ => None,
         })
@@ -185,7 +191,7 @@ impl Handles {
 
     /// Moves all series to a later beginning.
     pub(super) fn begin_at(&mut self, step: usize) {
-        for meaning in &mut self.meanings {
+        for meaning in self.meanings.iter_mut().flatten() {
             if let Meaning::Series(_, values) = meaning {
                 *values = values.from_step(step);
             }

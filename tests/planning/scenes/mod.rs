@@ -18,4 +18,5 @@ mod refusals;
 mod rest;
 mod rules;
 mod sets;
+mod spin;
 mod steps;

@@ -1,6 +1,7 @@
 //! Where a body is, at any time of its plan.
 
 use crate::hybrid::scene::body::{Body, Shape};
+use crate::hybrid::scene::geometry::length;
 use crate::hybrid::scene::plan::{BodyPath, SceneHit, ScenePlan};
 use crate::picture::{COLOURS, Mover, Outline};
 
@@ -91,9 +92,26 @@ impl<'a> Motion<'a> {
         from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect()
     }
 
+    /// By how much it has turned at a time, in rad; `None` if it does not spin.
+    pub(super) fn turned(&self, time: f64) -> Option<f64> {
+        let dt = self.plan.time_step;
+        let turn = |(step, rates): (usize, &[f64])| {
+            let passed = (time - step as f64 * dt).clamp(0.0, dt);
+            match self.struck(step) {
+                Some((at, _)) => {
+                    let before = passed.min(at - step as f64 * dt);
+                    before * rates[0] + (passed - before) * rates[1]
+                }
+                None => passed * (rates[0] + 0.5 * passed / dt * (rates[1] - rates[0])),
+            }
+        };
+        let steps = self.path.spin.windows(2).enumerate();
+        (!self.path.spin.is_empty()).then(|| steps.map(turn).sum())
+    }
+
     /// Its speed at a sample, in m/s.
     pub(super) fn speed(&self, sample: usize) -> f64 {
-        self.path.velocity[sample].iter().map(|v| v * v).sum::<f64>().sqrt()
+        length(&self.path.velocity[sample])
     }
 
     /// It, moving in the plane.

@@ -6,7 +6,7 @@ use super::plans::ScenePicture;
 use super::view::{MARGIN, SIZE, Track, View};
 use super::words::{self, short};
 use crate::hybrid::scene::body::Shape;
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::geometry::length;
 use crate::picture::{Chart, spacing};
 
 /// The height of a picture over time, in pixels, and the most that one in the plane may have.
@@ -50,7 +50,7 @@ pub(super) fn in_plane(picture: &ScenePicture) -> Chart {
             }
             let at_end = k == 0 || k > count;
             if !(at_end && ends.iter().any(|(own, _)| distance(own, &place) < 1e-6)) {
-                ghost(&mut chart, &motion, &place, colour);
+                ghost(&mut chart, &motion, (time, &place), colour);
             }
             if k > 0 && k <= count && time < motion.plan.duration() - 0.3 * every {
                 chart.label_if_room(format!("{} s", short(time)), colour, [place[0], place[1]]);
@@ -126,12 +126,17 @@ pub(super) fn over_time(picture: &ScenePicture, track: &Track) -> Chart {
     chart
 }
 
-/// A body's shape at a place.
-fn ghost(chart: &mut Chart, motion: &Motion<'_>, place: &[f64], colour: &str) {
+/// A body's shape at a time and a place, with a radius if it spins.
+fn ghost(chart: &mut Chart, motion: &Motion<'_>, (time, place): (f64, &[f64]), colour: &str) {
     let at = [place[0], place[1]];
     match &motion.body.shape {
         Shape::Point => chart.dots("", colour, 3.5, [at]),
-        Shape::Ball(radius) => chart.discs("", colour, 0.14, *radius, [at]),
+        Shape::Ball(radius) => {
+            chart.discs("", colour, 0.14, *radius, [at]);
+            if let Some((sin, cos)) = motion.turned(time).map(f64::sin_cos) {
+                chart.line("", colour, [at, [at[0] + radius * cos, at[1] + radius * sin]]);
+            }
+        }
         Shape::Box(half) => chart.area("", colour, 0.14, rectangle(place, half)),
     }
 }
@@ -144,15 +149,14 @@ fn hits(
     size: f64,
     at: impl Fn(f64, &[f64]) -> [f64; 2],
 ) {
-    let strength = |j: &[f64]| dot(j, j).sqrt();
-    let largest = motion.plan.hits.iter().map(|hit| strength(&hit.impulse)).fold(0.0, f64::max);
+    let largest = motion.plan.hits.iter().map(|hit| length(&hit.impulse)).fold(0.0, f64::max);
     let mut last: Option<[f64; 2]> = None;
     for hit in motion.hits() {
         let place = at(hit.time, &hit.place);
-        let own = strength(&hit.impulse);
+        let own = length(&hit.impulse);
         if own > 1e-3 * largest && size > 0.0 {
-            let length = ARROW * size * (0.4 + 0.6 * own / largest) / own;
-            let to = [place[0] + length * hit.impulse[0], place[1] + length * hit.impulse[1]];
+            let long = ARROW * size * (0.4 + 0.6 * own / largest) / own;
+            let to = [place[0] + long * hit.impulse[0], place[1] + long * hit.impulse[1]];
             chart.arrow("black", place, to);
         }
         chart.dots("", colour, 4.5, [place]);

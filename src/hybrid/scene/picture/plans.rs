@@ -97,6 +97,9 @@ fn check(scene: &Scene, plan: &ScenePlan) -> Result<(), Error> {
     for path in &plan.bodies {
         check_length("the positions of a body", path.position.len(), steps + 1)?;
         check_length("the velocities of a body", path.velocity.len(), steps + 1)?;
+        if !path.spin.is_empty() {
+            check_length("the spins of a body", path.spin.len(), steps + 1)?;
+        }
         for row in path.position.iter().chain(&path.velocity) {
             check_length("the axes of a body", row.len(), scene.axes())?;
         }

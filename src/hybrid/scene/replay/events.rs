@@ -198,10 +198,8 @@ impl World<'_> {
             let face = impact.face;
             self.place(touch, face, &mut end.state, (step, from), shift(touch));
             let r = self.relative(touch, &end.state.v, step);
-            let Some(mut change) = self.changes(touch, face, [&r, &r], 0.0).into_iter().next()
-            else {
-                break;
-            };
+            let mut changes = self.changes(touch, face, step, [&end.state, &end.state], 0.0);
+            let Some(mut change) = changes.drain(..).next() else { break };
             let n = self.normal(touch, face);
             let rebound = dot(n, &r) + dot(n, &change);
             let pull = self.pull(touch, face, &inputs);
@@ -211,9 +209,7 @@ impl World<'_> {
             if is_worn_out && pull < 0.0 {
                 change.iter_mut().zip(n).for_each(|(c, n)| *c -= rebound * n);
             }
-            for (body, share) in self.shares(touch) {
-                end.state.v[body].iter_mut().zip(&change).for_each(|(v, c)| *v += share * c);
-            }
+            self.strike(touch, face, &change, &mut end.state);
         }
         end.state = self.fly(&end.state, &inputs, (dt - from).max(0.0));
         for touch in self.touches() {

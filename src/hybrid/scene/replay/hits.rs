@@ -5,7 +5,7 @@ use super::world::{State, Touch};
 use super::{MISS, Played};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::scene::error::SceneError;
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::geometry::{dot, length};
 use crate::hybrid::scene::surface::Tangential;
 
 /// The most combinations of directions of friction that are compared.
@@ -35,9 +35,8 @@ impl Played<'_> {
             for (body, share) in world.shares(touch) {
                 let x = next.x[body].iter_mut().zip(n);
                 x.for_each(|(x, n)| *x -= share * effect.lift * gap * n);
-                let v = next.v[body].iter_mut().zip(&effect.change);
-                v.for_each(|(v, change)| *v += share * change);
             }
+            world.strike(touch, face, &effect.change, &mut next);
         }
         next
     }
@@ -91,14 +90,13 @@ impl Played<'_> {
     fn effects(&self, step: usize, start: &State, flown: &State, claimed: &[Claim]) -> Vec<Effect> {
         let world = &self.world;
         let allowed = |&(touch, face, number): &Claim| {
-            let [before, r] = [start, flown].map(|s| world.relative(touch, &s.v, step));
             let lift = world.lift(touch, face);
-            let changes = world.changes(touch, face, [&before, &r], MISS).into_iter();
+            let changes = world.changes(touch, face, step, [start, flown], MISS).into_iter();
             let mut all: Vec<Effect> = changes.map(|change| Effect { lift, change }).collect();
             // It may fly on, over an edge for example.
             let grazes = number.is_none() && world.clearance(touch, &flown.x, step, 1.0).0 >= -MISS;
             if all.is_empty() || grazes {
-                all.push(Effect { lift: 0.0, change: vec![0.0; r.len()] });
+                all.push(Effect { lift: 0.0, change: vec![0.0; world.scene.axes()] });
             }
             all
         };
@@ -110,7 +108,10 @@ impl Played<'_> {
             if combinations == 1 {
                 continue;
             }
-            let miss = |picks: &[usize]| self.miss(step, flown, claimed, &group, &allowed, picks);
+            let miss = |picks: &[usize]| {
+                let chosen = group.iter().map(|&k| (claimed[k], &allowed[k][picks[k]]));
+                self.miss(step, flown, chosen)
+            };
             let mut best = (miss(&picks), picks.clone());
             if combinations <= MOST_COMBINATIONS {
                 for number in 1..combinations {
@@ -165,31 +166,25 @@ impl Played<'_> {
         groups
     }
 
-    /// How far the velocities that a choice of changes gives are from those of the plan, in m/s.
-    fn miss(
+    /// How far the velocities and spins that a choice of changes gives the bodies of some contacts are from
+    /// those of the plan, in m/s and rad/s.
+    fn miss<'a>(
         &self,
         step: usize,
         flown: &State,
-        claimed: &[Claim],
-        group: &[usize],
-        allowed: &[Vec<Effect>],
-        picks: &[usize],
+        chosen: impl Iterator<Item = (Claim, &'a Effect)>,
     ) -> f64 {
         let planned = &self.samples[step + 1];
-        let mut next: Vec<(usize, Vec<f64>)> = Vec::new();
-        for &k in group {
-            for (body, share) in self.world.shares(claimed[k].0) {
-                let place = next.iter().position(|(known, _)| *known == body);
-                let place = place.unwrap_or_else(|| {
-                    next.push((body, flown.v[body].clone()));
-                    next.len() - 1
-                });
-                let change = &allowed[k][picks[k]].change;
-                next[place].1.iter_mut().zip(change).for_each(|(v, c)| *v += share * c);
-            }
+        let (mut next, mut bodies) = (flown.clone(), Vec::new());
+        for ((touch, face, _), effect) in chosen {
+            self.world.strike(touch, face, &effect.change, &mut next);
+            bodies.extend(self.world.shares(touch).into_iter().map(|(body, _)| body));
         }
-        let apart = next.iter().flat_map(|(body, v)| {
-            v.iter().zip(&planned.v[*body]).map(|(v, planned)| (v - planned).abs())
+        let apart = bodies.into_iter().flat_map(|b| {
+            let velocities = next.v[b].iter().zip(&planned.v[b]);
+            velocities
+                .chain([(&next.w[b], &planned.w[b])])
+                .map(|(own, planned)| (own - planned).abs())
         });
         apart.fold(0.0, f64::max)
     }
@@ -245,14 +240,17 @@ impl Played<'_> {
             };
             let mass = world.mass(touch);
             hit.impulse = change.iter().map(|c| mass * c).collect();
-            let after: Vec<f64> = r.iter().zip(&change).map(|(r, c)| r + c).collect();
-            hit.energy = 0.5 * mass * (dot(&r, &r) - dot(&after, &after));
+            hit.energy = world.lost((touch, face), step, &flown, &change);
             pushes.push((touch, hit.impulse.clone()));
             let normal = dot(&hit.impulse, n);
             let along: Vec<f64> = hit.impulse.iter().zip(n).map(|(j, n)| j - normal * n).collect();
             if let Tangential::Coulomb { coefficient, .. } = world.surface(touch, face).tangential {
-                let excess = dot(&along, &along).sqrt() - coefficient * normal;
+                let excess = length(&along) - coefficient * normal;
                 worst.cone_excess = worst.cone_excess.max(excess);
+            }
+            if single {
+                let error = world.turned_about((touch, face), [&flown, planned]);
+                worst.angular_momentum_error = worst.angular_momentum_error.max(error);
             }
             if let (true, [(a, _), (b, _)]) = (single, &shares[..]) {
                 let [a, b] = [*a, *b];
@@ -279,11 +277,9 @@ impl Played<'_> {
     /// The end of free flight with what rest does to it, which hits change.
     fn kept(&self, flown: &State, touching: &[Claim], made: &[Effect]) -> State {
         let mut kept = flown.clone();
-        for (&(touch, ..), effect) in touching.iter().zip(made).filter(|(c, _)| c.2.is_none()) {
-            for (body, share) in self.world.shares(touch) {
-                let v = kept.v[body].iter_mut().zip(&effect.change);
-                v.for_each(|(v, change)| *v += share * change);
-            }
+        for (&(touch, face, _), effect) in touching.iter().zip(made).filter(|(c, _)| c.2.is_none())
+        {
+            self.world.strike(touch, face, &effect.change, &mut kept);
         }
         kept
     }
@@ -310,9 +306,7 @@ impl Played<'_> {
         }
         bodies.sort_unstable();
         bodies.dedup();
-        let energy = |state: &State, b: usize| {
-            0.5 * world.scene.bodies[b].mass * dot(&state.v[b], &state.v[b])
-        };
+        let energy = |state: &State, b: usize| state.energy(&world.scene.bodies[b], b);
         bodies.iter().map(|&b| energy(planned, b) - energy(flown, b)).sum::<f64>() - work
     }
 
@@ -329,7 +323,7 @@ impl Played<'_> {
             let body = &world.scene.bodies[b];
             let pushes = self.inputs[step][b].iter().zip(&body.gravity).map(|(u, g)| u + g);
             let potential: f64 = pushes.zip(&state.x[b]).map(|(a, x)| -a * x).sum();
-            body.mass * (0.5 * dot(&state.v[b], &state.v[b]) + potential)
+            state.energy(body, b) + body.mass * potential
         };
         let planned = &self.samples[step + 1];
         bodies.iter().map(|&b| energy(planned, b) - energy(located, b)).sum()

@@ -30,10 +30,10 @@ pub struct SceneCertificate {
     /// Δt of the time-stepped law that the plan follows, in s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub time_step: f64,
-    /// Largest difference between a sample and where the step before leads, in m and m/s.
+    /// Largest difference between a sample and where the step before leads, in m, m/s and rad/s.
     pub largest_residual: f64,
     /// Largest difference between a sample and where the inputs and hits lead from the first sample
-    /// alone, in m and m/s.
+    /// alone, in m, m/s and rad/s.
     pub drift: f64,
     /// Largest depth of a sample inside an obstacle or another body, in m.
     pub penetration: f64,
@@ -47,12 +47,16 @@ pub struct SceneCertificate {
     pub missed: usize,
     /// Largest change of the momentum of two bodies in their hits, in kg m/s.
     pub momentum_error: f64,
-    /// Largest kinetic energy that the law of a hit adds to that of the flight's end, in J; of hits of
-    /// a body in one step, all together. What counting a hit at the end of its step adds is in
-    /// `stepped_gain`.
+    /// Largest change of the angular momentum of a body with spin about the point at which it hits
+    /// something, in kg m²/s.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub angular_momentum_error: f64,
+    /// Largest kinetic energy, with that of spins, that the law of a hit adds to that of the flight's end,
+    /// in J; of hits of a body in one step, all together. What counting a hit at the end of its step adds
+    /// is in `stepped_gain`.
     pub energy_gain: f64,
     /// Largest energy by which a step with hits ends above the same step with its impacts where they
-    /// are located, in J: what the time-stepped law adds. It shrinks with Δt.
+    /// are located, in J: what the time-stepped law adds, beside the work of torques. It shrinks with Δt.
     #[cfg_attr(feature = "serde", serde(default))]
     pub stepped_gain: f64,
     /// Largest excess of a friction impulse over its cone, in N s.
@@ -84,6 +88,7 @@ impl fmt::Display for SceneCertificate {
 struct Played<'a> {
     world: World<'a>,
     samples: Vec<State>,
+    /// By step and body: accelerations, and last the torque of a body with spin.
     inputs: Vec<Vec<Vec<f64>>>,
     hits: &'a mut Vec<SceneHit>,
     certificate: SceneCertificate,
@@ -95,9 +100,16 @@ impl<'a> Played<'a> {
         let state = |t: usize| State {
             x: bodies.iter().map(|body| body.position[t].clone()).collect(),
             v: bodies.iter().map(|body| body.velocity[t].clone()).collect(),
+            w: bodies.iter().map(|body| body.spin.get(t).copied().unwrap_or(0.0)).collect(),
         };
         let steps = samples.saturating_sub(1);
-        let input = |t: usize| bodies.iter().map(|body| body.acceleration[t].clone()).collect();
+        let input = |t: usize| {
+            let of = |body: &BodyPath| {
+                let torque = body.torque.get(t);
+                body.acceleration[t].iter().chain(torque).copied().collect()
+            };
+            bodies.iter().map(of).collect()
+        };
         Played {
             world: World { scene },
             samples: (0..samples).map(state).collect(),
@@ -136,9 +148,10 @@ pub(super) fn certify(
         let next = played.lead(step, &start);
         let end = played.samples[step + 1].clone();
         let residual = apart(&next, &end);
-        let size = next.x.iter().chain(&next.v).flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let values = next.x.iter().chain(&next.v).flatten().chain(&next.w);
+        let size = values.fold(0.0_f64, |a, b| a.max(b.abs()));
         let allowed = REPLAY * margin_scale(size, 0.0);
-        played.refuse(step, "the next sample differs (m, m/s)", residual, allowed)?;
+        played.refuse(step, "the next sample differs (m, m/s, rad/s)", residual, allowed)?;
         let certificate = &mut played.certificate;
         certificate.largest_residual = certificate.largest_residual.max(residual);
         open = played.lead(step, &open);
@@ -167,14 +180,15 @@ pub fn advance_line(
     [x, v]: [f64; 2],
     input: f64,
 ) -> ([f64; 2], Vec<(f64, f64)>, bool) {
-    let start = State { x: vec![vec![x]], v: vec![vec![v]] };
+    let start = State { x: vec![vec![x]], v: vec![vec![v]], w: vec![0.0] };
     let end = World { scene }.advance(&start, 0, &[vec![input]], &|_| 0.0);
     ([end.state.x[0][0], end.state.v[0][0]], end.impacts, end.rested)
 }
 
-/// Largest difference in place and velocity.
+/// Largest difference in place, velocity and spin.
 fn apart(a: &State, b: &State) -> f64 {
-    largest(&a.x, &b.x).max(largest(&a.v, &b.v))
+    let spins = largest(std::slice::from_ref(&a.w), std::slice::from_ref(&b.w));
+    largest(&a.x, &b.x).max(largest(&a.v, &b.v)).max(spins)
 }
 
 /// Largest difference; NaN counts as infinite.

@@ -5,7 +5,7 @@ use super::world::Touch;
 use super::{MISS, Played};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::scene::error::SceneError;
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::geometry::{dot, length};
 use crate::hybrid::scene::handles::BodyHandle;
 use crate::hybrid::scene::place::Where;
 use crate::hybrid::scene::rule::{DamageMeasure, DamageRule};
@@ -111,8 +111,8 @@ impl Played<'_> {
             let r = world.relative(hit.touch, v, hit.step);
             let normal = dot(n, &r);
             let along: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - normal * n).collect();
-            let scale = margin_scale(dot(&r, &r).sqrt(), 0.0);
-            (dot(&along, &along).sqrt() * angle.cos() + normal * angle.sin()) / scale
+            let scale = margin_scale(length(&r), 0.0);
+            (length(&along) * angle.cos() + normal * angle.sin()) / scale
         };
         match world.scene.estimate {
             ImpactEstimate::Sound => excess(&start.v).max(excess(&end.v)),
@@ -131,6 +131,10 @@ impl Played<'_> {
                     let excess = beyond(sample.v[b][i], -body.max_speed, body.max_speed);
                     self.refuse(t, &format!("{name}: is too fast (m/s)"), excess, MISS)?;
                 }
+                if let Some(spin) = &body.spin {
+                    let excess = beyond(sample.w[b], -spin.max_rate, spin.max_rate);
+                    self.refuse(t, &format!("{name}: spins too fast (rad/s)"), excess, MISS)?;
+                }
                 if body.is_speed_ball {
                     let excess = beyond(length(&sample.v[b]), 0.0, body.max_speed);
                     self.refuse(t, &format!("{name}: is too fast (m/s)"), excess, MISS)?;
@@ -146,8 +150,13 @@ impl Played<'_> {
                     let what = format!("{name}: pushes beyond its range (m/s²)");
                     self.refuse(t, &what, excess, MISS)?;
                 }
+                if let (Some(spin), Some(torque)) = (&body.spin, input[b].get(body.axes())) {
+                    let excess = beyond(*torque, -spin.max_torque, spin.max_torque);
+                    let what = format!("{name}: turns beyond its range (N m)");
+                    self.refuse(t, &what, excess, MISS)?;
+                }
                 if let Some(most) = body.acceleration_ball {
-                    let excess = beyond(length(&input[b]), 0.0, most);
+                    let excess = beyond(length(&input[b][..body.axes()]), 0.0, most);
                     let what = format!("{name}: pushes beyond its largest acceleration (m/s²)");
                     self.refuse(t, &what, excess, MISS)?;
                 }
@@ -163,7 +172,10 @@ impl Played<'_> {
             let name = &body.name;
             for (end, t, region) in [("start", 0, &body.start), ("goal", last, &body.goal)] {
                 let Some(region) = region else { continue };
-                let state = [&self.samples[t].x[b][..], &self.samples[t].v[b]].concat();
+                let sample = &self.samples[t];
+                let spin = body.spin.map(|_| sample.w[b]);
+                let state: Vec<f64> =
+                    sample.x[b].iter().chain(&sample.v[b]).copied().chain(spin).collect();
                 let ranges = region.ranges.iter().zip(&state);
                 let misses = ranges.map(|(range, &x)| beyond(x, range.lower, range.upper));
                 let sides = region.halfspaces.iter().map(|side| {
@@ -177,16 +189,11 @@ impl Played<'_> {
                     -slack / margin_scale(size, 0.0)
                 });
                 let excess = misses.chain(sides).chain(discs).fold(f64::NEG_INFINITY, f64::max);
-                self.refuse(t, &format!("{name}: misses its {end} (m, m/s)"), excess, MISS)?;
+                self.refuse(t, &format!("{name}: misses its {end} (m, m/s, rad/s)"), excess, MISS)?;
             }
         }
         Ok(())
     }
-}
-
-/// The length of a vector.
-fn length(vector: &[f64]) -> f64 {
-    vector.iter().fold(0.0_f64, |length, entry| length.hypot(*entry))
 }
 
 /// By how much a value is outside a range, relative to its size.

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
-use crate::hybrid::scene::body::Body;
-use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::body::{Body, Shape};
+use crate::hybrid::scene::geometry::{dot, length};
 use crate::hybrid::scene::statement::Scene;
 use crate::hybrid::scene::surface::{Surface, Tangential};
 use crate::tolerance::margin_scale;
@@ -12,11 +12,21 @@ use crate::tolerance::margin_scale;
 /// the times of its motion.
 const SUBSTEPS: f64 = 64.0;
 
-/// Positions and velocities of all bodies.
+/// Positions, velocities and spins of all bodies.
 #[derive(Debug, Clone)]
 pub(super) struct State {
     pub(super) x: Vec<Vec<f64>>,
     pub(super) v: Vec<Vec<f64>>,
+    /// In rad/s; 0 of bodies without spin.
+    pub(super) w: Vec<f64>,
+}
+
+impl State {
+    /// The kinetic energy of a body, in J.
+    pub(super) fn energy(&self, body: &Body, b: usize) -> f64 {
+        let turning = body.spin.map_or(0.0, |spin| spin.inertia * self.w[b] * self.w[b]);
+        0.5 * (body.mass * dot(&self.v[b], &self.v[b]) + turning)
+    }
 }
 
 /// A body and an obstacle, or two bodies, that may touch.
@@ -93,6 +103,66 @@ impl World<'_> {
         self.scene.bodies[body].mass * share
     }
 
+    /// The bodies of a contact whose spins change in it: their numbers, the way from their centres to the
+    /// surface (m), and their inertias (kg m²).
+    pub(super) fn spins(&self, touch: Touch) -> Vec<(usize, f64, f64)> {
+        let of = |(b, _): (usize, f64)| {
+            let Body { shape: Shape::Ball(radius), spin: Some(spin), .. } = &self.scene.bodies[b]
+            else {
+                return None;
+            };
+            Some((b, *radius, spin.inertia))
+        };
+        self.shares(touch).into_iter().filter_map(of).collect()
+    }
+
+    /// Adds the change of the relative velocity in a hit to the bodies: along the surface, its impulse
+    /// turns them too.
+    pub(super) fn strike(&self, touch: Touch, face: usize, change: &[f64], state: &mut State) {
+        for (body, share) in self.shares(touch) {
+            let v = state.v[body].iter_mut().zip(change);
+            v.for_each(|(v, change)| *v += share * change);
+        }
+        for (body, lever, inertia) in self.spins(touch) {
+            let impulse = self.mass(touch) * turned(self.normal(touch, face), change);
+            state.w[body] -= lever * impulse / inertia;
+        }
+    }
+
+    /// The kinetic energy that a change of the relative velocity takes from a state, in J.
+    pub(super) fn lost(
+        &self,
+        (touch, face): (Touch, usize),
+        step: usize,
+        state: &State,
+        change: &[f64],
+    ) -> f64 {
+        let mut struck = state.clone();
+        self.strike(touch, face, change, &mut struck);
+        let relative = |state: &State| {
+            let r = self.relative(touch, &state.v, step);
+            let turning = |(b, _, inertia)| inertia * state.w[b] * state.w[b];
+            self.mass(touch) * dot(&r, &r) + self.spins(touch).into_iter().map(turning).sum::<f64>()
+        };
+        0.5 * (relative(state) - relative(&struck))
+    }
+
+    /// The largest change of the angular momentum of a body about the point at which it touches a face, in
+    /// kg m²/s.
+    pub(super) fn turned_about(
+        &self,
+        (touch, face): (Touch, usize),
+        [before, after]: [&State; 2],
+    ) -> f64 {
+        let of = |(b, lever, inertia): (usize, f64, f64)| {
+            let pushed = after.v[b].iter().zip(&before.v[b]).map(|(v, before)| v - before);
+            let pushed = turned(self.normal(touch, face), &pushed.collect::<Vec<f64>>());
+            let turn = inertia * (after.w[b] - before.w[b]);
+            (turn + lever * self.scene.bodies[b].mass * pushed).abs()
+        };
+        self.spins(touch).into_iter().map(of).fold(0.0, f64::max)
+    }
+
     /// Gap to a face, `part` of the way through a step, in m.
     pub(super) fn gap(
         &self,
@@ -152,12 +222,15 @@ impl World<'_> {
         }
     }
 
-    /// Free flight for a time (s) under the inputs of a step.
+    /// Free flight for a time (s) under the inputs of a step: accelerations, and last a torque.
     pub(super) fn fly(&self, from: &State, inputs: &[Vec<f64>], time: f64) -> State {
         let mut to = from.clone();
         for (b, body) in self.scene.bodies.iter().enumerate() {
             let (x, v) = self.fly_body(body, &from.x[b], &from.v[b], &inputs[b], time);
             (to.x[b], to.v[b]) = (x, v);
+            if let (Some(spin), Some(torque)) = (&body.spin, inputs[b].get(self.scene.axes())) {
+                to.w[b] += time * torque / spin.inertia;
+            }
         }
         to
     }
@@ -218,17 +291,20 @@ impl World<'_> {
         if surface.rests { 1.0 } else { 1.0 + surface.restitution.map_or(0.0, |e| e.value()) }
     }
 
-    /// The changes that a hit may make to the relative velocity `r` at the end of its step: one possibility,
+    /// The changes that a hit may make to the relative velocity at the end of its step: one possibility,
     /// or, where friction may act in several directions, one for each that its law allows up to
-    /// `slack` (m/s). At a surface with rest the relative velocity `before`, at the start of the
-    /// step, decides about the rebound.
+    /// `slack` (m/s). At a surface with rest the relative velocity at the start of the step decides about
+    /// the rebound.
     pub(super) fn changes(
         &self,
         touch: Touch,
         face: usize,
-        [before, r]: [&[f64]; 2],
+        step: usize,
+        [start, end]: [&State; 2],
         slack: f64,
     ) -> Vec<Vec<f64>> {
+        let [before, r] = [start, end].map(|state| self.relative(touch, &state.v, step));
+        let (before, r) = (&before[..], &r[..]);
         let surface = self.surface(touch, face);
         let n = self.normal(touch, face);
         let e = surface.restitution.map_or(0.0, |e| e.value());
@@ -238,25 +314,34 @@ impl World<'_> {
             false => -(1.0 + e) * along_normal,
         };
         let normal: Vec<f64> = n.iter().map(|n| total * n).collect();
-        let sliding: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - along_normal * n).collect();
-        let speed = dot(&sliding, &sliding).sqrt();
+        // The touching points slide by what their centres do, and by spin; impulses along the surface
+        // change that by `mobility` times as much.
+        let mut sliding: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - along_normal * n).collect();
+        let mut mobility = 1.0;
+        for (body, lever, inertia) in self.spins(touch) {
+            mobility += self.mass(touch) * lever * lever / inertia;
+            sliding[0] += lever * end.w[body] * n[1];
+            sliding[1] -= lever * end.w[body] * n[0];
+        }
+        let speed = length(&sliding);
         let with = |factor: f64, direction: &[f64]| -> Vec<f64> {
             normal.iter().zip(direction).map(|(a, d)| a + factor * d).collect()
         };
         match surface.tangential {
             Tangential::Frictionless => vec![normal],
             Tangential::Linear { keep, from_normal } => {
-                let mut change = with(keep - 1.0, &sliding);
+                let mut change = with((keep - 1.0) / mobility, &sliding);
                 if let [x, y] = n {
-                    change[0] += from_normal * along_normal * y;
-                    change[1] -= from_normal * along_normal * x;
+                    change[0] += from_normal * along_normal * y / mobility;
+                    change[1] -= from_normal * along_normal * x / mobility;
                 }
                 vec![change]
             }
             Tangential::Coulomb { coefficient, directions } => {
                 let most = coefficient * total.max(0.0);
                 if n.len() < 3 {
-                    let part = if speed > most { most / speed } else { 1.0 };
+                    let sticks = speed <= mobility * most;
+                    let part = if sticks { 1.0 / mobility } else { most / speed };
                     return vec![with(-part, &sliding)];
                 }
                 let sticks = most;
@@ -266,7 +351,7 @@ impl World<'_> {
                 let largest = shares.iter().copied().fold(0.0, f64::max);
                 // Rows compare neighbouring directions, which are closer to each other the more
                 // there are.
-                let slack = slack * margin_scale(dot(r, r).sqrt(), 0.0);
+                let slack = slack * margin_scale(length(r), 0.0);
                 let nearest = 2.0 * (std::f64::consts::PI / directions as f64).sin();
                 let sector = slack / nearest.min(1.0);
                 let mut all = Vec::new();
@@ -284,14 +369,22 @@ impl World<'_> {
     }
 }
 
+/// The entry of a vector in the plane along the normal turned left; 0 on a line and in space.
+fn turned(n: &[f64], vector: &[f64]) -> f64 {
+    match (n, vector) {
+        ([x, y], [a, b]) => x * b - y * a,
+        _ => 0.0,
+    }
+}
+
 /// Directions across a normal in space, the first one in the plane of the axis that is least along
 /// the normal.
 fn directions_along(n: &[f64], count: usize) -> Vec<Vec<f64>> {
     let least = (0..3).fold(0, |best, i| if n[i].abs() < n[best].abs() { i } else { best });
     let mut first: Vec<f64> = n.iter().map(|a| -n[least] * a).collect();
     first[least] += 1.0;
-    let length = dot(&first, &first).sqrt();
-    first.iter_mut().for_each(|a| *a /= length);
+    let size = length(&first);
+    first.iter_mut().for_each(|a| *a /= size);
     let second = [
         n[1] * first[2] - n[2] * first[1],
         n[2] * first[0] - n[0] * first[2],
