@@ -15,6 +15,7 @@ mod nalgebra;
 mod physics;
 mod reach;
 mod receding;
+mod robust;
 mod rows;
 mod scenes;
 mod shortest;

@@ -7,6 +7,7 @@ use super::{AtSample, Members};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::simulate::RunCertificate;
+use crate::hybrid::system::HybridSystem;
 use crate::model::{Affine, Variable};
 use crate::solution::Solution;
 
@@ -26,9 +27,14 @@ pub struct HybridPlan {
     others: Vec<(HybridRun, RunCertificate)>,
 }
 
-/// The objective, and a table with a line per sample.
+/// The objective, and a table with a line per sample. Where the system states disturbances, the text says that
+/// the plan is nominal.
 impl fmt::Display for HybridPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.system().is_disturbed() {
+            let text = "nominal: it is a plan without disturbance, and promises nothing under one";
+            writeln!(f, "{text}")?;
+        }
         if let Some(objective) = self.solution.objective() {
             writeln!(f, "objective {objective}, {}", self.solution.termination())?;
         }
@@ -54,6 +60,11 @@ impl HybridPlan {
         let others = others.collect::<Result<_, Error>>()?;
         let (members, solution) = (members.clone(), solution.clone());
         Ok(HybridPlan { run, certificate, solution, members, others })
+    }
+
+    /// The system of the plan, the first one if there are several.
+    pub(crate) fn system(&self) -> &HybridSystem {
+        self.members.first().system()
     }
 
     /// The number of steps.

@@ -17,9 +17,13 @@ use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Halfspace, NormEntry, NormLimit, Schedule, Transition};
+use crate::hybrid::system::{
+    Halfspace, NormEntry, NormLimit, Reset, Schedule, Transition, Uncertain,
+};
+use crate::interval::Interval;
 
 /// A linear function of the relative velocity that must be at most 0: its factors, and a name.
+#[derive(Clone)]
 pub(super) struct Guard {
     pub(super) name: &'static str,
     pub(super) factors: Vec<f64>,
@@ -28,6 +32,7 @@ pub(super) struct Guard {
 }
 
 /// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies.
+#[derive(Clone)]
 pub(super) struct Law {
     pub(super) name: String,
     /// M - 1 without a rebound, by rows.
@@ -128,7 +133,8 @@ impl Writer<'_> {
                 let cone = law.cone.iter().map(|part| self.guard(part));
                 hit.prediction_norms.extend(norm_of(cone));
                 let (matrix, offset) = self.reset(own, e, &law);
-                let transition = hit.with_reset_by_step(matrix, offset);
+                let mut transition = hit.with_reset_by_step(matrix, offset);
+                transition.uncertain.extend(self.uncertain(own, &law));
                 modes.push(Mode { name: transition.name.clone(), face, is_hit: true });
                 transitions.push(transition);
             }
@@ -290,6 +296,25 @@ impl Writer<'_> {
         let back: Vec<f64> = normal.iter().map(|n| -slope * n).collect();
         let parts = tangents.iter().map(|t| part(t, 0.0)).chain([part(&back, margin)]);
         norm_of(parts).map(|limit| NormLimit { is_limit: true, ..limit })
+    }
+
+    /// What the spread of the restitution adds to the reset of a hit, which is affine in it: what e = 1 adds
+    /// to e = 0.
+    fn uncertain(&self, face: &ContactFace, law: &Law) -> Option<Uncertain> {
+        let spread = face.surface.spread;
+        let rebound = |e: f64| Law { rebound: rebound(&face.normal, e), ..law.clone() };
+        let (one, offset) = self.reset(face, 1.0, &rebound(1.0));
+        let (none, offset_of_none) = self.reset(face, 0.0, &rebound(0.0));
+        let last = offset.settles().max(offset_of_none.settles());
+        let at = |step: usize| -> Vec<f64> {
+            let both = offset.get(step).into_iter().flatten();
+            let both = both.zip(offset_of_none.get(step).into_iter().flatten());
+            both.map(|(one, none)| one - none).collect()
+        };
+        let effect =
+            Reset { matrix: one - none, offset: (0..=last).map(at).collect::<Vec<_>>().into() };
+        let range = Interval::new(-spread, spread);
+        (spread > 0.0).then_some(Uncertain { range, effect })
     }
 
     /// The reset of a hit: a matrix and an offset by step. The position moves by the gap times
