@@ -1,8 +1,11 @@
 //! Expressions of systems, taken at a sample of a program.
 
+use std::collections::BTreeMap;
+
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow};
+use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Literal, Model, ModelTag, Quadratic, Row, Variable};
 use crate::solution::Solution;
 use crate::solver::Solver;
@@ -17,12 +20,14 @@ pub(crate) struct Members {
     pub(super) steps: usize,
     /// By name; the first one has none.
     pub(super) all: Vec<(String, SystemVariables)>,
+    /// Bounds before and after what sets have proved about them, which says nothing that the program does not.
+    pub(super) implied: BTreeMap<Variable, (Interval, Interval)>,
 }
 
 impl Members {
     pub(super) fn new(tag: ModelTag, variables: SystemVariables) -> Self {
         let steps = variables.horizon().steps();
-        Members { tag, steps, all: vec![(String::new(), variables)] }
+        Members { tag, steps, all: vec![(String::new(), variables)], implied: BTreeMap::new() }
     }
 
     /// The first system's variables.

@@ -86,7 +86,7 @@ impl HybridProgram {
         }
         let model = robust.program.model_mut();
         let tube = ErrorTube::write(model, own, feedback)?;
-        robust.tightened = StatementTightening::write(model, self.model(), &tube)?;
+        robust.tightened = StatementTightening::write(model, self, &tube)?;
         robust.radius = tube.radius;
         Ok(robust)
     }

@@ -10,6 +10,7 @@ use super::error::RobustError;
 use super::tube::ErrorTube;
 use crate::error::Error;
 use crate::hybrid::affine::Map;
+use crate::hybrid::program::HybridProgram;
 use crate::interval::Interval;
 use crate::model::{
     Affine, AnyStatement, Consequent, Function, Logic, Model, Name, Row, Statement, StoredConic,
@@ -54,12 +55,14 @@ impl<'a> StatementTightening<'a> {
     /// Adds the tightened statements to a model that has the tube, and returns them.
     pub(super) fn write(
         model: &mut Model,
-        original: &Model,
+        program: &HybridProgram,
         tube: &'a ErrorTube<'a>,
     ) -> Result<Vec<TightStatement>, Error> {
+        let original = program.model();
         let mut own = StatementTightening { tube, carried: BTreeMap::new(), all: Vec::new() };
         own.system();
         own.changes(model)?;
+        own.bounds(model, program)?;
         own.functions(model, original)?;
         let defined = own.definitions(model, original)?;
         own.statements(model, original, &defined)?;
@@ -80,6 +83,30 @@ impl<'a> StatementTightening<'a> {
                 self.carried.insert(variable, Carried::Error { sample, factors });
             }
         }
+    }
+
+    /// Bounds of states and inputs that are narrower than what the system says, such as those of a goal.
+    fn bounds(&mut self, model: &mut Model, program: &HybridProgram) -> Result<(), Error> {
+        let own = self.tube.own;
+        let system = own.system();
+        for (k, family) in own.states().iter().chain(own.inputs()).enumerate() {
+            for (sample, variable) in family.iter().enumerate().skip(1) {
+                let of_system = match system.states.get(k) {
+                    Some((_, domain)) => *domain,
+                    None => system
+                        .input_ranges(k - system.states.len(), sample)
+                        .fold(Interval::REALS, |all, range| all.intersection(range)),
+                };
+                let Interval { lower, upper } = program.stated_bounds(variable)?;
+                if lower <= of_system.lower && upper >= of_system.upper {
+                    continue;
+                }
+                let row = StoredRow { terms: vec![(variable, 1.0)], lower, upper };
+                let name = program.model().variable_ref(variable)?.name();
+                self.linear(model, name, "_bounds", None, &row)?;
+            }
+        }
+        Ok(())
     }
 
     /// What choices change about next states and outputs: as wide as under the transition that is taken.

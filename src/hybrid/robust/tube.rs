@@ -52,7 +52,7 @@ impl<'a> ErrorTube<'a> {
         let (system, steps) = (own.system(), own.horizon().steps());
         let by = feedback.spread(&disturbance(system));
         let mut radius = Vec::new();
-        for k in 0..system.states.len() {
+        for (k, by) in by.iter().enumerate() {
             // A tube that is wider leaves a domain.
             let widths = system.states.iter().enumerate().map(|(i, (_, domain))| {
                 let factor = feedback.shape[(i, k)].abs();
@@ -61,7 +61,7 @@ impl<'a> ErrorTube<'a> {
             let most = widths.fold(f64::INFINITY, f64::min);
             let name = format!("tube_{k}");
             let member = |t: usize| {
-                let (least, most) = if t == 0 { (0.0, 0.0) } else { (by[k].min(most), most) };
+                let (least, most) = if t == 0 { (0.0, 0.0) } else { (by.min(most), most) };
                 model.continuous((name.as_str(), t), least, most)
             };
             radius.push((0..=steps).map(member).collect::<Result<Family, Error>>()?);

@@ -1,6 +1,6 @@
 //! Random systems and scenes with disturbances, and their programs.
 
-use carom::hybrid::scene::{Body, Scene, Solid, Surface};
+use carom::collision_tolerant::{Endpoint, Objective, Scenario};
 use carom::hybrid::{HybridProgram, HybridSystem, Restitution};
 use carom::prelude::*;
 
@@ -9,12 +9,13 @@ use super::Draw;
 /// A program from a start to a goal, for a case, with disturbances times a factor.
 pub(crate) fn program(case: u64, factor: f64) -> Result<HybridProgram, Error> {
     let mut draw = Draw::new(case + 1);
-    match case % 5 {
+    match case % 6 {
         0 => gears(&mut draw, factor),
         1 => bounce(&mut draw, factor),
         2 => turned(&mut draw, factor),
         3 => thrusters(&mut draw, factor),
-        _ => scene(&mut draw, factor),
+        4 => scene(&mut draw, factor),
+        _ => beside_a_wall(&mut draw, factor),
     }
 }
 
@@ -144,4 +145,20 @@ fn scene(draw: &mut Draw, factor: f64) -> Result<HybridProgram, Error> {
     let mut program = scene.program(8)?;
     program.minimize(program.effort()?)?;
     Ok(program.into())
+}
+
+/// The paper's vehicle beside a wall with an uncertain restitution, fast enough that it has to hit.
+fn beside_a_wall(draw: &mut Draw, factor: f64) -> Result<HybridProgram, Error> {
+    let push = 0.02 * factor;
+    let goal = Region::from([0.1..=0.8, -0.5..=1.5]);
+    let scenario = Scenario::paper()
+        .with_time_step(0.1)
+        .with_restitution(draw.within(0.2, 0.4))?
+        .with_spread(0.05 * factor)
+        .with_pushes(-push..=push)
+        .with_goal_region(goal);
+    let mut from = Endpoint::at_rest(draw.within(4.0, 5.0));
+    from.velocity = -9.0;
+    let program = scenario.with_start(from).program(9, Objective::Effort)?;
+    Ok(HybridProgram::clone(&program))
 }

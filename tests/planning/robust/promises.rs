@@ -54,7 +54,7 @@ fn no_disturbed_run_leaves_its_plan() -> Result<(), Error> {
         }
         let Some((factor, robust)) = planned(case)? else { continue };
         found += 1;
-        kinds.insert(case % 5);
+        kinds.insert(case % 6);
         let plan = &robust.plan;
         events += plan.certificate.events;
         for run in 0..runs() {
@@ -75,7 +75,7 @@ fn no_disturbed_run_leaves_its_plan() -> Result<(), Error> {
         }
     }
     assert_eq!(found, CASES);
-    assert_eq!(kinds.len(), 5);
+    assert_eq!(kinds.len(), 6);
     assert!(events > 0);
     Ok(())
 }

@@ -126,3 +126,21 @@ fn a_system_says_what_is_uncertain() -> Result<(), Error> {
     assert!(ball.to_string().contains("v+ uncertain by [-0.1, 0.2] times v'"), "{ball}");
     Ok(())
 }
+
+#[test]
+fn bounds_are_tightened_too() -> Result<(), Error> {
+    let (cart, x, _) = cart()?;
+    let mut program = cart.program(4)?;
+    program.start([x.equals(1.0)])?;
+    let last = program.variable(x, 4)?;
+    program.model_mut().set_bounds(last, 0.0, 3.0)?;
+    program.maximize(program.end(x)?)?;
+    let feedback = Feedback::new(&cart, [[-1.0]])?;
+    let plan = program.robust(&feedback)?.solve(&mut BranchAndBound::default())?;
+    assert!((plan.plan.value(x, 4)? - 2.9).abs() < 1e-5);
+    program.model_mut().fix(last, 2.0)?;
+    let error = reason(program.robust(&feedback));
+    let Some(RobustError::OneValue { statement, .. }) = error else { panic!("{error:?}") };
+    assert_eq!(statement, "x[4]");
+    Ok(())
+}
