@@ -252,7 +252,8 @@ impl Scenario {
     /// let goal = Region::from([0.2..=0.6, -0.4..=0.4]);
     /// let scenario = scenario.with_goal_region(goal).with_pushes(-0.02..=0.02);
     /// let program = scenario.program(30, Objective::Effort)?;
-    /// let feedback = Feedback::regulator(program.system())?;
+    /// // The goal is narrow beside the way to it, so that errors have to end soon.
+    /// let feedback = Feedback::new(program.system(), [[-6.0, -5.0]])?;
     /// let plan = program.robust(&feedback)?.solve(&mut BranchAndBound::default())?;
     /// assert!(plan.simulate(&mut |range| range.upper)?.kept);
     /// # Ok::<(), carom::Error>(())

@@ -91,7 +91,8 @@ impl Feedback {
 
     /// The linear-quadratic regulator whose tube takes the least of the limits, or no feedback if that takes
     /// less: states and inputs are weighted by their ranges, inputs by more or less. The regulators are
-    /// those of the common flow, or of the first transition if there is none.
+    /// those of the common flow, or of the first transition if there is none. Where a goal is much narrower than
+    /// the domains, a gain of your own may leave more room in it.
     ///
     /// # Errors
     ///
