@@ -26,6 +26,9 @@ fn table(e: f64, spread: f64) -> Result<HybridSystem, Error> {
         .hybrid_system()
 }
 
+/// Positions of some runs, in m.
+type Paths = Vec<Vec<[f64; 2]>>;
+
 const NAMES: [&str; 4] = ["puck x", "puck y", "puck vx", "puck vy"];
 
 /// Requires the start and the goal of a system in a program, the goal with a margin.
@@ -67,7 +70,7 @@ fn fly<'a>(
     world: &HybridSystem,
     feedback: &Feedback,
     choose: impl Fn(f64) -> &'a HybridRun,
-) -> Result<(usize, Vec<Vec<[f64; 2]>>), Error> {
+) -> Result<(usize, Paths), Error> {
     let mut seed = 0x9e37_79b9_7f4a_7c15;
     let (mut kept, mut arrived, mut paths) = (0, 0, Vec::new());
     for k in 0..WORLDS {
