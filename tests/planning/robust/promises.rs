@@ -39,7 +39,7 @@ fn value(draw: &mut Draw, run: u64, range: Interval) -> f64 {
     match run {
         0 => range.lower,
         1 => range.upper,
-        _ if run % 3 == 0 => draw.within(range.lower, range.upper),
+        _ if run.is_multiple_of(3) => draw.within(range.lower, range.upper),
         _ if draw.unit() < 0.5 => range.lower,
         _ => range.upper,
     }
