@@ -41,7 +41,11 @@ pub mod formulation {}
 #[doc = include_str!("../docs/proofs.md")]
 pub mod proofs {}
 
+#[doc = include_str!("../docs/robust_plans.md")]
+pub mod robust_plans {}
+
 #[doc = "[benchmarks]: crate::guide::benchmarks"]
+#[doc = "[robust]: crate::guide::robust_plans"]
 #[doc = "[tutorial]: crate::guide::tutorial"]
 #[doc = include_str!("../docs/gallery.md")]
 pub mod gallery {}

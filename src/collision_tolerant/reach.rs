@@ -49,6 +49,10 @@ impl Scenario {
             .with_state("x", self.positions(horizon))
             .with_state("v", Interval::new(-self.max_speed, self.max_speed))
             .with_input("a", self.acceleration);
+        let system = match self.pushes.magnitude() > 0.0 {
+            true => system.with_disturbance([Interval::point(0.0), self.pushes]),
+            false => system,
+        };
         let [flight, contact] = match self.contact.law {
             ContactLaw::Literal => {
                 self.contact.transitions(self.time_step, self.contact.most_speed(rule))?
@@ -76,7 +80,9 @@ impl Scenario {
     /// one wall.
     pub(super) fn scene(&self, horizon: &Horizon) -> Scene {
         let surface = match self.collisions {
-            Collisions::Tolerated => Surface::bounce(self.contact.restitution),
+            Collisions::Tolerated => {
+                Surface::bounce(self.contact.restitution).with_spread(self.contact.spread)
+            }
             Collisions::Forbidden => Surface::avoid(),
         };
         let (domain, most) = ([self.positions(horizon)], self.max_acceleration());

@@ -91,9 +91,18 @@ pub struct Scenario {
     /// Which speed counts as the impact speed under the reflecting law; default
     /// [`ImpactEstimate::EndOfStep`], as in the paper.
     pub estimate: ImpactEstimate,
+    /// By how much pushes may change the velocity in each step, in m/s; default 0. Robust programs plan for all
+    /// of them, and others for none.
+    #[cfg_attr(feature = "serde", serde(default = "still"))]
+    pub pushes: Interval,
     /// Allowed positions, in m. If `None`, they extend as far as the vehicle can go and still reach
     /// the goal within the horizon, which excludes no plan.
     pub domain: Option<Interval>,
+}
+
+/// No pushes.
+fn still() -> Interval {
+    Interval::point(0.0)
 }
 
 impl Scenario {
@@ -127,6 +136,7 @@ impl Scenario {
             collisions: Collisions::Tolerated,
             damage: DamageRule::default(),
             estimate: ImpactEstimate::EndOfStep,
+            pushes: still(),
             domain: None,
         }
     }
@@ -208,6 +218,9 @@ impl Scenario {
     setters! {
         /// Sets the contact law.
         with_law(law: ContactLaw) => contact.law = law;
+        /// Says by how much the restitution may be more or less in a hit (no unit), for
+        /// [robust programs](crate::hybrid::HybridProgram::robust).
+        with_spread(spread: f64) => contact.spread = spread;
         /// The same scenario with collisions forbidden.
         collision_free() => collisions = Collisions::Forbidden;
         /// Sets the largest speed, in m/s.
@@ -224,6 +237,30 @@ impl Scenario {
     #[must_use]
     pub fn with_acceleration(self, limits: impl Into<Interval>) -> Self {
         Scenario { acceleration: limits.into(), ..self }
+    }
+
+    /// Says by how much pushes may change the velocity in each step, in m/s, for
+    /// [robust programs](crate::hybrid::HybridProgram::robust).
+    ///
+    /// ```
+    /// use carom::collision_tolerant::{Objective, Scenario};
+    /// use carom::hybrid::Feedback;
+    /// use carom::prelude::*;
+    ///
+    /// // The paper's vehicle with a coarser step, beside a wall with a restitution from 0.2 to 0.4.
+    /// let scenario = Scenario::paper().with_time_step(0.1).with_restitution(0.3)?.with_spread(0.1);
+    /// let goal = Region::from([0.2..=0.6, -0.4..=0.4]);
+    /// let scenario = scenario.with_goal_region(goal).with_pushes(-0.02..=0.02);
+    /// let program = scenario.program(30, Objective::Effort)?;
+    /// // The goal is narrow beside the way to it, so that errors have to end soon.
+    /// let feedback = Feedback::new(program.system(), [[-6.0, -5.0]])?;
+    /// let plan = program.robust(&feedback)?.solve(&mut BranchAndBound::default())?;
+    /// assert!(plan.simulate(&mut |range| range.upper)?.kept);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_pushes(self, pushes: impl Into<Interval>) -> Self {
+        Scenario { pushes: pushes.into(), ..self }
     }
 
     /// Sets the allowed positions, in m.
@@ -252,6 +289,12 @@ impl Scenario {
         }
         check_finite("wall", "the position", [self.contact.wall.position()])?;
         self.acceleration.check("acceleration")?;
+        self.pushes.check("the pushes")?;
+        if self.contact.law == ContactLaw::Literal && self.contact.spread != 0.0 {
+            let what = "the spread of the restitution";
+            let help = "0 under the literal law; use the reflecting one";
+            return Err(Error::out_of_range(what, self.contact.spread, help));
+        }
         if let Some(domain) = self.domain {
             domain.check("domain")?;
         }

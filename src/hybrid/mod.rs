@@ -14,6 +14,7 @@ mod nalgebra;
 pub(crate) mod program;
 pub mod reach;
 mod receding;
+mod robust;
 pub(crate) mod rows;
 pub mod scene;
 pub mod shortest_horizon;
@@ -35,6 +36,9 @@ pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit};
 #[doc(alias("MPC", "model predictive control", "receding horizon"))]
 pub use receding::RecedingHorizon;
 pub use receding::{ClosedLoop, Disturbance, Move, MoveSource};
+#[doc(alias("tube", "robust control"))]
+pub use robust::RobustProgram;
+pub use robust::{Feedback, RobustCertificate, RobustError, RobustPlan};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
     Attempt, HorizonEvent, HorizonModel, LeastTimeStep, Refutation, Shortest, ShortestOptions,
@@ -42,8 +46,8 @@ pub use shortest_horizon::{
     shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, DeadEnd, RunCertificate, RunError, SimulatedStep, Simulation,
-    SimulationOptions,
+    Candidate, Condition, DeadEnd, DisturbedRun, RunCertificate, RunError, SimulatedStep,
+    Simulation, SimulationOptions,
 };
 #[doc(alias("LCP", "complementarity"))]
 pub use system::LinearComplementarity;

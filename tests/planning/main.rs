@@ -16,6 +16,7 @@ mod nalgebra;
 mod physics;
 mod reach;
 mod receding;
+mod robust;
 mod rows;
 mod scenes;
 mod shortest;

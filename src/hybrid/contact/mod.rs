@@ -109,12 +109,23 @@ pub struct Contact {
     pub restitution: Restitution,
     /// The law.
     pub law: ContactLaw,
+    /// By how much the restitution may be more or less in a hit (no unit); default 0.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spread: f64,
 }
 
 impl Contact {
     /// Contact under the default law, [`ContactLaw::Reflecting`].
     pub fn new(wall: Wall, restitution: Restitution) -> Self {
-        Contact { wall, restitution, law: ContactLaw::default() }
+        Contact { wall, restitution, law: ContactLaw::default(), spread: 0.0 }
+    }
+
+    /// Says that the restitution is not known: it may be up to `spread` more or less (no unit), in every hit
+    /// anew. [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of it.
+    #[must_use]
+    pub fn with_spread(mut self, spread: f64) -> Self {
+        self.spread = spread;
+        self
     }
 
     /// Contact under another law.

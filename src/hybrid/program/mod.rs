@@ -25,12 +25,13 @@ pub use require::When;
 pub use sample::AtSample;
 pub(crate) use sample::Members;
 
-use super::reach::{TighteningReport, Tube};
+use super::reach::{HorizonVariables, TighteningReport, Tube};
 use super::rows::SystemVariables;
 use super::system::HybridSystem;
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
+use crate::interval::Interval;
 use crate::model::{Model, Name, Quadratic, Statement, Variable};
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};
@@ -269,7 +270,40 @@ impl HybridProgram {
     /// another system or another number of steps.
     pub fn tighten(&mut self, tube: &Tube) -> Result<TighteningReport, Error> {
         let variables = self.members.first().horizon_variables();
-        tube.tighten(&mut self.model, &variables)
+        self.tighten_by(tube, &variables)
+    }
+
+    /// As [`tighten`](HybridProgram::tighten), with variables of a scene. Remembers which bounds come from the
+    /// tube, because they are about plans without disturbance.
+    pub(crate) fn tighten_by(
+        &mut self,
+        tube: &Tube,
+        variables: &HorizonVariables,
+    ) -> Result<TighteningReport, Error> {
+        let own = self.members.first();
+        let own: Vec<Variable> = own.states().iter().chain(own.inputs()).flatten().collect();
+        let bounds = |model: &Model| -> Result<Vec<Interval>, Error> {
+            own.iter().map(|variable| Ok(model.variable_ref(*variable)?.bounds())).collect()
+        };
+        let before = bounds(&self.model)?;
+        let report = tube.tighten(&mut self.model, variables)?;
+        let after = bounds(&self.model)?;
+        let implied = &mut Arc::make_mut(&mut self.members).implied;
+        for (variable, (before, after)) in own.iter().zip(before.into_iter().zip(after)) {
+            if before != after {
+                let known = implied.get(variable).filter(|known| known.1 == before);
+                let stated = known.map_or(before, |known| known.0);
+                implied.insert(*variable, (stated, after));
+            }
+        }
+        Ok(report)
+    }
+
+    /// The bounds of a state or an input without what sets have proved about them.
+    pub(crate) fn stated_bounds(&self, variable: Variable) -> Result<Interval, Error> {
+        let own = self.model.variable_ref(variable)?.bounds();
+        let implied = self.members.implied.get(&variable).filter(|known| known.1 == own);
+        Ok(implied.map_or(own, |known| known.0))
     }
 
     /// An extreme plan near a plan: the same transitions, and each input as far as it can go to the side

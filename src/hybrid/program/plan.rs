@@ -7,6 +7,7 @@ use super::{AtSample, Members};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::simulate::RunCertificate;
+use crate::hybrid::system::HybridSystem;
 use crate::model::{Affine, Variable};
 use crate::solution::Solution;
 
@@ -27,9 +28,14 @@ pub struct HybridPlan {
 }
 
 /// A table of comma-separated values with a line per sample, after a comment that says the objective. Further
-/// systems have tables of their own, each after a comment with its name. Comments begin with `#`.
+/// systems have tables of their own, each after a comment with its name. Where the system states
+/// disturbances, a comment says that the plan is nominal. Comments begin with `#`.
 impl fmt::Display for HybridPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.system().is_disturbed() {
+            let text = "# nominal: it is a plan without disturbance, and promises nothing under one";
+            writeln!(f, "{text}")?;
+        }
         if let Some(objective) = self.solution.objective() {
             writeln!(f, "# objective {objective}, {}", self.solution.termination())?;
         }
@@ -65,6 +71,11 @@ impl HybridPlan {
 
     pub(crate) fn members(&self) -> &Members {
         &self.members
+    }
+
+    /// The system of the plan, the first one if there are several.
+    pub(crate) fn system(&self) -> &HybridSystem {
+        self.members.first().system()
     }
 
     /// The number of steps.

@@ -1,9 +1,12 @@
 //! Expressions of systems, taken at a sample of a program.
 
+use std::collections::BTreeMap;
+
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::mission::RequiredMission;
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow};
+use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Literal, Model, ModelTag, Quadratic, Row, Variable};
 use crate::solution::Solution;
 use crate::solver::Solver;
@@ -20,12 +23,15 @@ pub(crate) struct Members {
     pub(super) all: Vec<(String, SystemVariables)>,
     /// What plans are checked for.
     pub(crate) missions: Vec<RequiredMission>,
+    /// Bounds before and after what sets have proved about them, which says nothing that the program does not.
+    pub(super) implied: BTreeMap<Variable, (Interval, Interval)>,
 }
 
 impl Members {
     pub(super) fn new(tag: ModelTag, variables: SystemVariables) -> Self {
         let steps = variables.horizon().steps();
-        Members { tag, steps, all: vec![(String::new(), variables)], missions: Vec::new() }
+        let (implied, missions) = (BTreeMap::new(), Vec::new());
+        Members { tag, steps, all: vec![(String::new(), variables)], missions, implied }
     }
 
     /// The first system's variables.

@@ -6,7 +6,7 @@ use faer::Mat;
 use super::moves::Move;
 use super::rounding::EPSILON;
 use crate::hybrid::affine::{self, Behaviour, Map};
-use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Transition};
+use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Reset, Transition, Uncertain};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
@@ -121,7 +121,30 @@ impl Context<'_> {
             let by: Vec<Interval> = system.disturbance.iter().map(|r| r.hull(none)).collect();
             law.shift(&by);
         }
+        for own in members.iter().filter(|_| self.is_disturbed) {
+            let by = self.uncertain(own, &law.inputs);
+            law.shift(&by);
+        }
         law
+    }
+
+    /// What the uncertain parts of a transition may add to the next state.
+    fn uncertain(&self, transition: &Transition, inputs: &[Interval]) -> Vec<Interval> {
+        let states = self.system.states.iter().map(|(_, domain)| *domain);
+        let start: Vec<Interval> = states.chain(inputs.iter().copied()).collect();
+        let flow = affine::flow(&transition.flow);
+        let n = self.system.states.len();
+        let mut all = vec![Interval::point(0.0); n];
+        for Uncertain { range, effect: Reset { matrix, offset } } in &transition.uncertain {
+            for (i, all) in all.iter_mut().enumerate() {
+                let offset = offset.get(self.step).and_then(|offset| offset.get(i)).copied();
+                let factors = (0..n).map(|j| matrix[(i, j)]);
+                let map = affine::combine(factors, &flow, start.len(), offset.unwrap_or(0.0));
+                let of = map.over(&start);
+                *all = *all + (of * range.lower).hull(of * range.upper);
+            }
+        }
+        all
     }
 
     /// The ranges of the inputs, and whether there is a value in each. A relaxed choice widens an

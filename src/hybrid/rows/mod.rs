@@ -31,6 +31,7 @@ pub(crate) use extreme::push_outward;
 #[doc(hidden)]
 pub use program::SystemVariables;
 pub use run::HybridRun;
+pub(in crate::hybrid) use write::expression;
 
 use super::horizon::Horizon;
 use super::system::HybridSystem;

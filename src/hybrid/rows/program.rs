@@ -1,12 +1,14 @@
 //! The variables of a hybrid system in a model, by name and step.
 
+use std::ops::Range;
+
 use super::change::Changes;
 use crate::error::Error;
-use crate::hybrid::affine::{self, Behaviour};
+use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::HorizonVariables;
 use crate::hybrid::system::HybridSystem;
-use crate::model::{Affine, Family, Literal};
+use crate::model::{Affine, Family, Literal, Variable};
 
 /// Which one of several things holds at a step or sample.
 #[derive(Debug, Clone)]
@@ -77,6 +79,8 @@ pub struct SystemVariables {
     pub(super) outputs: Vec<(String, Vec<Affine>)>,
     /// The same for each choice.
     pub(super) own_outputs: Vec<Vec<(String, Vec<Affine>)>>,
+    /// Which statements of the model it has written, by kind; see [`wrote`](SystemVariables::wrote).
+    pub(super) written: [Range<usize>; 4],
 }
 
 impl SystemVariables {
@@ -166,6 +170,26 @@ impl SystemVariables {
         self.choices[choice].taken.value(transition, step)
     }
 
+    /// The condition that a choice takes a transition in a step; `None` if it has no other.
+    pub(crate) fn literal(&self, choice: usize, transition: usize, step: usize) -> Option<Literal> {
+        self.choices[choice].taken.literal(transition, step)
+    }
+
+    /// The variables of what a choice changes in a step, each as a function of the start by transition.
+    pub(crate) fn change_maps(&self, choice: usize, step: usize) -> Vec<(Variable, Vec<Map>)> {
+        let (own, program) = (self.behaviours(choice, step), &self.choices[choice]);
+        let of = |(group, family): (usize, &Family)| {
+            Some((family.get(step)?, program.changes.group(&own, group)))
+        };
+        program.groups.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// Whether the system wrote the statement with this position among those of its kind: rows,
+    /// indicators, conic rows, disjunctions.
+    pub(crate) fn wrote(&self, kind: usize, position: usize) -> bool {
+        self.written[kind].contains(&position)
+    }
+
     /// The number of events in a step, over all choices.
     pub fn events(&self, step: usize) -> Result<Affine, Error> {
         self.check_step("the step", step, self.horizon.steps())?;
@@ -237,7 +261,7 @@ impl SystemVariables {
     }
 
     /// The transitions of a choice at a step, without the ranges of the inputs.
-    pub(super) fn behaviours(&self, choice: usize, step: usize) -> Vec<Behaviour> {
+    pub(crate) fn behaviours(&self, choice: usize, step: usize) -> Vec<Behaviour> {
         let transitions = &self.system.choices[choice].transitions;
         let outputs = affine::output_names(transitions);
         let behaviour = |t| affine::behaviour(&self.system, t, &outputs, Vec::new(), step);

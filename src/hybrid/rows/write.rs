@@ -71,6 +71,12 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
     Plan { steps: steps.collect(), changes }
 }
 
+/// The numbers of rows, indicators, conic rows and disjunctions.
+fn counts(model: &Model) -> [usize; 4] {
+    let conic = model.conic_constraint_count();
+    [model.constraint_count(), model.indicator_count(), conic, model.disjunctions().len()]
+}
+
 /// Adds a checked system to a model, or nothing if something fails.
 pub(super) fn write(
     system: &HybridSystem,
@@ -81,7 +87,8 @@ pub(super) fn write(
 ) -> Result<SystemVariables, Error> {
     let count = system.settles().min(horizon.steps() - 1) + 1;
     let plans: Vec<Plan> = system.choices.iter().map(|own| plan(system, own, count)).collect();
-    let (program, background, words) = model.all_or_nothing(|model| {
+    let before = counts(model);
+    let (mut program, background, words) = model.all_or_nothing(|model| {
         let mut names = Names::new(prefix);
         let program = variables(system, model, &mut names, horizon, &plans)?;
         let mut writer = Writer {
@@ -101,6 +108,8 @@ pub(super) fn write(
         let (background, words) = (writer.background, writer.names.words());
         Ok((program, background, words))
     })?;
+    let after = counts(model);
+    program.written = std::array::from_fn(|kind| before[kind]..after[kind]);
     words.into_iter().for_each(|(family, words)| model.describe(&family, words));
     background.iter().try_for_each(|family| model.set_law(family))?;
     if let Some(what) = system.by_step() {
@@ -125,6 +134,7 @@ fn variables(
         choices: Vec::new(),
         outputs: Vec::new(),
         own_outputs: Vec::new(),
+        written: Default::default(),
     };
     for (name, domain) in &system.states {
         let name = names.family(&[name]);
@@ -199,7 +209,7 @@ fn at<T>(list: &[T], step: usize) -> &T {
 }
 
 /// A map of states and inputs at a step, as an expression.
-pub(super) fn expression(program: &SystemVariables, map: &Map, step: usize) -> Affine {
+pub(in crate::hybrid) fn expression(program: &SystemVariables, map: &Map, step: usize) -> Affine {
     let mut sum = Affine::constant(map.constant);
     let variables = program.states.iter().chain(&program.inputs).map(|family| family.get(step));
     for (factor, variable) in map.factors.iter().zip(variables) {

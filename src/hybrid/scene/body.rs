@@ -85,6 +85,8 @@ pub struct Body {
     pub acceleration: Vec<Interval>,
     /// The largest length of the input, in m/s², if it is limited.
     pub(super) acceleration_ball: Option<f64>,
+    /// By how much pushes may change its velocity in a step, along each axis, in m/s; empty if none do.
+    pub(super) pushes: Vec<Interval>,
     /// Its mass, in kg; default 1.
     pub mass: f64,
     /// Its shape; default a point.
@@ -124,6 +126,7 @@ impl Body {
             acceleration: vec![range; domain.len()],
             gravity: vec![0.0; domain.len()],
             domain,
+            pushes: Vec::new(),
             mass: 1.0,
             shape: Shape::Point,
             dynamics: None,
@@ -139,6 +142,14 @@ impl Body {
         with_mass(mass: f64) => mass = mass;
         /// Sets the shape.
         with_shape(shape: Shape) => shape = shape;
+    }
+
+    /// Says by how much pushes, such as gusts, may change its velocity in each step, along each axis, in m/s.
+    /// [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of them, and others for none.
+    #[must_use]
+    pub fn with_pushes(mut self, pushes: impl IntoIterator<Item: Into<Interval>>) -> Self {
+        self.pushes = pushes.into_iter().map(Into::into).collect();
+        self
     }
 
     /// Sets where it starts: positions (m), then velocities (m/s), and last the spin (rad/s) of a body that
@@ -332,6 +343,7 @@ impl Body {
             self.acceleration.len(),
             self.gravity.len(),
             self.first.as_ref().map_or(axes, Vec::len),
+            if self.pushes.is_empty() { axes } else { self.pushes.len() },
             match &self.shape {
                 Shape::Box(half) => half.len(),
                 _ => axes,
@@ -340,7 +352,7 @@ impl Body {
         if let Some(&found) = lengths.iter().find(|&&length| length != axes) {
             return Err(SceneError::Axes { name: name.clone(), found, expected: axes }.into());
         }
-        for range in self.domain.iter().chain(&self.acceleration) {
+        for range in self.domain.iter().chain(&self.acceleration).chain(&self.pushes) {
             range.check(name)?;
         }
         check_finite(name, "the gravity", self.gravity.iter().copied())?;

@@ -9,13 +9,16 @@ use faer::Mat;
 
 use super::contact::{ContactFace, ContactPair, ContactSpin, Mode, at};
 use super::geometry::{around, dot, minus, tangents};
-use super::rebound::{Guard, Law, laws};
+use super::rebound::{Guard, Law, laws, rebound};
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Halfspace, NormEntry, NormLimit, Schedule, Transition};
+use crate::hybrid::system::{
+    Halfspace, NormEntry, NormLimit, Reset, Schedule, Transition, Uncertain,
+};
+use crate::interval::Interval;
 
 /// Writes the transitions of one contact.
 pub(super) struct Writer<'a> {
@@ -111,7 +114,8 @@ impl Writer<'_> {
                 let cone = law.cone.iter().map(|part| self.guard(part));
                 hit.prediction_norms.extend(norm_of(cone));
                 let (matrix, offset) = self.reset(own, e, &law);
-                let transition = hit.with_reset_by_step(matrix, offset);
+                let mut transition = hit.with_reset_by_step(matrix, offset);
+                transition.uncertain.extend(self.uncertain(own, &law));
                 modes.push(Mode { name: transition.name.clone(), face, is_hit: true });
                 transitions.push(transition);
             }
@@ -290,6 +294,25 @@ impl Writer<'_> {
             (spin.state, -self.contact.mass * spin.lever / spin.inertia, along)
         };
         self.contact.shares().flat_map(of).chain(self.contact.spins.iter().map(turn)).collect()
+    }
+
+    /// What the spread of the restitution adds to the reset of a hit, which is affine in it: what e = 1 adds
+    /// to e = 0.
+    fn uncertain(&self, face: &ContactFace, law: &Law) -> Option<Uncertain> {
+        let spread = face.surface.spread;
+        let rebound = |e: f64| Law { rebound: rebound(&face.normal, e), ..law.clone() };
+        let (one, offset) = self.reset(face, 1.0, &rebound(1.0));
+        let (none, offset_of_none) = self.reset(face, 0.0, &rebound(0.0));
+        let last = offset.settles().max(offset_of_none.settles());
+        let at = |step: usize| -> Vec<f64> {
+            let both = offset.get(step).into_iter().flatten();
+            let both = both.zip(offset_of_none.get(step).into_iter().flatten());
+            both.map(|(one, none)| one - none).collect()
+        };
+        let effect =
+            Reset { matrix: one - none, offset: (0..=last).map(at).collect::<Vec<_>>().into() };
+        let range = Interval::new(-spread, spread);
+        (spread > 0.0).then_some(Uncertain { range, effect })
     }
 
     /// The reset of a hit: a matrix and an offset by step. The position moves by the gap times

@@ -68,7 +68,7 @@ impl Contact {
         estimate: ImpactEstimate,
         rule: Option<DamageRule>,
     ) -> Result<[Transition; 2], Error> {
-        let surface = Surface::bounce(self.restitution);
+        let surface = Surface::bounce(self.restitution).with_spread(self.spread);
         self.written(surface, time_step, estimate, rule, ["flight", "impact"])
     }
 

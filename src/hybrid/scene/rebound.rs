@@ -13,6 +13,7 @@ use super::surface::Tangential;
 
 /// A linear function of the relative velocity, and after its entries of s, that must be at most 0: its
 /// factors, and a name.
+#[derive(Clone)]
 pub(super) struct Guard {
     pub(super) name: &'static str,
     pub(super) factors: Vec<f64>,
@@ -22,6 +23,7 @@ pub(super) struct Guard {
 
 /// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies. In the plane,
 /// rows have an entry for s after those of r.
+#[derive(Clone)]
 pub(super) struct Law {
     pub(super) name: String,
     /// M - 1 without a rebound, by rows.
@@ -67,7 +69,7 @@ impl Law {
 }
 
 /// `-factor n n'`, as rows, with an entry for s.
-fn rebound(n: &[f64], factor: f64) -> Vec<Vec<f64>> {
+pub(super) fn rebound(n: &[f64], factor: f64) -> Vec<Vec<f64>> {
     let row = |a: &f64| n.iter().map(|b| -factor * a * b).chain([0.0]).collect();
     n.iter().map(row).collect()
 }

@@ -107,7 +107,7 @@ impl SceneProgram {
         // A row over all hits would link axes that are independent.
         let is_line = self.scene.axes() == 1 && self.scene.bodies.len() == 1;
         let variables = self.variables().horizon_variables().with_event_row(is_line);
-        Ok(!tube.tighten(&mut self.program.model, &variables)?.infeasible)
+        Ok(!self.program.tighten_by(&tube, &variables)?.infeasible)
     }
 }
 

@@ -31,6 +31,9 @@ pub(super) enum Tangential {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
     pub(super) restitution: Option<Restitution>,
+    /// By how much the restitution may be more or less (no unit).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) spread: f64,
     pub(super) tangential: Tangential,
     /// Whether bodies come to rest at it.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -40,7 +43,12 @@ pub struct Surface {
 impl Surface {
     /// A surface that no body may reach; touching it at a sample is allowed.
     pub fn avoid() -> Self {
-        Surface { restitution: None, tangential: Tangential::Frictionless, rests: false }
+        Surface {
+            restitution: None,
+            spread: 0.0,
+            tangential: Tangential::Frictionless,
+            rests: false,
+        }
     }
 
     /// A surface off which bodies may bounce, without friction.
@@ -57,6 +65,10 @@ impl Surface {
         /// The same with another number of directions in space, from 3 to 32.
         with_friction_along(coefficient: f64, directions: usize) =>
             tangential = Tangential::Coulomb { coefficient, directions };
+        /// Says that the restitution e is not known: it may be up to `spread` more or less (no unit), in every
+        /// hit anew. [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of it, and others
+        /// for e.
+        with_spread(spread: f64) => spread = spread;
         /// A linear law, as identified from experiments: the velocity u with which the touching points
         /// slide along the surface becomes `keep u + from_normal f`, where f is the impact speed (both no
         /// unit). With a [spin](super::Body::with_spin), `-keep` is the tangential restitution: 1 of
@@ -83,6 +95,11 @@ impl Surface {
         self.restitution
     }
 
+    /// Whether hits depend on the restitution by what they do alone, and not by when they do it.
+    fn follows_restitution(&self) -> bool {
+        self.is_frictionless() || matches!(self.tangential, Tangential::Linear { .. })
+    }
+
     /// Whether nothing happens along the surface.
     pub(super) fn is_frictionless(&self) -> bool {
         match self.tangential {
@@ -99,6 +116,16 @@ impl Surface {
         };
         if self.restitution.is_none() && self.tangential != Tangential::Frictionless {
             return wrong("it is avoided, so nothing rubs there; let bodies bounce, or drop it");
+        }
+        let e = self.restitution.map_or(0.0, |e| e.value());
+        if !(self.spread >= 0.0 && e - self.spread >= 0.0 && e + self.spread <= 1.0) {
+            return wrong("its restitution with the spread must lie within [0, 1]");
+        }
+        if self.spread > 0.0 && (self.rests || !self.follows_restitution()) {
+            return wrong(
+                "where friction or rest decide by the restitution, it cannot be uncertain; drop \
+                 them, or drop `with_spread`",
+            );
         }
         if self.rests && self.restitution.is_none() {
             return wrong("it is avoided, so nothing rests there; let bodies bounce, or drop it");

@@ -71,6 +71,14 @@ impl Scene {
         }
         system = limits.into_iter().fold(system, HybridSystem::with_limit);
         system.norms.extend(scene.balls());
+        if scene.bodies.iter().any(|body| !body.pushes.is_empty()) {
+            let none = vec![Interval::point(0.0); scene.axes()];
+            let pushes = scene.bodies.iter().flat_map(|body| match body.pushes.is_empty() {
+                true => [&none[..], &none].concat(),
+                false => [&none[..], &body.pushes].concat(),
+            });
+            system.disturbance = pushes.collect();
+        }
         for contact in &mut contacts {
             let writer = Writer { scene: &scene, contact, flow: &flow };
             let (transitions, modes) = writer.transitions()?;

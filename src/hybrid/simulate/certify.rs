@@ -15,7 +15,7 @@ use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 
 /// By how much a run may miss a limit or a guard: its rows hold to `FEASIBILITY`, and its samples
 /// agree to `REPLAY`.
-const MISS: f64 = FEASIBILITY + REPLAY;
+pub(super) const MISS: f64 = FEASIBILITY + REPLAY;
 
 /// The result of replaying a run, if the run is what the system states.
 #[derive(Debug, Clone, PartialEq)]

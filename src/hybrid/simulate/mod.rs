@@ -8,6 +8,7 @@
 
 mod certify;
 mod condition;
+mod disturbed;
 mod error;
 mod memory;
 mod options;
@@ -19,6 +20,7 @@ mod stepper;
 
 pub use certify::RunCertificate;
 pub use condition::Condition;
+pub use disturbed::DisturbedRun;
 pub use error::RunError;
 pub use options::SimulationOptions;
 pub use simulation::{Candidate, DeadEnd, SimulatedStep, Simulation};

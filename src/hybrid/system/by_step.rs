@@ -112,6 +112,9 @@ impl Transition {
         if let Some(reset) = &mut self.reset {
             reset.offset = reset.offset.from_step(step);
         }
+        for own in &mut self.uncertain {
+            own.effect.offset = own.effect.offset.from_step(step);
+        }
         for output in &mut self.outputs {
             output.constant = output.constant.from_step(step);
         }
@@ -124,6 +127,9 @@ impl Transition {
         }
         if self.reset.as_ref().is_some_and(|reset| reset.offset.varies()) {
             return Some("the reset".to_owned());
+        }
+        if self.uncertain.iter().any(|own| own.effect.offset.varies()) {
+            return Some("the uncertain part".to_owned());
         }
         let output = self.outputs.iter().find(|output| output.constant.varies());
         output.map(|output| format!("the output `{}`", output.name))

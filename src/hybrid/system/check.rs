@@ -114,18 +114,22 @@ impl HybridSystem {
             let numbers = output.factors.iter().chain(output.constant.values());
             check_numbers(&output.name, "a number", numbers.copied())?;
         }
-        let Some(Reset { matrix, offset }) = &transition.reset else { return Ok(()) };
-        let (rows, columns) = (matrix.nrows(), matrix.ncols());
-        if rows != n || columns != n {
-            return shape("the matrix of a reset", rows, columns, format!("{n}x{n}"));
-        }
-        offset.check(&format!("the offset of the reset of `{}`", transition.name))?;
-        let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
-        check_numbers(&transition.name, "an entry of the reset", entries)?;
-        for offset in offset.values() {
-            check_length("the offset of a reset", offset.len(), n)?;
-            let entries = offset.iter().copied();
+        for Reset { matrix, offset } in transition.resets() {
+            let (rows, columns) = (matrix.nrows(), matrix.ncols());
+            if rows != n || columns != n {
+                return shape("the matrix of a reset", rows, columns, format!("{n}x{n}"));
+            }
+            offset.check(&format!("the offset of the reset of `{}`", transition.name))?;
+            let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
             check_numbers(&transition.name, "an entry of the reset", entries)?;
+            for offset in offset.values() {
+                check_length("the offset of a reset", offset.len(), n)?;
+                let entries = offset.iter().copied();
+                check_numbers(&transition.name, "an entry of the reset", entries)?;
+            }
+        }
+        for own in &transition.uncertain {
+            check_ends(&transition.name, own.range)?;
         }
         Ok(())
     }

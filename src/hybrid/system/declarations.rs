@@ -240,7 +240,8 @@ impl HybridSystem {
     }
 
     /// Says what a disturbance may add to the next value of a state, in its unit. Simulations and robust
-    /// sets see it; programs, refutations and certificates do not.
+    /// sets see it, and [robust programs](crate::hybrid::HybridProgram::robust); other programs,
+    /// refutations and certificates do not.
     ///
     /// # Errors
     ///

@@ -7,7 +7,7 @@
 //! | the handles; finding them | `system/handles.rs`; `system/look_up.rs` |
 //! | states, inputs, series, limits | `system/declarations.rs` |
 //! | choices: modes, events, switches | `system/modes.rs` |
-//! | a transition that is being stated | `system/transition_mut.rs` |
+//! | a transition that is being stated; what it does after its flow | `system/transition_mut.rs`; `system/reset.rs` |
 //! | rates and next values | `system/flow.rs`, `system/flow_rows.rs` |
 //! | expressions and rows as coefficients | `system/coefficients.rs` |
 //! | rows of norms and squares | `system/system_row.rs`, `system/norm_rows.rs` |
@@ -52,6 +52,7 @@ mod norm_rows;
 mod piecewise_affine;
 mod polygons;
 mod region;
+mod reset;
 mod schedule;
 #[cfg(feature = "serde")]
 mod serialized;
@@ -75,6 +76,7 @@ pub(crate) use region::check_cut;
 pub use schedule::Schedule;
 pub use system_row::SystemRow;
 pub use transition::Transition;
+pub(crate) use transition::{Reset, Uncertain};
 pub use transition_mut::TransitionMut;
 
 pub(crate) use handles::Meaning;
@@ -208,6 +210,13 @@ impl HybridSystem {
         self.choices.iter().flat_map(|choice| &choice.transitions)
     }
 
+    /// Whether it states a disturbance or an uncertain parameter.
+    pub(crate) fn is_disturbed(&self) -> bool {
+        let mut parameters = self.transitions().flat_map(|t| &t.uncertain);
+        self.disturbance.iter().any(|range| range.magnitude() > 0.0)
+            || parameters.any(|own| own.range.magnitude() > 0.0)
+    }
+
     /// The number of a choice's first transition.
     pub(crate) fn first_transition(&self, choice: usize) -> usize {
         self.choices[..choice].iter().map(|choice| choice.transitions.len()).sum()
@@ -222,7 +231,7 @@ impl HybridSystem {
         values.extend(self.limits.iter().chain(guards).map(|h| h.limit_at(step)));
         let norms = self.all_norms().flat_map(NormLimit::parts);
         values.extend(norms.map(|part| part.constant_at(step)));
-        let resets = self.transitions().filter_map(|t| t.reset.as_ref());
+        let resets = self.transitions().flat_map(Transition::resets);
         values.extend(resets.filter_map(|r| r.offset.get(step)).flatten());
         let outputs = self.transitions().flat_map(|t| &t.outputs);
         values.extend(outputs.filter_map(|output| output.constant.get(step)));
@@ -233,7 +242,7 @@ impl HybridSystem {
     pub(crate) fn settles(&self) -> usize {
         let ranges = self.inputs.iter().chain(self.transitions().flat_map(|t| &t.inputs));
         let guards = self.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
-        let resets = self.transitions().filter_map(|t| t.reset.as_ref());
+        let resets = self.transitions().flat_map(Transition::resets);
         let ranges = ranges.map(|(_, range)| range.settles());
         let limits = self.limits.iter().chain(guards).map(|h| h.limit.settles());
         let outputs = self.transitions().flat_map(|t| &t.outputs);

@@ -227,6 +227,21 @@ impl<'a> Names<'a> {
                 writeln!(f, "    {name}+ = {}", ByStep(&reset.offset, text))?;
             }
         }
+        for own in &transition.uncertain {
+            let effect = &own.effect;
+            for (i, name) in self.states.iter().enumerate().take(effect.matrix.nrows()) {
+                let row: Vec<f64> =
+                    (0..effect.matrix.ncols()).map(|j| effect.matrix[(i, j)]).collect();
+                let text =
+                    |offset: &Vec<f64>| self.sum(&row, mark, offset.get(i).copied().unwrap_or(0.0));
+                let is_none = |offset: &Vec<f64>| offset.get(i) == Some(&0.0);
+                if row.iter().all(|&a| a == 0.0) && effect.offset.values().all(is_none) {
+                    continue;
+                }
+                let by = ByStep(&effect.offset, text);
+                writeln!(f, "    {name}+ uncertain by {} times {by}", Range(own.range))?;
+            }
+        }
         for output in &transition.outputs {
             let mark = if output.is_at_start { "" } else { mark };
             let text = |constant: &f64| self.sum(&output.factors, mark, *constant);

@@ -23,6 +23,16 @@ pub(crate) struct Reset {
     pub(crate) offset: Schedule<Vec<f64>>,
 }
 
+/// A parameter that is not known: it adds `δ (M y + m)` to the next state.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Uncertain {
+    /// The range of δ, which contains 0.
+    pub(crate) range: Interval,
+    /// M and m.
+    pub(crate) effect: Reset,
+}
+
 /// An affine function of a transition's prediction, such as an impact speed, or of the state and the
 /// input at the start of the step.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +72,9 @@ pub struct Transition {
     /// The mode that it leaves and the one that it enters, in a choice with memory.
     pub modes: Option<(String, String)>,
     pub(crate) reset: Option<Reset>,
+    /// What is not known about the next state.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) uncertain: Vec<Uncertain>,
     pub(crate) outputs: Vec<TransitionOutput>,
     /// Whether it counts as an event.
     pub is_event: bool,
@@ -79,6 +92,7 @@ impl Transition {
             inputs: Vec::new(),
             modes: None,
             reset: None,
+            uncertain: Vec::new(),
             outputs: Vec::new(),
             is_event: false,
         }
@@ -104,6 +118,11 @@ impl Transition {
     pub fn with_prediction_guard(mut self, guard: Halfspace) -> Self {
         self.prediction_guards.push(guard);
         self
+    }
+
+    /// The reset and the effects of what is not known.
+    pub(crate) fn resets(&self) -> impl Iterator<Item = &Reset> {
+        self.reset.iter().chain(self.uncertain.iter().map(|own| &own.effect))
     }
 
     /// Replaces the system's range of an input; see `system/input_range.rs`.

@@ -1,4 +1,4 @@
-//! A transition that is being stated: flow, guards, reset, outputs.
+//! A transition that is being stated: flow, guards, outputs.
 
 use super::HybridSystem;
 use super::check::check_name;
@@ -7,7 +7,7 @@ use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
 use super::schedule::Schedule;
 use super::system_row::SystemRow;
-use super::transition::{Reset, Transition, TransitionOutput};
+use super::transition::{Transition, TransitionOutput};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
@@ -21,7 +21,7 @@ use crate::model::{Affine, ConicRow, Row, Variable};
 /// flow to a prediction that satisfies the guards on the prediction, and is then reset.
 #[derive(Debug)]
 pub struct TransitionMut<'a> {
-    system: &'a mut HybridSystem,
+    pub(super) system: &'a mut HybridSystem,
     choice: usize,
     number: usize,
     /// Whether it has stated its flow.
@@ -33,12 +33,12 @@ impl<'a> TransitionMut<'a> {
         TransitionMut { system, choice, number, has_flow: false }
     }
 
-    fn own(&mut self) -> &mut Transition {
+    pub(super) fn own(&mut self) -> &mut Transition {
         &mut self.system.choices[self.choice].transitions[self.number]
     }
 
     /// The transition in words, for errors.
-    fn place(&self, part: &str) -> String {
+    pub(super) fn place(&self, part: &str) -> String {
         let name = &self.system.choices[self.choice].transitions[self.number].name;
         format!("{part} of `{name}`")
     }
@@ -124,7 +124,7 @@ impl<'a> TransitionMut<'a> {
     }
 
     /// The error for a part that is stated twice.
-    fn second(&self, part: &str, help: &'static str) -> Error {
+    pub(super) fn second(&self, part: &str, help: &'static str) -> Error {
         let (name, place) = (format!("a second {part}"), self.place("the statement"));
         ErrorKind::Misplaced { name, place, help }.into()
     }
@@ -280,49 +280,6 @@ impl<'a> TransitionMut<'a> {
             Some(own) => self.own().inputs[own].1 = ranges.into(),
             None => self.own().inputs.push((name, ranges.into())),
         }
-        Ok(self)
-    }
-
-    /// Resets states after the flow, as functions of the [predictions](State::predicted) and series.
-    /// States that are not named keep their prediction.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions, and for a second
-    /// reset; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`].
-    pub fn reset<E: Into<Affine>>(
-        mut self,
-        values: impl IntoIterator<Item = (State, E)>,
-    ) -> Result<Self, Error> {
-        if self.own().reset.is_some() {
-            return Err(self.second("reset", "name all states of the reset at once"));
-        }
-        let place = self.place("a reset");
-        let n = self.system.states.len();
-        let mut matrix = faer::Mat::<f64>::identity(n, n);
-        let mut offsets: Vec<Schedule<f64>> = vec![0.0.into(); n];
-        let mut named = vec![false; n];
-        for (state, value) in values {
-            let Meaning::State(i) = *self.system.meaning(state.into(), &place)? else {
-                return Err(self.system.misplaced(state.into(), &place, "name a state"));
-            };
-            if std::mem::replace(&mut named[i], true) {
-                let name = self.system.states[i].0.clone();
-                return Err(Error::duplicate_name(&name, "state of the reset"));
-            }
-            let all = self.system.plain_coefficients(&value.into(), &place)?;
-            if all.uses_start() {
-                let name = format!("the new value of `{}`", self.system.states[i].0);
-                let help = "state it by predictions, such as `v.predicted()`, and by series";
-                return Err(ErrorKind::Misplaced { name, place, help }.into());
-            }
-            (0..n).for_each(|j| matrix[(i, j)] = all.predictions[j]);
-            offsets[i] = all.constant;
-        }
-        let last = offsets.iter().map(Schedule::settles).max().unwrap_or(0);
-        let at = |step| offsets.iter().filter_map(|own| own.get(step).copied()).collect();
-        let offset = (0..=last).map(at).collect::<Vec<Vec<f64>>>().into();
-        self.own().reset = Some(Reset { matrix, offset });
         Ok(self)
     }
 

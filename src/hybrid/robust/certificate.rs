@@ -1,0 +1,351 @@
+//! The certificate of a robust plan: interval simulation of all disturbed runs at once.
+//!
+//! It follows the plan's transitions with boxes of errors, computed with outward rounding, and checks every
+//! condition of the system over them. It shares no code with the rows of the program, and no sample is
+//! drawn. Domains, guards and ranges hold to the tolerances of nominal certificates.
+
+use super::error::RobustError;
+use super::feedback::Feedback;
+use crate::error::Error;
+use crate::hybrid::affine::{self, Map};
+use crate::hybrid::rows::HybridRun;
+use crate::hybrid::simulate::Condition;
+use crate::hybrid::system::{HybridSystem, NormLimit, Transition};
+use crate::interval::Interval;
+use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
+
+/// By how much a run may miss a condition, as in nominal certificates.
+pub(super) const MISS: f64 = FEASIBILITY + REPLAY;
+
+/// What interval simulation has found about all disturbed runs of a plan.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct RobustCertificate {
+    /// By how much each state may differ from the plan at the samples 0, ..., τ, in the states' units and
+    /// order.
+    pub states: Vec<Vec<Interval>>,
+    /// The largest violation of a condition by any run, in its unit; 0 if none is violated.
+    pub largest_violation: f64,
+    /// By how much the tightest condition holds for every run, in its unit and at most 0 at a tie.
+    pub least_slack: f64,
+    /// The boxes of errors at the samples, along the feedback's directions.
+    pub(super) errors: Vec<Vec<Interval>>,
+}
+
+type Intervals = Vec<Vec<Interval>>;
+
+fn times(a: Interval, b: Interval) -> Interval {
+    (a * b.lower).hull(a * b.upper)
+}
+
+fn point(value: f64) -> Interval {
+    Interval::point(value)
+}
+
+fn dot(a: &[Interval], b: &[Interval]) -> Interval {
+    a.iter().zip(b).fold(point(0.0), |sum, (a, b)| sum + times(*a, *b))
+}
+
+fn product(a: &[Vec<Interval>], b: &[Vec<Interval>]) -> Intervals {
+    let columns = b.first().map_or(0, Vec::len);
+    let column = |j: usize| b.iter().map(|row| row[j]).collect::<Vec<_>>();
+    let columns: Intervals = (0..columns).map(column).collect();
+    a.iter().map(|row| columns.iter().map(|column| dot(row, column)).collect()).collect()
+}
+
+fn exact(matrix: &faer::Mat<f64>) -> Intervals {
+    let row = |i: usize| (0..matrix.ncols()).map(|j| point(matrix[(i, j)])).collect();
+    (0..matrix.nrows()).map(row).collect()
+}
+
+/// Intervals that hold the inverse of a matrix, from an approximate one; `None` if that is too far from it.
+fn inverse(shape: &faer::Mat<f64>, approximate: &faer::Mat<f64>) -> Option<Intervals> {
+    let mut all = exact(approximate);
+    let rest = product(&all, &exact(shape));
+    let miss = |(i, row): (usize, &Vec<Interval>)| {
+        let miss = row
+            .iter()
+            .enumerate()
+            .map(|(j, entry)| (*entry + point(if i == j { -1.0 } else { 0.0 })).magnitude());
+        miss.fold(point(0.0), |sum, miss| sum + point(miss)).upper
+    };
+    let miss = rest.iter().enumerate().map(miss).fold(0.0, f64::max);
+    // The Neumann series of the inverse of 1 + E, with |E| = miss in the row-sum norm.
+    let far = (1.0 + 1e-9) * miss / (1.0 - miss);
+    if !(0.0..0.5).contains(&far) {
+        return None;
+    }
+    for j in 0..all.len() {
+        let most = all.iter().map(|row| row[j].magnitude()).fold(0.0, f64::max);
+        let by = point(far) * most;
+        all.iter_mut().for_each(|row| row[j] = row[j] + (-by).hull(by));
+    }
+    Some(all)
+}
+
+/// A plan in numbers, and the boxes of its errors.
+struct Flight<'a> {
+    system: &'a HybridSystem,
+    /// T, and the matrix that turns the error e into the error of the state and then of the input.
+    both: Intervals,
+    inverse: Intervals,
+    certificate: RobustCertificate,
+    /// The factor of all disturbances.
+    scale: f64,
+}
+
+/// Simulates all runs of a plan whose disturbances lie within `scale` times their ranges.
+pub(super) fn certify(
+    system: &HybridSystem,
+    run: &HybridRun,
+    feedback: &Feedback,
+    scale: f64,
+) -> Result<RobustCertificate, Error> {
+    let n = system.states.len();
+    let shape = exact(&feedback.shape);
+    let fed = product(&exact(feedback.gain().faer()), &shape);
+    let Some(inverse) = inverse(&feedback.shape, &feedback.inverse) else {
+        let help = "give the feedback a gain with smaller entries";
+        let statement = "the tube of the feedback".to_owned();
+        return Err(RobustError::Statement { statement, kind: "too flat", help }.into());
+    };
+    let certificate = RobustCertificate {
+        states: Vec::new(),
+        largest_violation: 0.0,
+        least_slack: f64::INFINITY,
+        errors: vec![vec![point(0.0); n]],
+    };
+    let both = [&shape[..], &fed].concat();
+    let mut flight = Flight { system, both, inverse, certificate, scale };
+    let series = |values: Vec<&[f64]>, t: usize| -> Vec<f64> {
+        values.iter().filter_map(|values| values.get(t)).copied().collect()
+    };
+    let states = system.states.iter().map(|(name, _)| run.state(name));
+    let states = states.collect::<Result<Vec<&[f64]>, Error>>()?;
+    let inputs = system.inputs.iter().map(|(name, _)| run.input(name));
+    let inputs = inputs.collect::<Result<Vec<&[f64]>, Error>>()?;
+    let mut taken = Vec::new();
+    for choice in &system.choices {
+        let by_name = |name: &String| choice.transitions.iter().find(|own| own.name == *name);
+        taken.push(run.transitions(&choice.name)?.iter().filter_map(by_name).collect::<Vec<_>>());
+    }
+    let steps = taken.first().map_or(0, Vec::len);
+    for t in 0..steps {
+        let start = [series(states.clone(), t), series(inputs.clone(), t)].concat();
+        let next = series(states.clone(), t + 1);
+        let members = taken.iter().filter_map(|own| own.get(t)).copied().collect::<Vec<_>>();
+        flight.sample(t, &start[..n])?;
+        flight.conditions(t, &start, &members)?;
+        flight.advance(t, &start, &members, &next);
+    }
+    flight.sample(steps, &series(states, steps))?;
+    Ok(flight.certificate)
+}
+
+impl Flight<'_> {
+    fn width(&self) -> usize {
+        self.both.len()
+    }
+
+    /// The factors of the error e in a map.
+    fn factors(&self, map: &Map) -> Vec<Interval> {
+        let row: Vec<Interval> = map.factors.iter().map(|factor| point(*factor)).collect();
+        product(&[row], &self.both).swap_remove(0)
+    }
+
+    fn errors(&self) -> &[Interval] {
+        self.certificate.errors.last().map_or(&[], Vec::as_slice)
+    }
+
+    /// The values of a map over all runs.
+    fn over(&self, map: &Map, start: &[f64]) -> Interval {
+        let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
+        map.over(&at) + dot(&self.factors(map), self.errors())
+    }
+
+    /// Notes by how much a value of all runs is above 0, and refuses more than a tolerance.
+    fn below(
+        &mut self,
+        step: usize,
+        condition: Condition,
+        value: f64,
+        size: f64,
+    ) -> Result<(), Error> {
+        self.certificate.least_slack = self.certificate.least_slack.min(-value);
+        // NaN fails as well.
+        if value <= MISS * margin_scale(size, 0.0) {
+            self.certificate.largest_violation = self.certificate.largest_violation.max(value);
+            return Ok(());
+        }
+        Err(RobustError::Condition { step, condition, violation: value }.into())
+    }
+
+    fn excess(
+        &mut self,
+        step: usize,
+        condition: Condition,
+        map: &Map,
+        start: &[f64],
+    ) -> Result<(), Error> {
+        let terms = map.factors.iter().zip(start).map(|(a, x)| (a * x).abs());
+        let size = terms.fold(map.constant.abs(), f64::max);
+        let value = self.over(map, start).upper;
+        self.below(step, condition, value, size)
+    }
+
+    fn norm(
+        &mut self,
+        step: usize,
+        condition: Condition,
+        limit: &NormLimit,
+        flow: Option<&[Map]>,
+        start: &[f64],
+    ) -> Result<(), Error> {
+        let maps = limit.maps(flow, self.width(), step);
+        let values: Vec<Interval> = maps.iter().map(|map| self.over(map, start)).collect();
+        let Some((bound, entries)) = values.split_last() else { return Ok(()) };
+        let squares = entries
+            .iter()
+            .fold(point(0.0), |sum, entry| sum + point(entry.magnitude()) * entry.magnitude());
+        let length = squares.upper.sqrt().next_up();
+        let value = (point(length) + -point(bound.lower)).upper;
+        self.below(step, condition, value, length)
+    }
+
+    /// The conditions of a sample, and the box of its states.
+    fn sample(&mut self, sample: usize, state: &[f64]) -> Result<(), Error> {
+        let (system, width) = (self.system, self.width());
+        let n = state.len();
+        let shape = &self.both[..n];
+        let errors = shape.iter().map(|row| dot(row, self.errors())).collect::<Vec<_>>();
+        for ((name, domain), (value, error)) in system.states.iter().zip(state.iter().zip(&errors))
+        {
+            let value = point(*value) + *error;
+            let above = (value + point(-domain.upper)).upper;
+            let beyond = above.max((point(domain.lower) + -value).upper);
+            let condition = Condition::Domain { state: name.clone() };
+            self.below(sample, condition, beyond, domain.magnitude())?;
+        }
+        self.certificate.states.push(errors);
+        let mut start = state.to_vec();
+        start.resize(width, 0.0);
+        for limit in system.limits.iter().filter(|limit| !limit.is_joint(n)) {
+            let condition = Condition::Limit { name: limit.name.clone() };
+            if let Some(map) = affine::excess(limit, width, sample) {
+                self.excess(sample, condition, &map, &start)?;
+            }
+        }
+        for limit in system.norms.iter().filter(|limit| !limit.is_joint(n)) {
+            let condition = Condition::Limit { name: limit.name.clone() };
+            self.norm(sample, condition, limit, None, &start)?;
+        }
+        Ok(())
+    }
+
+    /// The conditions of a step: limits, guards and ranges of the transitions that are taken.
+    fn conditions(
+        &mut self,
+        step: usize,
+        start: &[f64],
+        taken: &[&Transition],
+    ) -> Result<(), Error> {
+        let (system, width, n) = (self.system, self.width(), self.inverse.len());
+        for limit in system.limits.iter().filter(|limit| limit.is_joint(n)) {
+            let condition = Condition::Limit { name: limit.name.clone() };
+            if let Some(map) = affine::excess(limit, width, step) {
+                self.excess(step, condition, &map, start)?;
+            }
+        }
+        for limit in system.norms.iter().filter(|limit| limit.is_joint(n)) {
+            let condition = Condition::Limit { name: limit.name.clone() };
+            self.norm(step, condition, limit, None, start)?;
+        }
+        for (u, (name, _)) in system.inputs.iter().enumerate() {
+            let range = system.input_range_of(taken, u, step);
+            let mut map = Map::constant(width, -range.upper);
+            map.factors[n + u] = 1.0;
+            let condition = Condition::InputRange { input: name.clone() };
+            self.excess(step, condition.clone(), &map, start)?;
+            let mut map = Map::constant(width, range.lower);
+            map.factors[n + u] = -1.0;
+            self.excess(step, condition, &map, start)?;
+        }
+        for transition in taken {
+            let flow = affine::flow(&transition.flow);
+            for guard in &transition.guards {
+                let condition = Condition::Guard { name: guard.name.clone() };
+                if let Some(map) = affine::excess(guard, width, step) {
+                    self.excess(step, condition, &map, start)?;
+                }
+            }
+            for guard in &transition.prediction_guards {
+                let condition = Condition::PredictionGuard { name: guard.name.clone() };
+                let limit = guard.limit_at(step);
+                let factors = guard.normal.iter().copied();
+                if limit.is_finite() {
+                    let map = affine::combine(factors, &flow, width, -limit);
+                    self.excess(step, condition, &map, start)?;
+                }
+            }
+            for limit in &transition.norms {
+                let condition = Condition::Guard { name: limit.name.clone() };
+                self.norm(step, condition, limit, None, start)?;
+            }
+            for limit in &transition.prediction_norms {
+                let condition = Condition::PredictionGuard { name: limit.name.clone() };
+                self.norm(step, condition, limit, Some(&flow), start)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The box of errors after a step: the closed loop of the transitions, the disturbance, the spread of
+    /// uncertain parameters, and what the plan's next sample is off.
+    fn advance(&mut self, step: usize, start: &[f64], taken: &[&Transition], next: &[f64]) {
+        let (n, width) = (next.len(), self.width());
+        let behaviours: Vec<Vec<Map>> = taken
+            .iter()
+            .map(|own| affine::behaviour(self.system, own, &[], Vec::new(), step).next)
+            .collect();
+        let common = self.system.flow.as_ref().map(affine::flow);
+        let parts: Vec<&[Map]> = behaviours.iter().map(Vec::as_slice).collect();
+        let maps = affine::sum(common.as_deref(), &parts);
+        // In the states' own directions: the closed loop, and what does not depend on the error.
+        let mut closed: Intervals = maps.iter().map(|map| self.factors(map)).collect();
+        let mut added: Vec<Interval> = (0..n)
+            .map(|i| {
+                let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
+                // Sums of maps are rounded.
+                let off = maps[i].over(&at) + point(-next[i]);
+                let size =
+                    maps[i].magnitudes().at(&start.iter().map(|x| x.abs()).collect::<Vec<_>>());
+                let by = self.system.disturbance.get(i).copied().unwrap_or(point(0.0));
+                off + by * self.scale + Interval::new(-1e-15 * size, 1e-15 * size)
+            })
+            .collect();
+        for row in &mut closed {
+            row.iter_mut().for_each(|entry| {
+                let by = 1e-15 * entry.magnitude();
+                *entry = *entry + Interval::new(-by, by);
+            });
+        }
+        for own in taken {
+            let flow = affine::flow(&own.flow);
+            for parameter in &own.uncertain {
+                let range = parameter.range * self.scale;
+                for (i, added) in added.iter_mut().enumerate() {
+                    let offset = parameter.effect.offset.get(step);
+                    let offset = offset.and_then(|offset| offset.get(i)).copied().unwrap_or(0.0);
+                    let factors = (0..n).map(|j| parameter.effect.matrix[(i, j)]);
+                    let map = affine::combine(factors, &flow, width, offset);
+                    *added = *added + times(self.over(&map, start), range);
+                }
+            }
+        }
+        let closed = product(&self.inverse, &closed);
+        let errors = self.errors();
+        let all = closed.iter().zip(&self.inverse);
+        let after = all.map(|(row, inverse)| dot(row, errors) + dot(inverse, &added)).collect();
+        self.certificate.errors.push(after);
+    }
+}

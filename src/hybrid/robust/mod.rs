@@ -1,0 +1,29 @@
+//! Plans that hold for every disturbance within stated ranges.
+//!
+//! | part | file |
+//! | --- | --- |
+//! | feedbacks, and the directions of their errors | `robust/feedback.rs` |
+//! | a program with a tube | `robust/program.rs` |
+//! | the tube as rows: how it grows, what it takes of the system's limits | `robust/tube.rs` |
+//! | the program's own statements, tightened | `robust/tighten.rs` |
+//! | the certificate, by interval simulation | `robust/certificate.rs` |
+//! | plans and their promise | `robust/plan.rs` |
+//! | several cases with the inputs shared until they differ | `robust/scenarios.rs` |
+//! | what can be refused | `robust/error.rs` |
+//!
+//! Disturbed runs are flown by `simulate/disturbed.rs`.
+
+mod certificate;
+mod error;
+mod feedback;
+mod plan;
+mod program;
+mod scenarios;
+mod tighten;
+mod tube;
+
+pub use certificate::RobustCertificate;
+pub use error::RobustError;
+pub use feedback::Feedback;
+pub use plan::RobustPlan;
+pub use program::RobustProgram;

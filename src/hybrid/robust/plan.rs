@@ -1,0 +1,166 @@
+//! Plans that hold for every disturbance, and their promise in words.
+
+use std::fmt;
+
+use super::certificate::{MISS, RobustCertificate, certify};
+use super::error::RobustError;
+use super::feedback::Feedback;
+use super::program::RobustProgram;
+use super::tighten::{TightRow, TightStatement};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::hybrid::program::HybridPlan;
+use crate::hybrid::simulate::DisturbedRun;
+#[cfg(doc)]
+use crate::hybrid::system::HybridSystem;
+use crate::interval::Interval;
+use crate::model::{Family, Sense, Variable};
+use crate::number::{DIGITS, rounded};
+use crate::tolerance::margin_scale;
+
+/// A plan that holds for every disturbance within the ranges of its system, which has been certified by
+/// interval simulation.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct RobustPlan {
+    /// The plan without disturbance, around which the feedback keeps the runs.
+    pub plan: HybridPlan,
+    /// What interval simulation has found about all disturbed runs.
+    pub certificate: RobustCertificate,
+    feedback: Feedback,
+    sense: Sense,
+    radius: Vec<Family>,
+    tightened: Vec<TightStatement>,
+}
+
+/// The promise, the price if it is known, and the plan with the width of each state.
+impl fmt::Display for RobustPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let system = self.plan.system();
+        let mut ranges = Vec::new();
+        for ((name, _), range) in system.states.iter().zip(&system.disturbance) {
+            if range.magnitude() > 0.0 {
+                ranges.push(format!("{name} by [{}, {}]", range.lower, range.upper));
+            }
+        }
+        for own in system.transitions() {
+            let parameters = own.uncertain.iter().filter(|p| p.range.magnitude() > 0.0);
+            ranges.extend(parameters.map(|parameter| {
+                let Interval { lower, upper } = parameter.range;
+                format!("the parameter of `{}` by [{lower}, {upper}]", own.name)
+            }));
+        }
+        match ranges.is_empty() {
+            true => writeln!(f, "nothing disturbs the system: the plan is the nominal one")?,
+            false => writeln!(
+                f,
+                "for every disturbance in these ranges, in every step anew, the run takes these \
+                 transitions and keeps every limit: {}",
+                ranges.join(", ")
+            )?,
+        }
+        for (i, (name, _)) in system.states.iter().enumerate() {
+            let widths = self.certificate.states.iter().map(|sample| sample[i].magnitude());
+            let most = rounded(widths.fold(0.0, f64::max), DIGITS.min(4));
+            writeln!(f, "{name} stays within {most} of the plan")?;
+        }
+        if let Some(objective) = self.plan.solution.objective() {
+            writeln!(f, "objective {objective}, {}", self.plan.solution.termination())?;
+        }
+        f.write_str(&self.plan.run.to_csv())
+    }
+}
+
+impl RobustPlan {
+    pub(super) fn of(
+        program: &RobustProgram,
+        solution: &crate::solution::Solution,
+    ) -> Result<Self, Error> {
+        let plan = program.program.plan(solution)?;
+        let certificate = certify(plan.system(), &plan.run, &program.feedback, 1.0)?;
+        let robust = RobustPlan {
+            plan,
+            certificate,
+            feedback: program.feedback.clone(),
+            sense: program.program.model().sense(),
+            radius: program.radius.clone(),
+            tightened: program.tightened.clone(),
+        };
+        robust.check_statements(&robust.certificate)?;
+        Ok(robust)
+    }
+
+    /// The feedback by which the plan is flown: `u = v + K (x - z)`.
+    pub fn feedback(&self) -> &Feedback {
+        &self.feedback
+    }
+
+    /// Certifies the plan again, for ranges that are `scale` times those of the system.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Other`] with a [`RobustError`] as its source, which names the condition that some
+    /// disturbance may violate.
+    pub fn certify(&self, scale: f64) -> Result<RobustCertificate, Error> {
+        let certificate = certify(self.plan.system(), &self.plan.run, &self.feedback, scale)?;
+        self.check_statements(&certificate)?;
+        Ok(certificate)
+    }
+
+    /// By how much the objective is worse than that of a nominal plan: the price of the promise, in the
+    /// objective's unit. `None` if a plan has no objective.
+    pub fn price(&self, nominal: &HybridPlan) -> Option<f64> {
+        let own = self.plan.solution.objective()?;
+        let worse = own - nominal.solution.objective()?;
+        Some(self.sense.sign() * worse)
+    }
+
+    /// Flies the plan in a disturbed world, with its feedback; see [`HybridSystem::fly`].
+    ///
+    /// # Errors
+    ///
+    /// None for the plan's own system.
+    pub fn simulate(&self, draw: &mut dyn FnMut(Interval) -> f64) -> Result<DisturbedRun, Error> {
+        self.plan.system().fly(&self.plan.run, self.feedback.gain(), draw)
+    }
+
+    /// Checks the statements of the program over the boxes of a certificate.
+    fn check_statements(&self, certificate: &RobustCertificate) -> Result<(), Error> {
+        let Some(point) = self.plan.solution.point() else { return Ok(()) };
+        let value = |variable: Variable| -> f64 {
+            let own = self.radius.iter().enumerate().find_map(|(k, family)| {
+                let sample = family.iter().position(|own| own == variable)?;
+                Some(certificate.errors.get(sample)?.get(k)?.magnitude())
+            });
+            own.unwrap_or_else(|| point.value(variable).unwrap_or(f64::NAN))
+        };
+        for TightStatement { statement, condition, row, width } in &self.tightened {
+            let is_on = |variable: Variable| value(variable) > 0.5;
+            if condition.as_ref().is_some_and(|condition| !condition.is_true(is_on)) {
+                continue;
+            }
+            let half = width.evaluate(value);
+            let (violation, size) = match row {
+                TightRow::Linear(row) => {
+                    let sum: f64 = row.terms.iter().map(|&(v, a)| a * value(v)).sum();
+                    let sizes = row.terms.iter().map(|&(v, a)| (a * value(v)).abs());
+                    let miss = (sum + half - row.upper).max(row.lower - sum + half);
+                    (miss, sizes.fold(0.0, f64::max))
+                }
+                TightRow::Norm { entries, bound } => {
+                    let length = entries
+                        .iter()
+                        .fold(0.0_f64, |length, entry| length.hypot(entry.evaluate(value)));
+                    (length + half - bound.evaluate(value), length)
+                }
+            };
+            // NaN fails as well.
+            if violation.is_nan() || violation > MISS * margin_scale(size, 0.0) {
+                let statement = statement.clone();
+                return Err(RobustError::Violated { statement, violation }.into());
+            }
+        }
+        Ok(())
+    }
+}
