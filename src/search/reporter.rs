@@ -4,11 +4,13 @@ use web_time::{Duration, Instant};
 
 use super::tree::Tree;
 use crate::solution::Termination;
-use crate::solver::{Control, Event, Incumbent};
+use crate::solver::{Control, Event, Incumbent, TreeExchange};
 
 /// Decides when to send events.
 pub(super) struct Reporter<'w, 'c> {
     control: &'w mut Control<'c>,
+    /// The exchange with other processes, if the tree is searched together with them.
+    pub(super) exchange: Option<&'c mut dyn TreeExchange>,
     root_done: bool,
     incumbent: Option<f64>,
     last: Instant,
@@ -16,7 +18,8 @@ pub(super) struct Reporter<'w, 'c> {
 
 impl<'w, 'c> Reporter<'w, 'c> {
     pub(super) fn new(control: &'w mut Control<'c>) -> Self {
-        Reporter { control, root_done: false, incumbent: None, last: Instant::now() }
+        let last = Instant::now();
+        Reporter { control, exchange: None, root_done: false, incumbent: None, last }
     }
 
     pub(super) fn report(&mut self, tree: &Tree<'_>) {
