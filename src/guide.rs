@@ -22,6 +22,9 @@ pub mod scenes {}
 #[doc = include_str!("../docs/my_search_does_not_finish.md")]
 pub mod my_search_does_not_finish {}
 
+#[doc = include_str!("../docs/cluster.md")]
+pub mod cluster {}
+
 #[doc = "[`HybridSystem`]: crate::hybrid::HybridSystem"]
 #[doc = include_str!("../docs/reach_sets.md")]
 pub mod reach_sets {}

@@ -18,6 +18,7 @@ GUIDES = [
     ("Scenes: vehicles among walls", "docs/scenes.md", ["hybrid::scene"]),
     ("Models", "docs/modelling.md", ["model", "reformulate"]),
     ("A search that does not finish", "docs/my_search_does_not_finish.md", ["solver", "explain"]),
+    ("On a cluster", "docs/cluster.md", ["sweep"]),
     ("How horizons are refuted", "docs/reach_sets.md", ["hybrid::reach"]),
     ("The paper, equation by equation", "docs/formulation.md", ["collision_tolerant"]),
     ("Examples",),

@@ -89,11 +89,7 @@ impl Solve<'_> {
             SolveTask::new(presolved.program(), judge, self.ladders, self.options, self.token);
         let start = known.start.map(|start| presolved.carry(start));
         let carried = EarlierResults { start: start.as_ref(), ..*known };
-        let in_blocks = if start.is_none() && !control.has_exchange() {
-            search_blocks(task, control)
-        } else {
-            None
-        };
+        let in_blocks = if start.is_none() { search_blocks(task, control) } else { None };
         let found = in_blocks.unwrap_or_else(|| search_task(task, &carried, control));
         restore(self, known, &presolved, found)
     }

@@ -62,7 +62,7 @@ pub fn search(
     let mut reporter = Reporter::new(control);
     reporter.exchange = exchange;
     if let Some(exchange) = reporter.exchange.as_deref_mut() {
-        shared_tree::begin(&tree, exchange);
+        reporter.drops_nodes = shared_tree::begin(&tree, exchange);
     }
     if rounds {
         deterministic::run(&tree, &mut reporter);

@@ -11,6 +11,8 @@ pub(super) struct Reporter<'w, 'c> {
     control: &'w mut Control<'c>,
     /// The exchange with other processes, if the tree is searched together with them.
     pub(super) exchange: Option<&'c mut dyn TreeExchange>,
+    /// Whether the nodes below the root are another process's.
+    pub(super) drops_nodes: bool,
     root_done: bool,
     incumbent: Option<f64>,
     last: Instant,
@@ -19,7 +21,14 @@ pub(super) struct Reporter<'w, 'c> {
 impl<'w, 'c> Reporter<'w, 'c> {
     pub(super) fn new(control: &'w mut Control<'c>) -> Self {
         let last = Instant::now();
-        Reporter { control, exchange: None, root_done: false, incumbent: None, last }
+        Reporter {
+            control,
+            exchange: None,
+            drops_nodes: false,
+            root_done: false,
+            incumbent: None,
+            last,
+        }
     }
 
     pub(super) fn report(&mut self, tree: &Tree<'_>) {

@@ -16,25 +16,26 @@ struct OwnPart<'t, 'a> {
     plunge: &'t mut Option<Node>,
 }
 
-/// Tells an exchange that a search begins, which may take the root away.
-pub(super) fn begin(tree: &Tree<'_>, exchange: &mut dyn TreeExchange) {
-    if exchange.begin(fingerprint(tree.task.exact.unwrap_or(tree.task.program))) {
-        return;
-    }
-    let mut state = tree.lock();
-    while state.queue.pop().is_some() {
-        tree.open.fetch_sub(1, Ordering::Relaxed);
-    }
+/// Tells an exchange that a search begins; whether the nodes below the root are another process's. The root
+/// itself is searched by all of them, because nodes from elsewhere start from the state that it leaves.
+pub(super) fn begin(tree: &Tree<'_>, exchange: &mut dyn TreeExchange) -> bool {
+    !exchange.begin(fingerprint(tree.task.exact.unwrap_or(tree.task.program)))
 }
 
 /// Lets an exchange act after a node.
 pub(super) fn meet(
     tree: &Tree<'_>,
-    exchange: &mut dyn TreeExchange,
+    reporter: &mut Reporter<'_, '_>,
     view: &TreeView<'_>,
     plunge: &mut Option<Node>,
 ) {
-    exchange.meet(&mut OwnPart { tree, plunge }, false);
+    let drops_nodes = std::mem::take(&mut reporter.drops_nodes);
+    let Some(exchange) = reporter.exchange.as_deref_mut() else { return };
+    let mut part = OwnPart { tree, plunge };
+    if drops_nodes {
+        part.take_all();
+    }
+    exchange.meet(&mut part, false);
     tree.lock().floors[view.id] = plunge.as_ref().map(|node| node.bound);
 }
 
@@ -49,8 +50,13 @@ pub(super) fn wait<'a>(
         if let Some(reason) = tree.task.token.ended() {
             tree.stop(reason);
         }
+        let drops_nodes = std::mem::take(&mut reporter.drops_nodes);
         let exchange = reporter.exchange.as_deref_mut()?;
-        if !exchange.meet(&mut OwnPart { tree, plunge: &mut None }, true) {
+        let mut part = OwnPart { tree, plunge: &mut None };
+        if drops_nodes {
+            part.take_all();
+        }
+        if !exchange.meet(&mut part, true) {
             return None;
         }
         reporter.report(tree);

@@ -209,8 +209,8 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Searches a tree together with other processes. The program is then searched as a whole, on one
-    /// thread, and by one way of branching.
+    /// Searches a tree together with other processes: on one thread, and by one way of branching. A program
+    /// of independent blocks is searched by every process alone.
     #[doc(hidden)]
     pub fn with_exchange(mut self, exchange: &'a mut dyn TreeExchange) -> Self {
         self.exchange = Some(exchange);

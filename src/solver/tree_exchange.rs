@@ -105,7 +105,8 @@ pub trait TreePart {
 /// Carries nodes and points between the parts of a tree.
 #[doc(hidden)]
 pub trait TreeExchange {
-    /// A search begins; whether this process begins with the root of the tree, or else with nothing.
+    /// A search begins; whether the nodes below the root are this process's. All processes search the root,
+    /// and the others forget its children.
     ///
     /// # Arguments
     ///

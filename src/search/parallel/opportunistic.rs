@@ -93,9 +93,7 @@ fn work(
             state.floors[view.id] = Some(bound);
             drop(state);
             reporter.report(tree);
-            if let Some(exchange) = reporter.exchange.as_deref_mut() {
-                shared_tree::meet(tree, exchange, worker.tree(), &mut plunge);
-            }
+            shared_tree::meet(tree, reporter, worker.tree(), &mut plunge);
         }
     }
     tree.take_in(&mut tree.lock(), worker.tree().take_report());
