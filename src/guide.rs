@@ -34,6 +34,7 @@ pub mod reach_sets {}
 pub mod formulation {}
 
 #[doc = "[benchmarks]: crate::guide::benchmarks"]
+#[doc = "[on a cluster]: crate::guide::cluster"]
 #[doc = "[tutorial]: crate::guide::tutorial"]
 #[doc = include_str!("../docs/gallery.md")]
 pub mod gallery {}

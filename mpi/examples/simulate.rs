@@ -15,6 +15,7 @@ mod instances;
 mod simulation;
 
 use std::error::Error;
+use std::time::Instant;
 
 use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
@@ -29,40 +30,46 @@ const QUANTILES: usize = 200;
 
 /// Notes when nodes end.
 struct Watch {
-    last: f64,
+    last: Instant,
     seconds: Vec<f64>,
-}
-
-/// The time that this thread had a processor, in s, as Linux counts it: others may use the machine as well.
-fn processor_time() -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = text.split(' ').next().and_then(|word| word.parse::<f64>().ok());
-    1e-9 * nanoseconds.unwrap_or(f64::NAN)
 }
 
 impl TreeExchange for Watch {
     fn begin(&mut self, _: u64) -> bool {
-        self.last = processor_time();
+        self.last = Instant::now();
         true
     }
 
     fn meet(&mut self, _: &mut dyn TreePart, is_idle: bool) -> bool {
-        let now = processor_time();
+        let now = Instant::now();
         if !is_idle {
-            self.seconds.push(now - self.last);
+            self.seconds.push((now - self.last).as_secs_f64());
         }
         self.last = now;
         false
     }
 }
 
-/// The times of the nodes of a tree, in s, in order of size.
+/// The time that this thread had a processor, in s, as Linux counts it.
+fn processor_time() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split(' ').next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
+}
+
+/// The times of the first nodes of a tree, in s, in order of size. Where others use the machine as well, all
+/// of them are shortened alike.
 fn measure() -> Result<Vec<f64>, Box<dyn Error>> {
-    let mut watch = Watch { last: 0.0, seconds: Vec::new() };
-    let model = instances::generators::puck(25, 0.2);
+    let mut watch = Watch { last: Instant::now(), seconds: Vec::new() };
+    let model = instances::generators::puck(20, 0.33);
+    // As a whole, because independent parts are searched without an exchange.
+    let options = Options::default().with_blocks(false).with_node_limit(1000);
+    let (began, processor) = (Instant::now(), processor_time());
     let mut control = Control::default().with_exchange(&mut watch);
-    let solution = BranchAndBound::default().solve_with(&model, &mut control)?;
+    let solution = BranchAndBound::new(options).solve_with(&model, &mut control)?;
     drop(control);
+    let own = processor.zip(processor_time()).map(|(before, after)| after - before);
+    let share = own.map_or(1.0, |own| own / began.elapsed().as_secs_f64());
+    watch.seconds.iter_mut().for_each(|seconds| *seconds *= share);
     println!("{}: {} nodes", solution.termination(), watch.seconds.len());
     watch.seconds.sort_by(f64::total_cmp);
     Ok(watch.seconds)

@@ -87,9 +87,9 @@ fn read(path: &str) -> Result<Model, Box<dyn Error>> {
     let text = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
     let extension = Path::new(path).extension().and_then(|extension| extension.to_str());
     Ok(match extension {
-        Some("lp") => lp::read(&text)?,
-        Some("mps") => mps::read(&text)?,
-        Some("cbf") => cbf::read(&text)?,
+        Some("lp") => lp::read(&text)?.model,
+        Some("mps") => mps::read(&text)?.model,
+        Some("cbf") => cbf::read(&text)?.model,
         Some("json") => serde_json::from_str(&text)?,
         _ => return Err(format!("{path}: the name ends in none of .lp, .mps, .cbf, .json").into()),
     })

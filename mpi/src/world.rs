@@ -31,8 +31,8 @@ impl Channel for World<'_> {
     }
 
     fn receive(&mut self) -> Option<(usize, Vec<u8>)> {
-        let (message, _) = self.world.any_process().immediate_matched_probe()?;
-        let (bytes, status) = message.matched_receive_vec::<u8>();
+        let found = self.world.any_process().immediate_matched_probe()?;
+        let (bytes, status) = found.matched_receive_vec::<u8>();
         Some((status.source_rank() as usize, bytes))
     }
 }

@@ -20,7 +20,7 @@ const BATCH: usize = 16;
 const GROUP: usize = 64;
 
 /// Nodes a rank, about.
-const NODES: u64 = 2000;
+const NODES: u64 = 1000;
 
 /// Who decides where nodes go.
 #[derive(Clone, Copy, PartialEq)]
