@@ -29,6 +29,9 @@ pub mod missions {}
 #[doc = include_str!("../docs/my_search_does_not_finish.md")]
 pub mod my_search_does_not_finish {}
 
+#[doc = include_str!("../docs/cluster.md")]
+pub mod cluster {}
+
 #[doc = "[`HybridSystem`]: crate::hybrid::HybridSystem"]
 #[doc = include_str!("../docs/reach_sets.md")]
 pub mod reach_sets {}
@@ -46,6 +49,7 @@ pub mod robust_plans {}
 
 #[doc = "[benchmarks]: crate::guide::benchmarks"]
 #[doc = "[robust]: crate::guide::robust_plans"]
+#[doc = "[on a cluster]: crate::guide::cluster"]
 #[doc = "[tutorial]: crate::guide::tutorial"]
 #[doc = include_str!("../docs/gallery.md")]
 pub mod gallery {}

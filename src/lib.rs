@@ -30,6 +30,8 @@ mod setters;
 pub mod solution;
 pub mod solver;
 mod sum;
+#[cfg(not(target_family = "wasm"))]
+pub mod sweep;
 pub mod tolerance;
 #[cfg(feature = "serde")]
 mod wire;

@@ -29,6 +29,7 @@ mod progress;
 mod relaxation_method;
 mod rules;
 mod stop_token;
+mod tree_exchange;
 
 pub use certificate::{Certificate, certify};
 #[doc(alias = "callback")]
@@ -47,6 +48,7 @@ pub use rules::BranchingRule;
 #[doc(alias = "cancel")]
 pub use stop_token::StopToken;
 pub(crate) use stop_token::uninterrupted;
+pub use tree_exchange::{Elsewhere, OpenNode, PartState, TreeExchange, TreePart};
 
 use crate::error::Error;
 use crate::model::Model;

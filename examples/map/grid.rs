@@ -1,10 +1,12 @@
 //! The cells of the map, searched on all cores.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::path::PathBuf;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use carom::collision_tolerant::{PlanningOptions, Scenario};
 use carom::hybrid::{Refutation, ShortestOptions, ShortestStatus, Verdict};
 use carom::prelude::*;
+use carom::sweep::{Sweep, SweepRecord, SweepResults};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The nearest and the farthest destination, in m.
@@ -16,6 +18,8 @@ pub(crate) struct Cell {
     /// Distance of the destination from the wall, in m.
     pub(crate) goal: f64,
     pub(crate) restitution: f64,
+    /// Whether it was not searched: by this run or those before it.
+    pub(crate) is_missing: bool,
     /// The shortest horizon without collisions, in steps, where it is proved.
     pub(crate) free: Option<usize>,
     /// The shortest horizon with collisions tolerated, in steps, where it is proved.
@@ -62,44 +66,92 @@ pub(crate) struct Map {
     pub(crate) time_step: f64,
     pub(crate) cells: Vec<Cell>,
     pub(crate) effort: Effort,
-    pub(crate) threads: usize,
+    pub(crate) results: SweepResults,
 }
 
 impl Map {
     /// Searches the shortest horizons of `size` destinations times `size` restitutions.
     ///
-    /// After an interrupt, the remaining cells have no proof.
-    pub(crate) fn solve(size: usize, time_step: f64, interrupt: &Interrupt) -> Result<Map, Error> {
+    /// After an interrupt, or of other shards, cells are missing.
+    ///
+    /// # Arguments
+    ///
+    /// * `file`: where the results are kept and looked for, a line a cell.
+    /// * `shard`: the share of the cells to search, as `i/n`.
+    pub(crate) fn solve(
+        (size, time_step): (usize, f64),
+        (file, shard): (Option<PathBuf>, Option<&str>),
+        interrupt: &Interrupt,
+    ) -> Result<Map, Error> {
         let goals = evenly(GOALS.0, GOALS.1, size);
         let restitutions = evenly(0.0, 1.0, size);
         let paper = Scenario::paper().with_time_step(time_step);
         paper.check()?;
-        let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get());
-        let mut effort = Effort::default();
+        let sweep = Sweep::grid(
+            &format!("map of steps of {time_step} s"),
+            [("restitution", restitutions.clone()), ("goal", goals.clone())],
+        )?;
+        let mut sweep = sweep.with_interrupt(interrupt);
+        if let Some(path) = file {
+            sweep = sweep.with_file(path);
+        }
+        if let Some(shard) = shard {
+            sweep = sweep.with_shard(shard)?;
+        }
         let options = ShortestOptions::default().with_interrupt(interrupt);
+        let effort = Mutex::new(Effort::default());
+        let count = |found: &Found| {
+            effort.lock().unwrap_or_else(PoisonError::into_inner).add(found);
+        };
 
         // Without collisions the restitution does not matter.
-        let bar = bar(size * (size + 1));
-        let free = in_parallel(threads, size, &bar, |k| {
-            let scenario = paper.clone().with_goal_position(goals[k]).collision_free();
-            search(&scenario, options.clone())
-        })?;
-        let tolerant = in_parallel(threads, size * size, &bar, |k| {
-            let scenario = paper.clone().with_restitution(restitutions[k / size])?;
-            let scenario = scenario.with_goal_position(goals[k % size]);
-            search_below(&scenario, options.clone(), free[k % size].steps)
+        let free: Vec<OnceLock<Option<usize>>> = vec![OnceLock::new(); size];
+        let bar = bar(sweep.len());
+        let results = sweep.run(|case| {
+            let goal = case.index() % size;
+            let steps = match free[goal].get() {
+                Some(steps) => *steps,
+                None => {
+                    let scenario = paper.clone().with_goal_position(goals[goal]).collision_free();
+                    let found = search(&scenario, options.clone())?;
+                    count(&found);
+                    *free[goal].get_or_init(|| found.steps)
+                }
+            };
+            let scenario = paper.clone().with_restitution(case.value("restitution"))?;
+            let scenario = scenario.with_goal_position(case.value("goal"));
+            let found = search_below(&scenario, options.clone(), steps)?;
+            count(&found);
+            bar.inc(1);
+            let number = |steps: Option<usize>| steps.map(|steps| steps as f64);
+            let record = SweepRecord::new()
+                .with_number("steps_free", number(steps))
+                .with_number("steps_tolerant", number(found.steps));
+            // What was interrupted is searched again by the next run.
+            let is_whole = !interrupt.is_triggered() || (steps.is_some() && found.steps.is_some());
+            Ok(is_whole.then_some(record))
         })?;
         bar.finish_and_clear();
 
-        free.iter().chain(&tolerant).for_each(|found| effort.add(found));
-        let cell = |(k, found): (usize, &Found)| Cell {
-            goal: goals[k % size],
-            restitution: restitutions[k / size],
-            free: free[k % size].steps,
-            tolerant: found.steps,
+        let cell = |k: usize| {
+            let record = results.record(k);
+            let steps = |name| record?.number(name).map(|steps| steps as usize);
+            Cell {
+                goal: goals[k % size],
+                restitution: restitutions[k / size],
+                is_missing: record.is_none(),
+                free: steps("steps_free"),
+                tolerant: steps("steps_tolerant"),
+            }
         };
-        let cells = tolerant.iter().enumerate().map(cell).collect();
-        Ok(Map { goals, restitutions, time_step, cells, effort, threads })
+        let cells = (0..sweep.len()).map(cell).collect();
+        let effort = effort.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(Map { goals, restitutions, time_step, cells, effort, results })
+    }
+
+    /// The number of cells that were not searched.
+    pub(crate) fn missing(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.is_missing).count()
     }
 
     /// The number of cells without a proof.
@@ -164,39 +216,6 @@ fn search_below(
     }
     let found = search(scenario, options.with_max_steps(free - 1))?;
     Ok(if found.none { Found { steps: Some(free), ..found } } else { found })
-}
-
-/// Calls `work` with the numbers from 0 to `count - 1` and returns the results in that order. The
-/// first error ends the work of all threads.
-fn in_parallel<T: Send>(
-    threads: usize,
-    count: usize,
-    bar: &ProgressBar,
-    work: impl Fn(usize) -> Result<T, Error> + Sync,
-) -> Result<Vec<T>, Error> {
-    let next = AtomicUsize::new(0);
-    let worker = || -> Result<_, Error> {
-        let mut done = Vec::new();
-        loop {
-            let k = next.fetch_add(1, Ordering::Relaxed);
-            if k >= count {
-                return Ok(done);
-            }
-            let result = work(k).inspect_err(|_| next.store(count, Ordering::Relaxed))?;
-            done.push((k, result));
-            bar.inc(1);
-        }
-    };
-    let mut all = std::thread::scope(|scope| {
-        let handles: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
-        let mut all = Vec::new();
-        for handle in handles {
-            all.extend(handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?);
-        }
-        Ok::<_, Error>(all)
-    })?;
-    all.sort_by_key(|(k, _)| *k);
-    Ok(all.into_iter().map(|(_, result)| result).collect())
 }
 
 /// A progress bar, shown only on a terminal.

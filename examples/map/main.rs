@@ -1,15 +1,18 @@
 //! A map of when hitting the wall pays: the shortest horizons with and without collisions, with
 //! proofs, for every pair of a destination and a restitution. The other data are the paper's.
 //!
-//! `cargo run --release --example map [-- --csv] [--out FOLDER] [--size N] [--time-step S]`
+//! `cargo run --release --example map [-- --csv] [--out FOLDER] [--size N] [--time-step S]
+//! [--file FILE] [--shard I/N]`
 //!
 //! * `--csv`: print the rows of a CSV file on standard output and nothing else
 //! * `--out FOLDER`: where the picture `map.svg` goes, `plots` by default
 //! * `--size N`: N destinations times N restitutions, 50 by default
 //! * `--time-step S`: length of a step in s, 0.01 by default
+//! * `--file FILE`: append each cell to this file of JSON lines, and go on where it ends
+//! * `--shard I/N`: search only the I-th of N shares of the cells; join the files to draw the whole map
 //!
 //! Ctrl-C ends the searches; the picture and the rows then have the cells that are proved, and the exit
-//! status is 3. A second Ctrl-C ends the program.
+//! status is 3. A second Ctrl-C ends the program. With a file, the next run searches what is missing.
 
 #[path = "../common/interrupts.rs"]
 mod interrupts;
@@ -28,7 +31,8 @@ use carom::prelude::Interrupt;
 use grid::Map;
 use interrupts::{INTERRUPTED, Signals};
 
-const USAGE: &str = "usage: map [--csv] [--out FOLDER] [--size N] [--time-step S]";
+const USAGE: &str = "usage: map [--csv] [--out FOLDER] [--size N] [--time-step S] [--file FILE] \
+                     [--shard I/N]";
 
 /// The allowed sizes of a map: smaller ones show nothing, larger ones take hours.
 const SIZES: std::ops::RangeInclusive<usize> = 2..=500;
@@ -46,6 +50,7 @@ fn main() -> ExitCode {
 fn run() -> Result<ExitCode, Box<dyn Error>> {
     let (mut csv, mut folder) = (false, PathBuf::from("plots"));
     let (mut size, mut time_step) = (50, 0.01);
+    let (mut file, mut shard) = (None, None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value\n{USAGE}"));
@@ -54,6 +59,8 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
             "--out" => folder = value()?.into(),
             "--size" => size = number(&word, &value()?)?,
             "--time-step" => time_step = number(&word, &value()?)?,
+            "--file" => file = Some(PathBuf::from(value()?)),
+            "--shard" => shard = Some(value()?),
             _ => return Err(format!("unexpected `{word}`\n{USAGE}").into()),
         }
     }
@@ -66,7 +73,7 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
     let interrupt = Interrupt::new();
     let signals = Signals::catch(&interrupt)?;
     let start = Instant::now();
-    let map = Map::solve(size, time_step, &interrupt)?;
+    let map = Map::solve((size, time_step), (file, shard.as_deref()), &interrupt)?;
     let seconds = start.elapsed().as_secs_f64();
     let path = folder.join("map.svg");
     picture::draw(&map, &path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -120,18 +127,21 @@ fn summary(map: &Map, seconds: f64) -> String {
             best.saving(),
         );
     }
-    text += &match map.unproved() {
-        0 => "Every cell is proved".into(),
-        unproved => format!("{unproved} of {all} cells are NOT proved"),
+    text += &match (map.missing(), map.unproved()) {
+        (0, 0) => "Every cell is proved".into(),
+        (0, unproved) => format!("{unproved} of {all} cells are NOT proved"),
+        _ => format!("{}", map.results),
     };
+    if map.results.half_lines() > 0 {
+        text += &format!("; {} half lines were written again", map.results.half_lines());
+    }
     let effort = &map.effort;
     text += &format!(
-        "; reach sets alone refuted {} of {} horizons. {} searches took {seconds:.1} s on {} \
-         threads, {:.1} ms each and {:.1} ms at most.\n",
+        "; reach sets alone refuted {} of {} horizons. {} searches took {seconds:.1} s, {:.1} ms \
+         each and {:.1} ms at most.\n",
         effort.by_sets,
         effort.refuted,
         effort.searches,
-        map.threads,
         1e3 * effort.seconds / effort.searches.max(1) as f64,
         1e3 * effort.longest,
     );

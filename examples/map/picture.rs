@@ -12,6 +12,7 @@ use super::grid::Map;
 /// The colours of no saving and of the largest one, and two between them.
 const RAMP: [[u8; 3]; 4] = [[255, 237, 160], [254, 178, 76], [227, 60, 40], [100, 0, 50]];
 const UNPROVED: &str = "#787878";
+const MISSING: &str = "#b8cfe8";
 
 /// Number of colours of the colour bar.
 const BANDS: usize = 60;
@@ -20,7 +21,12 @@ const BANDS: usize = 60;
 pub(crate) fn draw(map: &Map, path: &Path) -> Result<(), Box<dyn Error>> {
     let title = "Time saved by hitting the wall, every cell proved";
     let partly = "Time saved by hitting the wall, grey cells not proved";
-    let title = if map.unproved() == 0 { title } else { partly };
+    let missing = "Time saved by hitting the wall, blue cells missing, grey ones not proved";
+    let title = match (map.missing(), map.unproved()) {
+        (0, 0) => title,
+        (0, _) => partly,
+        _ => missing,
+    };
     let most = map.cells.iter().map(|cell| cell.saving()).fold(0.0, f64::max).max(1e-9);
     std::fs::write(path, Chart::to_svg(&[cells(map, most), bar(most)], title))?;
     Ok(())
@@ -36,6 +42,7 @@ fn cells(map: &Map, most: f64) -> Chart {
     let colour = |k: usize| {
         let cell = &map.cells[k];
         match (cell.is_proved(), cell.hits()) {
+            (false, _) if cell.is_missing => Some(MISSING.to_owned()),
             (false, _) => Some(UNPROVED.to_owned()),
             (true, true) => Some(ramp(cell.saving() / most)),
             (true, false) => None,

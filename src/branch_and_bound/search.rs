@@ -26,7 +26,7 @@ pub(super) fn search_task(
         None => known.start.cloned(),
     };
     let known = EarlierResults { start: start.as_ref(), ..*known };
-    let mut found = if alternates(task) {
+    let mut found = if alternates(task) && !control.has_exchange() {
         search_in_turns(task, &known, control)
     } else {
         search_once(task, &known, control)

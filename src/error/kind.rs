@@ -417,6 +417,14 @@ pub enum ErrorKind {
         /// The advice on what to do.
         help: &'static str,
     },
+    /// Cases, a shard or a file that are none of a sweep.
+    #[error("{what}; {help}")]
+    Sweep {
+        /// What is wrong, in words.
+        what: String,
+        /// The advice on what to do.
+        help: &'static str,
+    },
     /// A solver broke down, or answered something that its contract excludes.
     #[error("{solver} failed: {message}")]
     Backend {

@@ -8,6 +8,7 @@ use super::parallel::{deterministic, opportunistic};
 use super::proofs::{End, ProofMultipliers, ProofTrial};
 use super::reporter::Reporter;
 use super::root::Root;
+use super::shared_tree;
 use super::start::{Start, StartPoint};
 use super::task::SolveTask;
 use super::trace::span;
@@ -47,10 +48,22 @@ pub fn search(
         Reporter::new(control).report(&tree);
         return tree.into_found();
     }
+    let exchange = control.take_exchange();
+    let alone;
+    let task = if exchange.is_some() {
+        alone = Options { threads: 1, deterministic: false, ..task.options.clone() };
+        SolveTask { options: &alone, ..task }
+    } else {
+        task
+    };
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
     let tree = Tree::new(task, root, start, search_nested, workers);
     let mut reporter = Reporter::new(control);
+    reporter.exchange = exchange;
+    if let Some(exchange) = reporter.exchange.as_deref_mut() {
+        reporter.drops_nodes = shared_tree::begin(&tree, exchange);
+    }
     if rounds {
         deterministic::run(&tree, &mut reporter);
     } else {

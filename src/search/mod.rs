@@ -15,6 +15,7 @@
 //! * `tree` - shared by all workers: queue, best points, bounds, limits
 //! * `tree_view` - one worker's view of the tree
 //! * `reporter` - progress events
+//! * `shared_tree` - a tree that several processes search together
 //!
 //! The program:
 //!
@@ -81,6 +82,7 @@ mod replay;
 mod reporter;
 mod root;
 mod root_point;
+mod shared_tree;
 mod start;
 mod switch_node;
 mod task;

@@ -4,11 +4,15 @@ use web_time::{Duration, Instant};
 
 use super::tree::Tree;
 use crate::solution::Termination;
-use crate::solver::{Control, Event, Incumbent};
+use crate::solver::{Control, Event, Incumbent, TreeExchange};
 
 /// Decides when to send events.
 pub(super) struct Reporter<'w, 'c> {
     control: &'w mut Control<'c>,
+    /// The exchange with other processes, if the tree is searched together with them.
+    pub(super) exchange: Option<&'c mut dyn TreeExchange>,
+    /// Whether the nodes below the root are another process's.
+    pub(super) drops_nodes: bool,
     root_done: bool,
     incumbent: Option<f64>,
     last: Instant,
@@ -16,7 +20,15 @@ pub(super) struct Reporter<'w, 'c> {
 
 impl<'w, 'c> Reporter<'w, 'c> {
     pub(super) fn new(control: &'w mut Control<'c>) -> Self {
-        Reporter { control, root_done: false, incumbent: None, last: Instant::now() }
+        let last = Instant::now();
+        Reporter {
+            control,
+            exchange: None,
+            drops_nodes: false,
+            root_done: false,
+            incumbent: None,
+            last,
+        }
     }
 
     pub(super) fn report(&mut self, tree: &Tree<'_>) {

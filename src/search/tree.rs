@@ -16,7 +16,7 @@ use super::trace::event;
 use crate::program::Program;
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
-use crate::solver::Progress;
+use crate::solver::{Elsewhere, Progress};
 
 /// Least number of nodes for which a search goes on once it has found rows that its program lacks.
 const NODES_AFTER_ROWS: u64 = 8;
@@ -61,9 +61,11 @@ pub(super) struct TreeState {
     news: Vec<Accepted>,
     /// Smallest bound of anything closed without proof of infeasibility: pruned by the gap, or
     /// solved as a leaf.
-    closed: f64,
+    pub(super) closed: f64,
     /// Smallest bound of a subtree that could be neither finished nor split.
-    stalled: f64,
+    pub(super) stalled: f64,
+    /// What other processes hold of the tree.
+    pub(super) elsewhere: Elsewhere,
     pub(super) stop: Option<Termination>,
     /// Whether a visible part of the value of a point is due to limits that presolve has widened.
     pub(super) is_widened: bool,
@@ -81,6 +83,26 @@ pub(super) struct TreeState {
     proofs: Vec<Proof>,
     forks: Vec<Fork>,
     pub(super) completion: Option<Completion>,
+}
+
+impl TreeState {
+    /// Nodes processed by this process.
+    pub(super) fn nodes(&self) -> u64 {
+        self.statistics.nodes
+    }
+
+    /// Whether points make presolve or cuts doubtful.
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.is_widened || self.contradiction.is_some()
+    }
+
+    pub(super) fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    pub(super) fn add_statistics(&mut self, counts: &Statistics) {
+        self.statistics.add(counts);
+    }
 }
 
 /// The finds of a worker since it last handed them over.
@@ -110,6 +132,7 @@ impl<'a> Tree<'a> {
             news: Vec::new(),
             closed: f64::INFINITY,
             stalled: f64::INFINITY,
+            elsewhere: Elsewhere::default(),
             stop: None,
             is_widened: false,
             contradiction: None,
@@ -337,8 +360,8 @@ impl<'a> Tree<'a> {
         let counts = &state.statistics;
         let incumbent = state.points.incumbent();
         let mut progress = Progress::new(
-            counts.nodes,
-            self.open.load(Ordering::Relaxed),
+            counts.nodes + state.elsewhere.nodes,
+            self.open.load(Ordering::Relaxed) + state.elsewhere.open,
             counts.relaxations,
             incumbent.map(|best| sign * best.value),
             sign * bound(&state),
@@ -355,7 +378,9 @@ impl<'a> Tree<'a> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         let is_contradicted = state.contradiction.is_some();
         let bound = if is_contradicted { f64::NEG_INFINITY } else { bound(&state) };
-        let complete = state.queue.len() == 0 && state.stalled == f64::INFINITY;
+        let complete = state.queue.len() == 0
+            && state.stalled == f64::INFINITY
+            && state.elsewhere.floor == f64::INFINITY;
         let options = self.task.options;
         let best = state.points.incumbent().map(|best| best.value);
         let within_gap = best.is_some_and(|value| {
@@ -407,7 +432,8 @@ fn has_enough_rows(state: &mut TreeState) -> bool {
 /// The proved bound on the whole program.
 fn bound(state: &TreeState) -> f64 {
     let busy = state.floors.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-    let open = state.queue.best_bound().min(busy).min(state.stalled).min(state.closed);
+    let open = state.queue.best_bound().min(busy).min(state.elsewhere.floor);
+    let open = open.min(state.stalled).min(state.closed);
     // Nothing better than the incumbent is left when every open bound is above it.
     state.points.incumbent().map_or(open, |best| open.min(best.value))
 }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::mip_start::MipStart;
 use super::progress::{Event, Incumbent};
+use super::tree_exchange::TreeExchange;
 use crate::error::{Error, ErrorKind};
 use crate::model::Row;
 use crate::solution::Point;
@@ -67,6 +68,7 @@ pub struct Control<'a> {
     start: Option<&'a MipStart>,
     lazy_constraints: Option<&'a RowSource<'a>>,
     user_cuts: Option<&'a RowSource<'a>>,
+    exchange: Option<&'a mut dyn TreeExchange>,
     interrupt: Interrupt,
 }
 
@@ -207,6 +209,24 @@ impl<'a> Control<'a> {
         self
     }
 
+    /// Searches a tree together with other processes: on one thread, and by one way of branching. A program
+    /// of independent blocks is searched by every process alone.
+    #[doc(hidden)]
+    pub fn with_exchange(mut self, exchange: &'a mut dyn TreeExchange) -> Self {
+        self.exchange = Some(exchange);
+        self
+    }
+
+    /// Whether the tree is searched together with other processes.
+    pub(crate) fn has_exchange(&self) -> bool {
+        self.exchange.is_some()
+    }
+
+    /// The exchange with other processes, for one search.
+    pub(crate) fn take_exchange(&mut self) -> Option<&'a mut dyn TreeExchange> {
+        self.exchange.take()
+    }
+
     /// Stops the solve when the handle is triggered.
     pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
         self.interrupt = interrupt.clone();
@@ -285,6 +305,7 @@ impl fmt::Debug for Control<'_> {
             .field("start", &self.start)
             .field("lazy_constraints", &self.lazy_constraints.is_some())
             .field("user_cuts", &self.user_cuts.is_some())
+            .field("exchange", &self.exchange.is_some())
             .field("interrupt", &self.interrupt)
             .finish()
     }

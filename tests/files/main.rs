@@ -9,4 +9,5 @@ mod lp;
 mod models;
 mod mps;
 mod round_trips;
+mod sweeps;
 mod there_and_back;

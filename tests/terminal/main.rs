@@ -5,6 +5,8 @@ mod compressed;
 #[cfg(unix)]
 mod interrupts;
 mod options;
+#[cfg(unix)]
+mod sweeps;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -10,6 +10,7 @@ use web_time::Duration;
 
 use crate::search::node::Node;
 use crate::search::reporter::Reporter;
+use crate::search::shared_tree;
 #[cfg(not(target_family = "wasm"))]
 use crate::search::trace::Around;
 use crate::search::tree::{Tree, TreeState};
@@ -69,6 +70,12 @@ fn work(
             Some(child) => go_on(tree, worker.tree(), child),
             None => next(tree, worker.tree()),
         };
+        let node = match (node, &mut reporter) {
+            (None, Some(reporter)) if reporter.exchange.is_some() => {
+                shared_tree::wait(tree, reporter, worker.tree(), next)
+            }
+            (node, _) => node,
+        };
         let Some(node) = node else { break };
         plunge = worker.process(node);
         if threads > 1 {
@@ -86,6 +93,7 @@ fn work(
             state.floors[view.id] = Some(bound);
             drop(state);
             reporter.report(tree);
+            shared_tree::meet(tree, reporter, worker.tree(), &mut plunge);
         }
     }
     tree.take_in(&mut tree.lock(), worker.tree().take_report());

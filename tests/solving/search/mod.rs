@@ -7,6 +7,7 @@ mod events;
 mod heuristics;
 mod limits;
 mod pool;
+mod shared_tree;
 mod starts;
 mod statistics;
 mod switches;

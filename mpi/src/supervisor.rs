@@ -1,0 +1,508 @@
+//! Rank 0: it holds what is open anywhere, hands it out, and is the only one that concludes.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use carom::prelude::{Statistics, Termination};
+use carom::solver::{Elsewhere, OpenNode, TreeExchange, TreePart};
+
+use crate::channel::Channel;
+use crate::checkpoint::Checkpoint;
+use crate::error::Error;
+use crate::message::{Orders, Status};
+
+/// Most nodes that are handed out or asked back at once.
+const BATCH: usize = 16;
+
+/// The least time between two nodes that a rank gets although it has some, because they are better than its
+/// own: a node that moves loses the basis of its parent.
+const BETWEEN_BETTER: Duration = Duration::from_millis(200);
+
+/// The least time between two looks of rank 0 at its stock while it searches itself.
+const BETWEEN: Duration = Duration::from_millis(5);
+
+/// Where checkpoints go, and how often.
+pub(crate) struct Checkpoints {
+    pub(crate) path: PathBuf,
+    pub(crate) every: Duration,
+    pub(crate) model: u64,
+}
+
+/// What rank 0 knows of a worker.
+struct Peer {
+    /// Whether its last status has no orders yet.
+    is_waiting: bool,
+    /// Whether it takes nodes.
+    takes: bool,
+    is_over: bool,
+    open: usize,
+    /// At most the smallest bound of its open nodes.
+    floor: f64,
+    nodes: u64,
+    /// The version of the best point that it knows.
+    version: u64,
+    /// Nodes it is asked to give back.
+    asked: usize,
+    /// Whether a checkpoint waits for its list.
+    lists: bool,
+    /// Whether it was told to list its nodes.
+    told_to_list: bool,
+    counts: Option<Statistics>,
+    busy: f64,
+    handed: u64,
+    given: u64,
+    /// When it last got a better node.
+    last_better: Instant,
+}
+
+/// What one rank has done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct RankCounts {
+    /// The rank.
+    pub rank: usize,
+    /// Nodes processed.
+    pub nodes: u64,
+    /// Nodes that rank 0 handed to it.
+    pub handed: u64,
+    /// Nodes that it gave back.
+    pub given: u64,
+    /// Time with a node at hand, in s.
+    pub busy: f64,
+}
+
+/// The end of the protocol at rank 0.
+pub(crate) struct Supervisor<'a, C> {
+    channel: &'a mut C,
+    program: Option<u64>,
+    /// Whether rank 0 searches as well.
+    works: bool,
+    node_limit: Option<u64>,
+    peers: Vec<Peer>,
+    /// Open nodes that no rank has, by bound and age.
+    pool: BTreeMap<(u64, u64), OpenNode>,
+    serial: u64,
+    /// The value of the best point, and how often it has changed.
+    best: (f64, u64),
+    resume: Option<Checkpoint>,
+    checkpoints: Option<Checkpoints>,
+    last_checkpoint: Instant,
+    /// The checkpoint that waits for lists of nodes.
+    collecting: Option<Vec<OpenNode>>,
+    last_share: Instant,
+    last_better: Instant,
+    is_over: bool,
+    own: RankCounts,
+    busy_since: Option<Instant>,
+    pub(crate) error: Option<Error>,
+    /// Why the last checkpoint was not written.
+    pub(crate) unwritten: Option<Error>,
+}
+
+/// An order of bounds as whole numbers.
+fn order(bound: f64) -> u64 {
+    let bits = bound.to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+impl<'a, C: Channel> Supervisor<'a, C> {
+    pub(crate) fn new(
+        channel: &'a mut C,
+        works: bool,
+        node_limit: Option<u64>,
+        checkpoints: Option<Checkpoints>,
+        resume: Option<Checkpoint>,
+    ) -> Self {
+        let peer = || Peer {
+            is_waiting: false,
+            takes: false,
+            is_over: false,
+            open: 0,
+            floor: f64::INFINITY,
+            nodes: 0,
+            version: 0,
+            asked: 0,
+            lists: false,
+            told_to_list: false,
+            counts: None,
+            busy: 0.0,
+            handed: 0,
+            given: 0,
+            last_better: Instant::now(),
+        };
+        let peers = (1..channel.ranks()).map(|_| peer()).collect();
+        Supervisor {
+            channel,
+            program: None,
+            works,
+            node_limit,
+            peers,
+            pool: BTreeMap::new(),
+            serial: 0,
+            best: (f64::INFINITY, 0),
+            resume,
+            checkpoints,
+            last_checkpoint: Instant::now(),
+            collecting: None,
+            last_share: Instant::now(),
+            last_better: Instant::now(),
+            is_over: false,
+            own: RankCounts { rank: 0, nodes: 0, handed: 0, given: 0, busy: 0.0 },
+            busy_since: None,
+            error: None,
+            unwritten: None,
+        }
+    }
+
+    /// Ends the search of all ranks where rank 0 has not searched, or has failed.
+    pub(crate) fn finish(&mut self) {
+        while self.peers.iter().any(|peer| !peer.is_over) {
+            while let Some((rank, status)) = self.next() {
+                self.note_last(rank, &status);
+            }
+            self.stop_waiting();
+            self.channel.pause();
+        }
+        self.is_over = true;
+    }
+
+    /// What each rank has done.
+    pub(crate) fn counts(&self) -> Vec<RankCounts> {
+        let of = |(k, peer): (usize, &Peer)| RankCounts {
+            rank: k + 1,
+            nodes: peer.nodes,
+            handed: peer.handed,
+            given: peer.given,
+            busy: peer.busy,
+        };
+        std::iter::once(self.own).chain(self.peers.iter().enumerate().map(of)).collect()
+    }
+
+    fn next(&mut self) -> Option<(usize, Status)> {
+        let (rank, bytes) = self.channel.receive()?;
+        let status = Status::from_bytes(&bytes).unwrap_or_else(|| {
+            self.error.get_or_insert(Error::Message { rank });
+            Status::empty()
+        });
+        Some((rank, status))
+    }
+
+    fn note_last(&mut self, rank: usize, status: &Status) {
+        let peer = &mut self.peers[rank - 1];
+        peer.is_waiting = status.last.is_none();
+        if let Some((counts, busy)) = &status.last {
+            peer.is_over = true;
+            (peer.counts, peer.busy) = (serde_json::from_str(counts).ok(), *busy);
+        }
+    }
+
+    fn stop_waiting(&mut self) {
+        for k in 0..self.peers.len() {
+            if std::mem::take(&mut self.peers[k].is_waiting) {
+                let orders = Orders { stop: true, ..Orders::default() };
+                self.channel.send(k + 1, &orders.to_bytes());
+            }
+        }
+    }
+
+    fn keep(&mut self, nodes: Vec<OpenNode>) {
+        for node in nodes {
+            self.serial += 1;
+            self.pool.insert((order(node.bound), self.serial), node);
+        }
+    }
+
+    /// The best nodes of the pool.
+    fn pick(&mut self, count: usize) -> Vec<OpenNode> {
+        let nodes = (0..count).map_while(|_| self.pool.pop_first());
+        nodes.map(|(_, node)| node).collect()
+    }
+
+    fn pool_floor(&self) -> f64 {
+        self.pool.first_key_value().map_or(f64::INFINITY, |(_, node)| node.bound)
+    }
+
+    /// Reads what workers have said.
+    fn hear(&mut self, part: &mut dyn TreePart) {
+        while let Some((rank, mut status)) = self.next() {
+            self.note_last(rank, &status);
+            if status.program.is_some() && status.program != self.program {
+                self.error.get_or_insert(Error::OtherProgram { rank });
+                part.stop(Termination::Interrupted);
+                status.program = None;
+            }
+            part.note_closed(status.closed, status.stalled);
+            if status.is_doubtful {
+                part.note_doubt();
+            }
+            if let Some(point) = status.point.take() {
+                part.offer(point);
+            }
+            let peer = &mut self.peers[rank - 1];
+            (peer.takes, peer.nodes) = (status.program.is_some(), status.nodes.max(peer.nodes));
+            (peer.open, peer.floor) = (status.open as usize, status.floor);
+            peer.given += status.given.len() as u64;
+            let is_listed = peer.lists && (status.listing.is_some() || status.open == 0);
+            if let Some(all) = self.collecting.as_mut().filter(|_| peer.lists) {
+                all.extend(status.given.iter().cloned());
+                all.extend(status.listing.iter().flatten().cloned());
+            }
+            if is_listed {
+                (peer.lists, peer.told_to_list) = (false, false);
+            }
+            self.keep(status.given);
+            if status.last.is_some() {
+                let peer = &mut self.peers[rank - 1];
+                (peer.open, peer.floor) = (0, f64::INFINITY);
+                self.keep(status.listing.unwrap_or_default());
+            }
+        }
+        if let Some((value, _)) = part.incumbent().filter(|(value, _)| *value < self.best.0) {
+            self.best = (value, self.best.1 + 1);
+        }
+    }
+
+    /// Closes what the best point has made superfluous.
+    fn prune(&mut self, part: &mut dyn TreePart) {
+        let cutoff = part.state().cutoff;
+        while let Some(last) = self.pool.last_entry().filter(|last| last.get().bound >= cutoff) {
+            part.note_closed(last.remove().bound, f64::INFINITY);
+        }
+    }
+
+    /// Moves nodes between rank 0's own tree, the pool and the workers.
+    fn share(&mut self, part: &mut dyn TreePart) {
+        self.prune(part);
+        let takers = self.peers.iter().filter(|peer| peer.takes).count();
+        let hungry = |peer: &Peer| peer.takes && peer.is_waiting && peer.open == 0;
+        let idle = self.peers.iter().filter(|peer| hungry(peer)).count();
+        if !self.works {
+            let all = part.take_all();
+            self.own.given += all.len() as u64;
+            self.keep(all);
+        } else {
+            self.feed_itself(part, idle);
+        }
+        // The stock covers those that are idle and as many as may soon be.
+        let wanted = idle * 2 + takers + usize::from(self.works && takers > 0);
+        let short = wanted.saturating_sub(self.pool.len());
+        if self.works && short > 0 {
+            let spare = part.state().open.saturating_sub(1).div_ceil(2);
+            let own = part.take(short.min(spare).min(BATCH));
+            self.own.given += own.len() as u64;
+            self.keep(own);
+        }
+        let rich = self.peers.iter().filter(|peer| peer.open > 2).count().max(1);
+        let short = wanted.saturating_sub(self.pool.len()).div_ceil(rich);
+        for peer in self.peers.iter_mut().filter(|peer| peer.open > 2) {
+            peer.asked = short.min(peer.open / 2).min(BATCH);
+        }
+        let share = (self.pool.len() / (takers + 1).max(1)).clamp(1, BATCH);
+        let point = part.incumbent();
+        for k in 0..self.peers.len() {
+            self.answer(k, share, point.as_ref().map(|(_, point)| point));
+        }
+    }
+
+    /// Gives rank 0 itself nodes: when it has none, or when the pool has better ones.
+    fn feed_itself(&mut self, part: &mut dyn TreePart, idle: usize) {
+        let state = part.state();
+        let count = match state.open {
+            0 => (self.pool.len() / (idle + 1)).clamp(1, BATCH),
+            _ if self.pool_floor() < state.floor
+                && idle == 0
+                && self.last_better.elapsed() >= BETWEEN_BETTER =>
+            {
+                self.last_better = Instant::now();
+                1
+            }
+            _ => return,
+        };
+        let nodes = self.pick(count);
+        self.own.handed += nodes.len() as u64;
+        if !part.put(nodes) {
+            self.error.get_or_insert(Error::Message { rank: 0 });
+            part.note_doubt();
+        }
+    }
+
+    /// Answers a worker that waits, unless it is idle and there is nothing for it.
+    fn answer(&mut self, k: usize, share: usize, point: Option<&Vec<f64>>) {
+        let floor = self.pool_floor();
+        let peer = &mut self.peers[k];
+        let is_idle = peer.open == 0;
+        let count = match (peer.takes, is_idle) {
+            (false, _) => 0,
+            (true, true) => share,
+            (true, false) => {
+                let is_due = peer.last_better.elapsed() >= BETWEEN_BETTER;
+                usize::from(floor < peer.floor && is_due)
+            }
+        };
+        if !peer.is_waiting || is_idle && (!peer.takes || self.pool.is_empty()) {
+            return;
+        }
+        let nodes = self.pick(count);
+        let peer = &mut self.peers[k];
+        if !nodes.is_empty() {
+            peer.last_better = Instant::now();
+        }
+        peer.handed += nodes.len() as u64;
+        peer.open += nodes.len();
+        peer.floor = nodes.iter().fold(peer.floor, |floor, node| floor.min(node.bound));
+        let is_news = peer.version < self.best.1;
+        let list = peer.lists && !peer.told_to_list;
+        peer.told_to_list |= list;
+        let orders = Orders {
+            nodes,
+            point: point.filter(|_| is_news).cloned(),
+            give: std::mem::take(&mut peer.asked) as u64,
+            list,
+            stop: false,
+        };
+        (peer.version, peer.is_waiting) = (self.best.1, false);
+        self.channel.send(k + 1, &orders.to_bytes());
+    }
+
+    /// Begins a checkpoint when it is due, and writes it once all lists are there.
+    fn save(&mut self, part: &mut dyn TreePart) {
+        let Some(every) = self.checkpoints.as_ref().map(|checkpoints| checkpoints.every) else {
+            return;
+        };
+        if self.collecting.is_none() && self.last_checkpoint.elapsed() >= every {
+            let pool = self.pool.values().cloned();
+            self.collecting = Some(part.open_nodes().into_iter().chain(pool).collect());
+            for peer in &mut self.peers {
+                // Who waits with nothing at hand, or has not begun, has nothing to list.
+                (peer.lists, peer.told_to_list) = (peer.open > 0, false);
+            }
+        }
+        if self.peers.iter().any(|peer| peer.lists) {
+            return;
+        }
+        if let Some(open) = self.collecting.take() {
+            self.write(part, open);
+        }
+    }
+
+    fn write(&mut self, part: &mut dyn TreePart, open: Vec<OpenNode>) {
+        let (Some(checkpoints), Some(program)) = (&self.checkpoints, self.program) else { return };
+        let state = part.state();
+        let checkpoint = Checkpoint {
+            model: checkpoints.model,
+            program,
+            closed: state.closed,
+            stalled: state.stalled,
+            point: part.incumbent().map(|(_, point)| point),
+            open,
+        };
+        // A full disk ends no search.
+        self.unwritten = checkpoint.write(&checkpoints.path).err();
+        self.last_checkpoint = Instant::now();
+    }
+
+    fn note_elsewhere(&self, part: &mut dyn TreePart) {
+        let mut elsewhere = Elsewhere { floor: self.pool_floor(), open: self.pool.len(), nodes: 0 };
+        for peer in &self.peers {
+            elsewhere.floor = elsewhere.floor.min(peer.floor);
+            elsewhere.open += peer.open;
+            elsewhere.nodes += if peer.is_over { 0 } else { peer.nodes };
+        }
+        part.note_elsewhere(elsewhere);
+    }
+
+    /// Ends the search of all ranks, and takes in what they had left.
+    fn close(&mut self, part: &mut dyn TreePart) {
+        self.collecting = None;
+        while self.peers.iter().any(|peer| !peer.is_over) {
+            self.hear(part);
+            self.stop_waiting();
+            self.channel.pause();
+        }
+        for counts in self.peers.iter().filter_map(|peer| peer.counts.as_ref()) {
+            part.add_statistics(counts);
+        }
+        self.prune(part);
+        self.note_elsewhere(part);
+        if self.checkpoints.is_some() && self.error.is_none() {
+            let open = part.open_nodes().into_iter().chain(self.pool.values().cloned()).collect();
+            self.write(part, open);
+        }
+        self.is_over = true;
+    }
+
+    /// Begins where a checkpoint ends.
+    fn begin_again(&mut self, part: &mut dyn TreePart) {
+        let Some(checkpoint) = self.resume.take() else { return };
+        part.note_closed(checkpoint.closed, checkpoint.stalled);
+        if let Some(point) = checkpoint.point {
+            part.offer(point);
+        }
+        self.keep(checkpoint.open);
+    }
+
+    fn note_time(&mut self, is_idle: bool) {
+        match (is_idle, self.busy_since) {
+            (true, Some(since)) => {
+                self.own.busy += since.elapsed().as_secs_f64();
+                self.busy_since = None;
+            }
+            (false, None) => self.busy_since = Some(Instant::now()),
+            _ => {}
+        }
+    }
+}
+
+impl<C: Channel> TreeExchange for Supervisor<'_, C> {
+    fn begin(&mut self, program: u64) -> bool {
+        self.program = Some(program);
+        if self.resume.as_ref().is_some_and(|resume| resume.program != program) {
+            let of = "another version or processor";
+            let path = self.checkpoints.as_ref().map(|own| own.path.clone()).unwrap_or_default();
+            self.error = Some(Error::Foreign { path, of });
+        }
+        self.resume.is_none()
+    }
+
+    fn meet(&mut self, part: &mut dyn TreePart, is_idle: bool) -> bool {
+        if self.is_over {
+            return false;
+        }
+        self.note_time(is_idle);
+        if self.error.is_none() {
+            self.begin_again(part);
+        }
+        self.hear(part);
+        let state = part.state();
+        self.own.nodes = state.nodes;
+        let nodes = state.nodes + self.peers.iter().map(|peer| peer.nodes).sum::<u64>();
+        if self.error.is_some() {
+            part.stop(Termination::Interrupted);
+        } else if self.node_limit.is_some_and(|limit| nodes >= limit) {
+            part.stop(Termination::NodeLimit);
+        }
+        if part.state().ended.is_some() {
+            self.note_elsewhere(part);
+            if is_idle {
+                self.close(part);
+            }
+            return false;
+        }
+        let is_due = is_idle || self.last_share.elapsed() >= BETWEEN;
+        if is_due {
+            self.last_share = Instant::now();
+            self.share(part);
+            self.save(part);
+        }
+        self.note_elsewhere(part);
+        if is_idle && part.state().open == 0 && self.pool.is_empty() {
+            if self.peers.iter().all(|peer| peer.open == 0) {
+                self.close(part);
+                return false;
+            }
+            self.channel.pause();
+        }
+        true
+    }
+}
