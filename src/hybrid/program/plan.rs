@@ -33,7 +33,8 @@ pub struct HybridPlan {
 impl fmt::Display for HybridPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.system().is_disturbed() {
-            let text = "# nominal: it is a plan without disturbance, and promises nothing under one";
+            let text =
+                "# nominal: it is a plan without disturbance, and promises nothing under one";
             writeln!(f, "{text}")?;
         }
         if let Some(objective) = self.solution.objective() {
