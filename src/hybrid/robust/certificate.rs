@@ -1,8 +1,8 @@
 //! The certificate of a robust plan: interval simulation of all disturbed runs at once.
 //!
 //! It follows the plan's transitions with boxes of errors, computed with outward rounding, and checks every
-//! condition of the system over them. It shares no code with the rows of the program, and no sample is
-//! drawn. Domains, guards and ranges hold to the tolerances of nominal certificates.
+//! condition of the system over them. It takes the plan's numbers and transitions and none of the program's half
+//! widths; transitions as affine functions (`affine.rs`) are those of the rows. No sample is drawn. Domains, guards and ranges hold to the tolerances of nominal certificates.
 
 use super::error::RobustError;
 use super::feedback::Feedback;
