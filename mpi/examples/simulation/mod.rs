@@ -6,7 +6,8 @@ use std::collections::{BinaryHeap, VecDeque};
 /// Time of a message on its way, in s.
 const LATENCY: f64 = 5e-6;
 
-/// Time of a supervisor for a message, and for each node in it, in s: measured on threads.
+/// Time of a supervisor for a message, and for each node in it, in s: assumed, as is the time
+/// on its way.
 const HANDLING: f64 = 10e-6;
 const PER_NODE: f64 = 1e-6;
 
