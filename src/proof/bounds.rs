@@ -10,7 +10,7 @@ use super::facts::Facts;
 use crate::program::Program;
 
 /// The mark of a bound that was there from the start, and of a change without a fact.
-const NONE: u32 = u32::MAX;
+const NOTHING: u32 = u32::MAX;
 
 /// Least change of a bound of a continuous column that is worth a step, relative to the width of its bounds,
 /// and to its size where it had none (no unit).
@@ -27,14 +27,14 @@ const MOST_VISITS: usize = 30;
 
 /// A change of a bound.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Change {
+pub(super) struct BoundChange {
     pub(super) column: u32,
     pub(super) is_upper: bool,
     pub(super) value: f64,
     before: f64,
     /// The change that was in force before it.
     earlier: u32,
-    /// The fact that it follows from; [`NONE`] if the log has it already.
+    /// The fact that it follows from; [`NOTHING`] if the log has it already.
     fact: u32,
 }
 
@@ -43,7 +43,7 @@ pub(super) type Side = (usize, bool);
 
 /// What contradicts itself.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Conflict {
+pub(super) enum Clash {
     /// The bounds of a column are crossed.
     Column(usize),
     /// The bounds keep the terms of a fact above its upper limit (`true`), or below its lower one.
@@ -56,7 +56,7 @@ pub(super) struct Bounds {
     now: Vec<[f64; 2]>,
     /// By column and side, the last change.
     last: Vec<[u32; 2]>,
-    trail: Vec<Change>,
+    trail: Vec<BoundChange>,
     integral: Vec<bool>,
     queue: Vec<u32>,
     is_queued: Vec<bool>,
@@ -66,7 +66,7 @@ pub(super) struct Bounds {
 
 /// The least and the largest sum of the terms of a fact, and the possible error of both.
 #[derive(Debug, Clone, Copy, Default)]
-struct Activity {
+struct FactActivity {
     /// The finite part.
     sum: [f64; 2],
     /// Terms without an end.
@@ -79,7 +79,7 @@ impl Bounds {
     pub(super) fn new(program: &Program) -> Self {
         let sides = program.lower.iter().zip(&program.upper);
         let now: Vec<[f64; 2]> = sides.map(|(&lower, &upper)| [lower, upper]).collect();
-        let last = vec![[NONE; 2]; now.len()];
+        let last = vec![[NOTHING; 2]; now.len()];
         let integral = program.integral.clone();
         let (trail, queue, is_queued) = Default::default();
         Bounds { now, last, trail, integral, queue, is_queued, fineness: 1.0 }
@@ -110,7 +110,7 @@ impl Bounds {
 
     /// Applies a bound that the log knows: a side of a split, or a bound that was written before.
     pub(super) fn decide(&mut self, facts: &Facts, column: usize, is_upper: bool, value: f64) {
-        self.apply(facts, (column, is_upper), value, NONE);
+        self.apply(facts, (column, is_upper), value, NOTHING);
     }
 
     fn apply(&mut self, facts: &Facts, (column, is_upper): Side, value: f64, fact: u32) {
@@ -119,7 +119,7 @@ impl Bounds {
         let at = self.trail.len() as u32;
         let earlier = std::mem::replace(&mut self.last[column][side], at);
         let column = column as u32;
-        self.trail.push(Change { column, is_upper, value, before, earlier, fact });
+        self.trail.push(BoundChange { column, is_upper, value, before, earlier, fact });
         for &other in facts.of_column(column as usize) {
             self.enqueue(other);
         }
@@ -137,7 +137,7 @@ impl Bounds {
     }
 
     /// Derives bounds from the facts whose columns have changed.
-    pub(super) fn propagate(&mut self, facts: &Facts) -> Result<(), Conflict> {
+    pub(super) fn propagate(&mut self, facts: &Facts) -> Result<(), Clash> {
         let most = MOST_VISITS * facts.len();
         let (mut at, mut result) = (0, Ok(()));
         while at < self.queue.len() && at < most && result.is_ok() {
@@ -152,7 +152,7 @@ impl Bounds {
     }
 
     /// Derives bounds from all facts, also slight changes.
-    pub(super) fn propagate_finely(&mut self, facts: &Facts) -> Result<(), Conflict> {
+    pub(super) fn propagate_finely(&mut self, facts: &Facts) -> Result<(), Clash> {
         for fact in 0..facts.len() as u32 {
             self.enqueue(fact);
         }
@@ -162,8 +162,8 @@ impl Bounds {
         result
     }
 
-    fn activity(&self, facts: &Facts, fact: usize) -> Activity {
-        let (mut activity, mut size, mut count) = (Activity::default(), 0.0, 0.0);
+    fn activity(&self, facts: &Facts, fact: usize) -> FactActivity {
+        let (mut activity, mut size, mut count) = (FactActivity::default(), 0.0, 0.0);
         for (j, a) in facts.terms(fact) {
             let [lower, upper] = self.now[j];
             let ends = if a > 0.0 { [a * lower, a * upper] } else { [a * upper, a * lower] };
@@ -182,7 +182,7 @@ impl Bounds {
         activity
     }
 
-    fn visit(&mut self, facts: &Facts, fact: usize) -> Result<(), Conflict> {
+    fn visit(&mut self, facts: &Facts, fact: usize) -> Result<(), Clash> {
         let limits = facts.limits(fact);
         let activity = self.activity(facts, fact);
         for (k, is_upper) in [(0, true), (1, false)] {
@@ -194,7 +194,7 @@ impl Bounds {
                 continue;
             }
             if activity.infinite[k] == 0 && sign * (activity.sum[k] - limit) > error {
-                return Err(Conflict::Fact(fact, is_upper));
+                return Err(Clash::Fact(fact, is_upper));
             }
             for (j, a) in facts.terms(fact) {
                 let [lower, upper] = self.now[j];
@@ -221,7 +221,7 @@ impl Bounds {
         (column, is_upper): Side,
         value: f64,
         fact: usize,
-    ) -> Result<(), Conflict> {
+    ) -> Result<(), Clash> {
         let [lower, upper] = self.now[column];
         let (old, other) = if is_upper { (upper, lower) } else { (lower, upper) };
         let value = match (self.integral[column], is_upper) {
@@ -241,16 +241,16 @@ impl Bounds {
             return Ok(());
         }
         self.apply(facts, (column, is_upper), value + 0.0, fact as u32);
-        if crosses { Err(Conflict::Column(column)) } else { Ok(()) }
+        if crosses { Err(Clash::Column(column)) } else { Ok(()) }
     }
 
     /// The change that was in force for a side before some place of the trail.
     fn in_force(&self, (column, is_upper): Side, before: u32) -> Option<u32> {
         let mut at = self.last[column][usize::from(is_upper)];
-        while at != NONE && at >= before {
+        while at != NOTHING && at >= before {
             at = self.trail[at as usize].earlier;
         }
-        (at != NONE).then_some(at)
+        (at != NOTHING).then_some(at)
     }
 
     /// The sides that a fact needs of its other columns to bound one, or to contradict all.
@@ -270,16 +270,16 @@ impl Bounds {
         &self,
         facts: &Facts,
         sides: impl Iterator<Item = Side>,
-    ) -> Vec<(Change, u32)> {
+    ) -> Vec<(BoundChange, u32)> {
         let mut open = BinaryHeap::new();
-        open.extend(sides.filter_map(|side| self.in_force(side, NONE)));
+        open.extend(sides.filter_map(|side| self.in_force(side, NOTHING)));
         let mut found = Vec::new();
         while let Some(at) = open.pop() {
             while open.peek() == Some(&at) {
                 open.pop();
             }
             let change = self.trail[at as usize];
-            if change.fact == NONE {
+            if change.fact == NOTHING {
                 continue;
             }
             let (column, fact) = (change.column as usize, change.fact as usize);

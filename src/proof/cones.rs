@@ -6,7 +6,7 @@ use crate::program::{ConeShape, Program};
 use crate::relaxation::ConeCut;
 
 /// How much shorter than allowed the weights of a tail are made, for rounding (no unit).
-const SPARE: f64 = 1e-15;
+const SHORTENED: f64 = 1e-15;
 
 /// The row `head weights . head - 2 or 1 times tail weights . tail >= 0` of a cone.
 #[derive(Debug, Clone)]
@@ -51,9 +51,9 @@ impl ConeRow {
             [p, q] => p * q,
             _ => return None,
         };
-        if square > allowed * (1.0 - SPARE) {
-            let factor = (allowed / square).sqrt() * (1.0 - 4.0 * SPARE);
-            if !(factor > 0.99) {
+        if square > allowed * (1.0 - SHORTENED) {
+            let factor = (allowed / square).sqrt() * (1.0 - 4.0 * SHORTENED);
+            if factor.is_nan() || factor < 0.99 {
                 return None;
             }
             tail.iter_mut().for_each(|w| *w *= factor);
@@ -74,7 +74,7 @@ impl Relaxer<'_> {
         let mut rows = Vec::new();
         for (k, cut) in cuts.iter().enumerate() {
             let multiplier = y.get(first + k).copied().unwrap_or(0.0);
-            if !(multiplier > 0.0) {
+            if multiplier.is_nan() || multiplier <= 0.0 {
                 continue;
             }
             let cones = 0..self.program.cones.len();

@@ -8,10 +8,10 @@ use crate::semidefinite::blocks;
 use crate::sum::Sum;
 
 /// What the factor leaves of each diagonal entry, for rounding (no unit).
-const LEFT: f64 = 1e-12;
+const LEFT_FOR_ROUNDING: f64 = 1e-12;
 
 /// The part of a diagonal entry below which a pivot may be rounding (no unit).
-const SLIGHT: f64 = 1e-11;
+const SLIGHT_PIVOT: f64 = 1e-11;
 
 /// The part of what is known of the steepness that is proved, so that rounding has room (no unit).
 const OF_STEEPNESS: f64 = 0.99;
@@ -21,7 +21,7 @@ const DENSE: usize = 500;
 
 /// A factor by columns, and the deficits by column of the program.
 #[derive(Debug, Default)]
-pub(super) struct Convexity {
+pub(super) struct ConvexityProof {
     pub(super) factor: Vec<Vec<(usize, f64)>>,
     pub(super) deficits: Vec<f64>,
 }
@@ -29,7 +29,7 @@ pub(super) struct Convexity {
 /// A symmetric matrix by columns of its lower triangle.
 type Lower = Vec<BTreeMap<usize, f64>>;
 
-impl Convexity {
+impl ConvexityProof {
     /// Of the objective of a program.
     ///
     /// Where a column with curvature lacks a bound, the deficits of its block are negative if they can be: the
@@ -44,13 +44,13 @@ impl Convexity {
             let upper = rows.iter().zip(values).filter(|(i, _)| **i <= j);
             products.extend(upper.map(|(&i, &p)| (i, j, p)));
         }
-        let mut convexity = Convexity { factor: Vec::new(), deficits: vec![0.0; n] };
+        let mut convexity = ConvexityProof { factor: Vec::new(), deficits: vec![0.0; n] };
         for (names, entries) in blocks(&products) {
             let mut matrix: Lower = vec![BTreeMap::new(); names.len()];
             for (i, j, p) in entries {
                 *matrix[i.min(j)].entry(i.max(j)).or_default() += p;
             }
-            let spare: Vec<f64> = match names.iter().any(|j| is_open(j)) {
+            let spare: Vec<f64> = match names.iter().any(is_open) {
                 true => names.iter().map(|&j| OF_STEEPNESS * program.steepness()[j]).collect(),
                 false => vec![0.0; names.len()],
             };
@@ -69,9 +69,16 @@ impl Convexity {
         let mut lack = lacking(matrix, &[]);
         let mut factor = Vec::new();
         if lack.iter().any(|&lack| lack > 0.0) {
-            factor =
-                if names.len() <= DENSE { dense_factor(matrix) } else { sparse_factor(matrix) };
-            lack = lacking(matrix, &factor);
+            // A matrix that is not singular has no deficits if a little is left of it for rounding; of a
+            // singular one, nothing can be left.
+            let tried = [LEFT_FOR_ROUNDING, 0.0].map(|left| {
+                let is_small = names.len() <= DENSE;
+                let factor = if is_small { dense_factor } else { sparse_factor }(matrix, left);
+                let lack = lacking(matrix, &factor);
+                (lack.iter().sum::<f64>(), factor, lack)
+            });
+            let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            (_, factor, lack) = best.unwrap_or_default();
         }
         for (k, lack) in lack.into_iter().enumerate() {
             // The matrix without what was taken was rounded.
@@ -138,19 +145,19 @@ fn pivot(value: f64, entry: f64, mut below: impl Iterator<Item = (f64, f64)>) ->
     if value.is_nan() || value < f64::MIN_POSITIVE {
         return None;
     }
-    let is_slight = value < SLIGHT * entry.abs();
+    let is_slight = value < SLIGHT_PIVOT * entry.abs();
     // No entry of a semidefinite matrix is larger.
     let is_rounding = is_slight && below.any(|(a, diagonal)| a * a > value * diagonal.max(0.0));
     (!is_rounding).then(|| value.sqrt())
 }
 
 /// `L` with `L L' = A` but for rounding, and for pivots that are not positive.
-fn dense_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
+fn dense_factor(matrix: &Lower, left: f64) -> Vec<Vec<(usize, f64)>> {
     let n = matrix.len();
     let mut work = vec![vec![0.0; n]; n];
     for (j, column) in matrix.iter().enumerate() {
         column.iter().for_each(|(&i, &a)| work[j][i] = a);
-        work[j][j] *= 1.0 - LEFT;
+        work[j][j] *= 1.0 - left;
     }
     for k in 0..n {
         let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
@@ -181,13 +188,13 @@ fn matrix_size(matrix: &Lower, k: usize, taken: f64) -> f64 {
 }
 
 /// The same, with its zeros left out.
-fn sparse_factor(matrix: &Lower) -> Vec<Vec<(usize, f64)>> {
+fn sparse_factor(matrix: &Lower, left: f64) -> Vec<Vec<(usize, f64)>> {
     let n = matrix.len();
     let mut work = matrix.clone();
     let mut columns = Vec::with_capacity(n);
     for k in 0..n {
         let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
-        let value = work[k].remove(&k).unwrap_or(0.0) - LEFT * entry.abs();
+        let value = work[k].remove(&k).unwrap_or(0.0) - left * entry.abs();
         let below = std::mem::take(&mut work[k]);
         let diagonal = |i: &usize| work[*i].get(i).copied().unwrap_or(0.0);
         let rows = below.iter().map(|(i, a)| (*a, diagonal(i)));

@@ -5,15 +5,22 @@
 //! `f(x) >= f(p) + sum_j (g_j (x_j - p_j) + s_j / 2 (x_j - p_j)^2)`, and each term is at least
 //! `-g_j^2 / (2 s_j)`.
 
-use super::Claim;
+use super::claim::Claim;
 use super::relaxed::conjugate_gradients;
 use super::tree::ProofWriter;
 
 /// Steps of the method of conjugate gradients, for each column with curvature.
-const STEPS: usize = 3;
+const STEPS_A_COLUMN: usize = 3;
 
 /// How much larger than necessary the bounds are, for rounding (no unit).
-const SPARE: f64 = 1e-6;
+const WIDENED: f64 = 1e-6;
+
+/// What is known around a point: the gradient there, and how much the objective may still grow.
+struct Around<'a> {
+    point: &'a [f64],
+    gradient: &'a [f64],
+    room: f64,
+}
 
 impl ProofWriter<'_, '_> {
     /// Bounds the columns with curvature that have no bounds.
@@ -42,7 +49,7 @@ impl ProofWriter<'_, '_> {
             let rounding = f64::EPSILON * 64.0 * (g.abs() + program.linear[j].abs());
             let g = g.abs() + rounding;
             if surplus > 0.0 {
-                let fall = (g * g / (2.0 * surplus)) * (1.0 + SPARE);
+                let fall = (g * g / (2.0 * surplus)) * (1.0 + WIDENED);
                 falls.push((j, fall));
                 least -= fall;
                 size += fall;
@@ -66,37 +73,13 @@ impl ProofWriter<'_, '_> {
             least -= fall;
             size += fall;
         }
-        let room = limit - least + SPARE * size.max(f64::MIN_POSITIVE);
+        let room = limit - least + WIDENED * size.max(f64::MIN_POSITIVE);
         if room < 0.0 || !room.is_finite() {
             return;
         }
-        let mut found = Vec::new();
-        for &(j, fall) in &falls {
-            let surplus = -deficits[j];
-            // g r + s r^2 / 2 >= room - fall, for either sign of g.
-            let g = gradient[j].abs();
-            let radius = (g + (g * g + 2.0 * surplus * (room + fall)).sqrt()) / surplus;
-            let radius = radius * (1.0 + SPARE);
-            let [lower, upper] = self.bounds.of(j);
-            let [below, above] = [point[j] - radius, point[j] + radius];
-            if lower.is_infinite() && below.is_finite() {
-                found.push((j, false, below));
-            }
-            if upper.is_infinite() && above.is_finite() {
-                found.push((j, true, above));
-            }
-        }
-        for &(j, fall) in &sloped {
-            let radius = (room + fall) / gradient[j].abs() * (1.0 + SPARE);
-            let [lower, upper] = self.bounds.of(j);
-            let (below, above) = (point[j] - radius, point[j] + radius);
-            if gradient[j] < 0.0 && lower.is_infinite() && below.is_finite() {
-                found.push((j, false, below));
-            }
-            if gradient[j] > 0.0 && upper.is_infinite() && above.is_finite() {
-                found.push((j, true, above));
-            }
-        }
+        let around = Around { point: &point, gradient: &gradient, room };
+        let mut found = self.steep_bounds(&around, &falls);
+        found.extend(self.sloped_bounds(&around, &sloped));
         let has_term = |j: usize| gradient[j] != 0.0 || deficits[j] > 0.0;
         let needed: Vec<usize> = (0..point.len()).filter(|&j| has_term(j)).collect();
         self.write_bounds(needed.into_iter().flat_map(|j| [(j, false), (j, true)]));
@@ -105,6 +88,49 @@ impl ProofWriter<'_, '_> {
         for (j, is_upper, value) in found {
             self.bounds.decide(&self.facts, j, is_upper, value);
         }
+    }
+
+    /// Bounds of columns with curvature, by what each may lower the objective.
+    fn steep_bounds(&self, around: &Around<'_>, falls: &[(usize, f64)]) -> Vec<(usize, bool, f64)> {
+        let mut found = Vec::new();
+        for &(j, fall) in falls {
+            let surplus = -self.relaxer.deficits[j];
+            // g r + s r^2 / 2 >= room - fall, for either sign of g.
+            let g = around.gradient[j].abs();
+            let radius = (g + (g * g + 2.0 * surplus * (around.room + fall)).sqrt()) / surplus;
+            let radius = radius * (1.0 + WIDENED);
+            let [lower, upper] = self.bounds.of(j);
+            let [below, above] = [around.point[j] - radius, around.point[j] + radius];
+            if lower.is_infinite() && below.is_finite() {
+                found.push((j, false, below));
+            }
+            if upper.is_infinite() && above.is_finite() {
+                found.push((j, true, above));
+            }
+        }
+        found
+    }
+
+    /// Bounds of columns with a slope only.
+    fn sloped_bounds(
+        &self,
+        around: &Around<'_>,
+        falls: &[(usize, f64)],
+    ) -> Vec<(usize, bool, f64)> {
+        let mut found = Vec::new();
+        for &(j, fall) in falls {
+            let slope = around.gradient[j];
+            let radius = (around.room + fall) / slope.abs() * (1.0 + WIDENED);
+            let [lower, upper] = self.bounds.of(j);
+            let (below, above) = (around.point[j] - radius, around.point[j] + radius);
+            if slope < 0.0 && lower.is_infinite() && below.is_finite() {
+                found.push((j, false, below));
+            }
+            if slope > 0.0 && upper.is_infinite() && above.is_finite() {
+                found.push((j, true, above));
+            }
+        }
+        found
     }
 
     /// About the least point of the objective over some columns, the others at 0 or their nearest bound.
@@ -121,7 +147,7 @@ impl ProofWriter<'_, '_> {
             rows.iter().zip(values).for_each(|(&i, a)| gradient[i] += a * v);
         }
         let right: Vec<f64> = steep.iter().map(|&j| -gradient[j]).collect();
-        let moved = conjugate_gradients(program, steep, &right, STEPS * steep.len());
+        let moved = conjugate_gradients(program, steep, &right, STEPS_A_COLUMN * steep.len());
         steep.iter().zip(moved).for_each(|(&j, step)| point[j] += step);
         point
     }

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use super::Claim;
-use super::bounds::{Change, Conflict};
+use super::bounds::{BoundChange, Clash};
+use super::claim::Claim;
 use crate::program::{ConeShape, Program};
 
 /// A number as the log has it: the shortest text that is read as the same float.
@@ -23,7 +23,7 @@ impl std::fmt::Display for Number {
 }
 
 /// Writes a log as it comes; nothing of it is kept.
-pub(super) struct Log<'a> {
+pub(super) struct ProofLog<'a> {
     out: &'a mut dyn Write,
     line: String,
     commands: u64,
@@ -47,7 +47,7 @@ fn write_word(line: &mut String, word: impl std::fmt::Display) {
     let _ = write!(line, " {word}");
 }
 
-impl<'a> Log<'a> {
+impl<'a> ProofLog<'a> {
     /// Restates a program and the claim.
     pub(super) fn new(
         out: &'a mut dyn Write,
@@ -56,7 +56,7 @@ impl<'a> Log<'a> {
         claim: Claim,
     ) -> Self {
         let (line, commands, bytes, failure) = Default::default();
-        let mut log = Log { out, line, commands, bytes, failure };
+        let mut log = ProofLog { out, line, commands, bytes, failure };
         let sense = if program.sign < 0.0 { "max" } else { "min" };
         log.put(format_args!("carom proof 1"));
         log.put(format_args!("sense {sense}"));
@@ -124,17 +124,17 @@ impl<'a> Log<'a> {
     }
 
     /// A bound from a fact.
-    pub(super) fn bound(&mut self, change: &Change, fact: u32) {
+    pub(super) fn bound(&mut self, change: &BoundChange, fact: u32) {
         let side = if change.is_upper { 'U' } else { 'L' };
         self.put(format_args!("b {} {side} {} {fact}", change.column, Number(change.value)));
     }
 
     /// The end of a context whose bounds contradict each other or a fact.
-    pub(super) fn conflict(&mut self, conflict: Conflict) {
+    pub(super) fn conflict(&mut self, conflict: Clash) {
         match conflict {
-            Conflict::Column(j) => self.put(format_args!("d {j}")),
-            Conflict::Fact(fact, true) => self.put(format_args!("x 1 {fact} -1")),
-            Conflict::Fact(fact, false) => self.put(format_args!("x 1 {fact} 1")),
+            Clash::Column(j) => self.put(format_args!("d {j}")),
+            Clash::Fact(fact, true) => self.put(format_args!("x 1 {fact} -1")),
+            Clash::Fact(fact, false) => self.put(format_args!("x 1 {fact} 1")),
         }
     }
 

@@ -8,20 +8,25 @@
 //!
 //! * `facts` - rows of the program, and those derived from them
 //! * `bounds` - bounds with the facts that they follow from
-//! * `combination` - sums of facts with bounds on their rounding
+//! * `fact_sum` - sums of facts with bounds on their rounding
 //! * `convexity` - the proof that the objective is convex
 //! * `relaxed`, `cones` - multipliers of relaxations as sums of facts
-//! * `tree` - the splits
+//! * `tightened` - rows with smaller big-Ms, as lemmas
+//! * `root`, `curvature_bounds` - what holds everywhere
+//! * `tree`, `guide`, `search` - the splits, those of the search first
 //! * `log` - the text
 
 mod bounds;
-mod combination;
+mod claim;
 mod cones;
 mod convexity;
 mod curvature_bounds;
+mod fact_sum;
 mod facts;
+mod guide;
 mod log;
 mod relaxed;
+mod root;
 mod search;
 mod tightened;
 mod tree;
@@ -29,73 +34,18 @@ mod tree;
 use std::io::{self, Write};
 use std::rc::Rc;
 
-use crate::interval::add_up;
 use crate::program::Program;
 use crate::relaxation::LadderPool;
-use crate::search::{Decision, Fork};
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
 use bounds::Bounds;
-use combination::Combination;
-use cones::ConeRow;
-use convexity::Convexity;
+pub(crate) use claim::Claim;
+use fact_sum::FactSum;
 use facts::Facts;
-use log::{Log, Names};
+pub(crate) use guide::Guide;
+use log::{Names, ProofLog};
 use relaxed::Relaxer;
-use tree::{Forks, Limit, Part, Probing, ProofWriter};
-
-/// What is to be proved.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Claim {
-    /// The (minimised) objective of every point is at least this.
-    Bound(f64),
-    /// There is no point.
-    Infeasible,
-}
-
-/// The tree of a search, as a hint where to split.
-#[derive(Debug, Default)]
-pub(crate) struct Guide {
-    forks: Forks,
-    /// The column of the lowered program behind each column of the search.
-    columns: Option<Vec<usize>>,
-    /// Whether the search was one of the lowered program as it is.
-    is_plain: bool,
-}
-
-impl Guide {
-    /// The splits of a search.
-    pub(crate) fn new(forks: Vec<Fork>, columns: Option<Vec<usize>>) -> Self {
-        Guide {
-            forks: forks.into_iter().map(|fork| (fork.id(), fork)).collect(),
-            columns,
-            is_plain: false,
-        }
-    }
-
-    fn fork(&self, node: u32) -> Option<&Fork> {
-        self.forks.get(&node)
-    }
-
-    /// Where a child goes on; without a name it is an end.
-    fn part(self: Rc<Self>, child: Option<u32>) -> Part {
-        match child {
-            Some(node) => Part::Node(self, node),
-            None => Part::End(self),
-        }
-    }
-
-    /// The decision at a place of a node's splits, and the node inside of it; `None` behind the last one. The
-    /// decision is `None` if it is about no column of the lowered program.
-    fn split(&self, fork: &Fork, place: usize) -> Option<(Option<Decision>, Option<u32>)> {
-        let (decision, child) = fork.decision(place)?;
-        let column = match &self.columns {
-            Some(columns) => columns.get(decision.column).copied(),
-            None => Some(decision.column),
-        };
-        Some((column.map(|column| Decision { column, ..decision }), child))
-    }
-}
+use tree::ProofWriter;
 
 /// A proof that is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -139,7 +89,7 @@ impl ProofRequest<'_> {
             most_splits,
             ladders,
         } = self;
-        let mut log = Log::new(out, program, &Names { columns, rows }, claim);
+        let mut log = ProofLog::new(out, program, &Names { columns, rows }, claim);
         if let Some(point) = point {
             log.point(point);
         }
@@ -157,7 +107,7 @@ impl ProofRequest<'_> {
             token,
             ladder: ladders.take(),
             ladders,
-            combination: Combination::default(),
+            combination: FactSum::default(),
             deficits: Vec::new(),
             relaxations: 0,
         };
@@ -179,97 +129,4 @@ impl ProofRequest<'_> {
         let (commands, bytes) = log.finish()?;
         Ok(ProofReport { is_complete: gaps == 0, commands, bytes })
     }
-}
-
-impl ProofWriter<'_, '_> {
-    /// Derives what holds everywhere, and closes the whole program.
-    fn run(&mut self, guide: Rc<Guide>) -> Result<(), Limit> {
-        for fact in 0..self.facts.len() as u32 {
-            self.bounds.enqueue(fact);
-        }
-        self.add_objective();
-        self.add_cones();
-        if let Err(what) = self.bounds.propagate(&self.facts) {
-            self.write_conflict(what);
-            return Ok(());
-        }
-        if self.relaxer.program.quadratic.compute_nnz() > 0 {
-            let Convexity { factor, deficits } = Convexity::of(&self.relaxer.program);
-            let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
-            self.log.convexity(lacking, &factor);
-            self.relaxer.deficits = deficits;
-            self.bound_by_curvature();
-        }
-        let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
-        let begin = Probing::new(order, Part::Node(guide, 0), None);
-        self.close(Part::Probing(Box::new(begin)))
-    }
-
-    /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`, or twice an
-    /// entry at most the sum of both heads.
-    fn add_cones(&mut self) {
-        for cone in 0..self.relaxer.program.cones.len() {
-            let own = &self.relaxer.program.cones[cone];
-            let (heads, entries) = (own.head().len(), own.tail().len());
-            for (entry, weight) in (0..entries).flat_map(|entry| [(entry, 1.0), (entry, -1.0)]) {
-                let mut tail = vec![0.0; entries];
-                tail[entry] = weight;
-                let row = ConeRow { cone, head: vec![1.0; heads], tail };
-                self.log.cone_row(cone, &row.head, &row.tail);
-                let terms: Vec<(usize, f64)> = row.terms(&self.relaxer.program).collect();
-                let fact = self.facts.push(terms.into_iter(), [0.0, f64::INFINITY]);
-                self.bounds.enqueue(fact as u32);
-            }
-        }
-    }
-
-    /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its whole
-    /// coefficients have in common.
-    fn add_objective(&mut self) {
-        let Claim::Bound(bound) = self.relaxer.claim else { return };
-        let program = &self.relaxer.program;
-        if program.quadratic.compute_nnz() > 0 {
-            return;
-        }
-        let costs = program.linear.iter().copied().enumerate().filter(|(_, cost)| *cost != 0.0);
-        let costs: Vec<(usize, f64)> = costs.collect();
-        self.log.tangent(std::iter::empty());
-        let limit = add_up(bound, -program.offset);
-        let unit = if costs.iter().all(|(j, _)| program.integral[*j]) {
-            common_divisor(costs.iter().map(|(_, cost)| *cost))
-        } else {
-            0.0
-        };
-        let fact = self.facts.push(costs.iter().copied(), [f64::NEG_INFINITY, limit]);
-        self.bounds.enqueue(fact as u32);
-        let least = (limit / unit).floor();
-        if unit > 0.0 && least.abs() < LARGEST_WHOLE && (least + 1.0) * unit > limit {
-            // Not at most `least` units would be at least one more, and that is beyond the limit.
-            let terms = costs.iter().map(|(j, cost)| (*j, cost / unit));
-            self.log.lemma(true, least, terms.clone());
-            let next = self.facts.len();
-            self.log.contradiction([(fact, -1.0), (next, unit)].into_iter());
-            let lemma = self.facts.push(terms, [f64::NEG_INFINITY, least]);
-            self.bounds.enqueue(lemma as u32);
-        }
-    }
-}
-
-/// The largest whole numbers that are counted in (no unit).
-const LARGEST_WHOLE: f64 = 1e9;
-
-/// The common divisor of whole numbers; 0 if one is not whole, or large.
-fn common_divisor(numbers: impl Iterator<Item = f64>) -> f64 {
-    let mut divisor = 0.0_f64;
-    for number in numbers {
-        if number != number.round() || number.abs() > LARGEST_WHOLE {
-            return 0.0;
-        }
-        let (mut a, mut b) = (divisor, number.abs());
-        while b > 0.0 {
-            (a, b) = (b, a % b);
-        }
-        divisor = a;
-    }
-    divisor
 }

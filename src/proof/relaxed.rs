@@ -4,12 +4,12 @@
 //! Nothing about a relaxation is trusted: its multipliers are put together again from facts, tangents and
 //! bounds that the log has, and only a sum that is a contradiction is written.
 
-use super::Claim;
 use super::bounds::{Bounds, Side};
-use super::combination::{Combination, Shortfall};
+use super::claim::Claim;
 use super::cones::ConeRow;
+use super::fact_sum::{FactSum, Shortfall};
 use super::facts::Facts;
-use super::tightened::{RowsBefore, TightRow};
+use super::tightened::{RowsBefore, TightRowLemma};
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{Ladder, LadderPool, Purpose, RelaxationQuestion, RelaxationVerdict};
@@ -17,7 +17,7 @@ use crate::solver::{Options, StopToken};
 
 /// A sum of facts that contradicts the bounds of a context.
 #[derive(Debug, Default)]
-pub(super) struct Refutation {
+pub(super) struct FactRefutation {
     /// Facts and multipliers.
     pub(super) facts: Vec<(usize, f64)>,
     /// The point of the tangent of the objective, which has the multiplier -1.
@@ -25,7 +25,7 @@ pub(super) struct Refutation {
     /// Rows that hold in cones, with their multipliers.
     pub(super) cones: Vec<(ConeRow, f64)>,
     /// Tightened rows, with their multipliers.
-    pub(super) tight: Vec<(TightRow, f64)>,
+    pub(super) tight: Vec<(TightRowLemma, f64)>,
     /// The bounds that it needs.
     pub(super) sides: Vec<Side>,
 }
@@ -34,7 +34,7 @@ pub(super) struct Refutation {
 #[derive(Debug)]
 pub(super) enum Relaxed {
     /// It has no point.
-    Refuted(Refutation),
+    Refuted(FactRefutation),
     /// It may have one: the relaxed point, if there is one, and the sum that falls short.
     Open(Option<Vec<f64>>),
     /// A limit came first.
@@ -52,7 +52,7 @@ pub(super) struct Relaxer<'a> {
     pub(super) ladders: &'a LadderPool,
     /// The same program, with the bounds of the context that is searched.
     pub(super) within: Program,
-    pub(super) combination: Combination,
+    pub(super) combination: FactSum,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
     pub(super) relaxations: u64,
@@ -160,8 +160,8 @@ impl Relaxer<'_> {
         (reduced, before): (&Reduced, &RowsBefore),
         bounds: &Bounds,
         y: &[f64],
-    ) -> Refutation {
-        let mut found = Refutation::default();
+    ) -> FactRefutation {
+        let mut found = FactRefutation::default();
         for (k, &multiplier) in y.iter().enumerate() {
             let Some(&row) = reduced.origin.get(k).filter(|row| **row < facts.len()) else {
                 continue;
@@ -210,7 +210,7 @@ impl Relaxer<'_> {
 
     /// Moves the tangent's point so that the gradient there is the sum of the other facts, as well as it can
     /// be: then the sum leaves little over that the bounds would multiply.
-    fn move_tangent(&self, bounds: &Bounds, found: &mut Refutation) -> bool {
+    fn move_tangent(&self, bounds: &Bounds, found: &mut FactRefutation) -> bool {
         let Some(tangent) = &mut found.tangent else { return false };
         let program = &self.program;
         let n = program.column_count();
@@ -236,7 +236,7 @@ impl Relaxer<'_> {
         &mut self,
         facts: &Facts,
         bounds: &Bounds,
-        found: &mut Refutation,
+        found: &mut FactRefutation,
     ) -> Result<(), Shortfall> {
         let sum = &mut self.combination;
         sum.clear(self.program.column_count());
@@ -248,7 +248,7 @@ impl Relaxer<'_> {
         }
         for (row, y) in &mut found.tight {
             let columns = self.program.column_count();
-            let mut own = Combination::default();
+            let mut own = FactSum::default();
             row.steps.clear();
             let needed = row.prove(facts, &|j| bounds.of(j), &mut own, columns);
             found.sides.extend(needed.ok_or(Shortfall::Room)?);

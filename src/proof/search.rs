@@ -1,9 +1,10 @@
 //! A search inside a proof, for splits that close a context.
 
 use super::bounds::Bounds;
+use super::claim::Claim;
+use super::guide::Guide;
 use super::relaxed::Relaxer;
 use super::tree::Limit;
-use super::{Claim, Guide};
 use crate::search::{SolveTask, search};
 use crate::solver::{Control, Heuristics, Options};
 

@@ -5,7 +5,7 @@
 //! the bounds alone.
 
 use super::bounds::Side;
-use super::combination::Combination;
+use super::fact_sum::FactSum;
 use super::facts::Facts;
 use crate::presolve::Reduced;
 
@@ -40,7 +40,7 @@ impl RowsBefore {
         reduced: &Reduced,
         row: usize,
         sources: Vec<(usize, f64)>,
-    ) -> Option<TightRow> {
+    ) -> Option<TightRowLemma> {
         let range = reduced.rows.start[row]..reduced.rows.start[row + 1];
         let limits = [reduced.row_lower[row], reduced.row_upper[row]];
         let is_same = self.value[range.clone()] == reduced.rows.value[range.clone()]
@@ -59,13 +59,13 @@ impl RowsBefore {
         }
         let is_upper = limits[1].is_finite();
         let limit = limits[usize::from(is_upper)];
-        Some(TightRow { terms, is_upper, limit, binaries, sources, steps: Vec::new() })
+        Some(TightRowLemma { terms, is_upper, limit, binaries, sources, steps: Vec::new() })
     }
 }
 
 /// A tightened row, and its proof.
 #[derive(Debug, Clone)]
-pub(super) struct TightRow {
+pub(super) struct TightRowLemma {
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) is_upper: bool,
     pub(super) limit: f64,
@@ -83,7 +83,7 @@ pub(super) enum TightStep {
     Close(f64, Option<(usize, f64)>),
 }
 
-impl TightRow {
+impl TightRowLemma {
     /// Finds the proof. Returns the sides that it needs; `None` if there is none.
     ///
     /// # Arguments
@@ -93,7 +93,7 @@ impl TightRow {
         &mut self,
         facts: &Facts,
         bounds: &dyn Fn(usize) -> [f64; 2],
-        sum: &mut Combination,
+        sum: &mut FactSum,
         columns: usize,
     ) -> Option<Vec<Side>> {
         if self.binaries.len() > MOST_BINARIES {
@@ -116,7 +116,7 @@ impl TightRow {
         facts: &Facts,
         bounds: &dyn Fn(usize) -> [f64; 2],
         values: &mut Vec<(usize, f64)>,
-        (sum, columns): (&mut Combination, usize),
+        (sum, columns): (&mut FactSum, usize),
         sides: &mut Vec<Side>,
     ) -> bool {
         let within = |j: usize| match values.iter().find(|(column, _)| *column == j) {

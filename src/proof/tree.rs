@@ -1,14 +1,13 @@
 //! The tree of a proof: the splits of the search again, each end closed by facts.
 
-use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::Guide;
-use super::bounds::{Bounds, Conflict, Side};
+use super::bounds::{Bounds, Clash, Side};
 use super::facts::Facts;
-use super::log::Log;
-use super::relaxed::{Refutation, Relaxed, Relaxer};
-use super::tightened::{TightRow, TightStep};
+use super::guide::Guide;
+use super::log::ProofLog;
+use super::relaxed::{FactRefutation, Relaxed, Relaxer};
+use super::tightened::{TightRowLemma, TightStep};
 use crate::search::{Decision, Fork};
 
 /// The distance from a whole number from which a column can be split there (no unit).
@@ -22,7 +21,7 @@ const SPLITS_BETWEEN_SEARCHES: u32 = 6;
 
 /// Where a part of the tree goes on.
 #[derive(Debug, Clone)]
-pub(super) enum Part {
+pub(super) enum ProofPart {
     /// At a node of a search.
     Node(Rc<Guide>, u32),
     /// At a place of its splits.
@@ -44,13 +43,13 @@ pub(super) struct Probing {
     failures: usize,
     has_found: bool,
     /// Where to go on.
-    then: Part,
+    then: ProofPart,
     /// The relaxed point before.
     point: Option<Vec<f64>>,
 }
 
 impl Probing {
-    pub(super) fn new(order: Vec<usize>, then: Part, point: Option<Vec<f64>>) -> Self {
+    pub(super) fn new(order: Vec<usize>, then: ProofPart, point: Option<Vec<f64>>) -> Self {
         Probing { order, place: 0, failures: 0, has_found: false, then, point }
     }
 }
@@ -60,7 +59,7 @@ impl Probing {
 struct Open {
     mark: usize,
     decision: Decision,
-    part: Part,
+    part: ProofPart,
 }
 
 /// A limit came before the end of a proof.
@@ -69,7 +68,7 @@ pub(super) struct Limit;
 
 /// The state of a proof.
 pub(super) struct ProofWriter<'a, 'b> {
-    pub(super) log: &'a mut Log<'b>,
+    pub(super) log: &'a mut ProofLog<'b>,
     pub(super) facts: Facts,
     pub(super) bounds: Bounds,
     pub(super) relaxer: Relaxer<'a>,
@@ -81,28 +80,28 @@ pub(super) struct ProofWriter<'a, 'b> {
 
 impl ProofWriter<'_, '_> {
     /// Closes the present context along the tree of a search.
-    pub(super) fn close(&mut self, part: Part) -> Result<(), Limit> {
+    pub(super) fn close(&mut self, part: ProofPart) -> Result<(), Limit> {
         let ground = self.bounds.mark();
         let (mut open, mut next) = (Vec::new(), Some(part));
         let mut conflict = self.bounds.propagate(&self.facts).err();
         loop {
             if let Some(what) = conflict.take() {
                 self.write_conflict(what);
-            } else if let Some(part) = next.take() {
-                if let Some((decision, near, far)) = self.step(part)? {
-                    let mark = self.bounds.mark();
-                    let at = if decision.is_upper { decision.value } else { decision.value - 1.0 };
-                    self.log.split(decision.column, at);
-                    // The context with the upper bound comes first.
-                    let (first, part, then) = match decision.is_upper {
-                        true => (decision, near, far),
-                        false => (opposite(decision), far, near),
-                    };
-                    open.push(Open { mark, decision: opposite(first), part: then });
-                    conflict = self.enter(first);
-                    next = Some(part);
-                    continue;
-                }
+            } else if let Some(part) = next.take()
+                && let Some((decision, near, far)) = self.step(part)?
+            {
+                let mark = self.bounds.mark();
+                let at = if decision.is_upper { decision.value } else { decision.value - 1.0 };
+                self.log.split(decision.column, at);
+                // The context with the upper bound comes first.
+                let (first, part, then) = match decision.is_upper {
+                    true => (decision, near, far),
+                    false => (opposite(decision), far, near),
+                };
+                open.push(Open { mark, decision: opposite(first), part: then });
+                conflict = self.enter(first);
+                next = Some(part);
+                continue;
             }
             let Some(Open { mark, decision, part }) = open.pop() else { break };
             self.bounds.undo_to(mark);
@@ -113,7 +112,7 @@ impl ProofWriter<'_, '_> {
         Ok(())
     }
 
-    fn enter(&mut self, decision: Decision) -> Option<Conflict> {
+    fn enter(&mut self, decision: Decision) -> Option<Clash> {
         let Decision { column, is_upper, value } = decision;
         let [lower, upper] = self.bounds.of(column);
         if (is_upper && value < upper) || (!is_upper && value > lower) {
@@ -124,20 +123,23 @@ impl ProofWriter<'_, '_> {
 
     /// Goes on with a part: closes it, or returns a split with the parts inside and outside of its
     /// decision.
-    fn step(&mut self, mut part: Part) -> Result<Option<(Decision, Part, Part)>, Limit> {
+    fn step(
+        &mut self,
+        mut part: ProofPart,
+    ) -> Result<Option<(Decision, ProofPart, ProofPart)>, Limit> {
         loop {
             part = match part {
-                Part::Own(_) | Part::End(_) => match self.close_or_probe(part)? {
+                ProofPart::Own(_) | ProofPart::End(_) => match self.close_or_probe(part)? {
                     Some(part) => part,
                     None => return Ok(None),
                 },
-                Part::Probing(mut probing) => {
+                ProofPart::Probing(mut probing) => {
                     if let Some(decision) = self.probe(&mut probing) {
-                        let again = Part::Probing(probing);
-                        return Ok(Some((decision, Part::Own(0), again)));
+                        let again = ProofPart::Probing(probing);
+                        return Ok(Some((decision, ProofPart::Own(0), again)));
                     }
                     match probing.then {
-                        then @ (Part::Own(_) | Part::End(_)) => {
+                        then @ (ProofPart::Own(_) | ProofPart::End(_)) => {
                             let point = probing.point.filter(|_| !probing.has_found);
                             match self.split_or_search(then, point)? {
                                 Step::Closed => return Ok(None),
@@ -150,11 +152,11 @@ impl ProofWriter<'_, '_> {
                         then => then,
                     }
                 }
-                Part::Node(guide, node) if guide.fork(node).is_some() => {
-                    Part::Splits(guide, node, 0)
+                ProofPart::Node(guide, node) if guide.fork(node).is_some() => {
+                    ProofPart::Splits(guide, node, 0)
                 }
-                Part::Node(guide, _) => Part::End(guide),
-                Part::Splits(guide, node, place) => {
+                ProofPart::Node(guide, _) => ProofPart::End(guide),
+                ProofPart::Splits(guide, node, place) => {
                     let split = guide.fork(node).and_then(|fork| guide.split(fork, place));
                     let Some((decision, child)) = split else {
                         let rest = guide.fork(node).and_then(Fork::rest);
@@ -162,15 +164,15 @@ impl ProofWriter<'_, '_> {
                         continue;
                     };
                     match decision.and_then(|decision| self.usable(decision)) {
-                        None => Part::End(guide),
-                        Some(Relation::Holds) => guide.part(child),
-                        Some(Relation::Fails) => Part::Splits(guide, node, place + 1),
-                        Some(Relation::Open(decision)) => {
+                        None => ProofPart::End(guide),
+                        Some(SideRelation::Holds) => guide.part(child),
+                        Some(SideRelation::Fails) => ProofPart::Splits(guide, node, place + 1),
+                        Some(SideRelation::Open(decision)) => {
                             let inside = guide.clone().part(child);
                             return Ok(Some((
                                 decision,
                                 inside,
-                                Part::Splits(guide, node, place + 1),
+                                ProofPart::Splits(guide, node, place + 1),
                             )));
                         }
                     }
@@ -180,7 +182,7 @@ impl ProofWriter<'_, '_> {
     }
 
     /// The relation of a decision to the bounds; `None` if its column cannot be split there.
-    fn usable(&self, decision: Decision) -> Option<Relation> {
+    fn usable(&self, decision: Decision) -> Option<SideRelation> {
         let Decision { column, is_upper, value } = decision;
         let program = &self.relaxer.program;
         if column >= program.column_count() || !program.integral[column] || value != value.round() {
@@ -192,14 +194,14 @@ impl ProofWriter<'_, '_> {
             false => (lower >= value, upper < value),
         };
         Some(match (holds, fails) {
-            (true, _) => Relation::Holds,
-            (_, true) => Relation::Fails,
-            _ => Relation::Open(decision),
+            (true, _) => SideRelation::Holds,
+            (_, true) => SideRelation::Fails,
+            _ => SideRelation::Open(decision),
         })
     }
 
     /// Closes the context by its relaxation, or goes on with a probing of its columns.
-    fn close_or_probe(&mut self, part: Part) -> Result<Option<Part>, Limit> {
+    fn close_or_probe(&mut self, part: ProofPart) -> Result<Option<ProofPart>, Limit> {
         let point = match self.relaxer.relax(&self.facts, &self.bounds, [false, true]) {
             Relaxed::Refuted(refutation) => {
                 self.write(refutation);
@@ -209,11 +211,11 @@ impl ProofWriter<'_, '_> {
             Relaxed::Open(point) => point,
         };
         let order = self.probing_order(point.as_deref());
-        Ok(Some(Part::Probing(Box::new(Probing::new(order, part, point)))))
+        Ok(Some(ProofPart::Probing(Box::new(Probing::new(order, part, point)))))
     }
 
     /// Chooses a split of a context, by a search or on its own.
-    fn split_or_search(&mut self, part: Part, known: Option<Vec<f64>>) -> Result<Step, Limit> {
+    fn split_or_search(&mut self, part: ProofPart, known: Option<Vec<f64>>) -> Result<Step, Limit> {
         let mut point = known;
         for (is_fine, is_tight) in [(false, true), (true, false)] {
             let is_open = point.is_some() && self.own_split(point.as_deref()).is_some();
@@ -234,10 +236,10 @@ impl ProofWriter<'_, '_> {
             }
         }
         let depth = match part {
-            Part::End(guide) if guide.is_plain => 0,
-            Part::Own(depth) if depth < SPLITS_BETWEEN_SEARCHES => depth,
+            ProofPart::End(guide) if guide.is_plain => 0,
+            ProofPart::Own(depth) if depth < SPLITS_BETWEEN_SEARCHES => depth,
             _ => match self.relaxer.search(&self.bounds)? {
-                Some(guide) => return Ok(Step::Again(Part::Node(Rc::new(guide), 0))),
+                Some(guide) => return Ok(Step::Again(ProofPart::Node(Rc::new(guide), 0))),
                 None => 0,
             },
         };
@@ -249,7 +251,7 @@ impl ProofWriter<'_, '_> {
             return Ok(Step::Closed);
         };
         self.splits_left = self.splits_left.checked_sub(1).ok_or(Limit)?;
-        Ok(Step::Split(decision, Part::Own(depth + 1)))
+        Ok(Step::Split(decision, ProofPart::Own(depth + 1)))
     }
 
     /// The integral columns to probe: the fractional ones, the most fractional first, then some others.
@@ -330,10 +332,10 @@ impl ProofWriter<'_, '_> {
         }
     }
 
-    pub(super) fn write_conflict(&mut self, what: Conflict) {
+    pub(super) fn write_conflict(&mut self, what: Clash) {
         match what {
-            Conflict::Column(j) => self.write_bounds([(j, false), (j, true)].into_iter()),
-            Conflict::Fact(fact, is_upper) => {
+            Clash::Column(j) => self.write_bounds([(j, false), (j, true)].into_iter()),
+            Clash::Fact(fact, is_upper) => {
                 let sides: Vec<Side> =
                     Bounds::sides_of(&self.facts, fact, is_upper, None).collect();
                 self.write_bounds(sides.into_iter());
@@ -343,13 +345,13 @@ impl ProofWriter<'_, '_> {
     }
 
     /// Writes a sum of facts that closes the context.
-    pub(super) fn write(&mut self, refutation: Refutation) {
-        let Refutation { facts, tangent, cones, tight, sides } = refutation;
+    pub(super) fn write(&mut self, refutation: FactRefutation) {
+        let FactRefutation { facts, tangent, cones, tight, sides } = refutation;
         self.write_bounds(sides.into_iter());
         let mut sum = facts;
         let mut next = self.facts.len();
         for (row, y) in tight {
-            let TightRow { terms, is_upper, limit, steps, .. } = row;
+            let TightRowLemma { terms, is_upper, limit, steps, .. } = row;
             self.log.lemma(is_upper, limit, terms.into_iter());
             for step in steps {
                 match step {
@@ -381,11 +383,11 @@ impl ProofWriter<'_, '_> {
 enum Step {
     Closed,
     /// A split, and how both sides go on.
-    Split(Decision, Part),
-    Again(Part),
+    Split(Decision, ProofPart),
+    Again(ProofPart),
 }
 
-enum Relation {
+enum SideRelation {
     Holds,
     Fails,
     Open(Decision),
@@ -395,6 +397,3 @@ fn opposite(decision: Decision) -> Decision {
     let value = decision.value + if decision.is_upper { 1.0 } else { -1.0 };
     Decision { is_upper: !decision.is_upper, value, ..decision }
 }
-
-/// The splits of a search by node.
-pub(super) type Forks = BTreeMap<u32, Fork>;

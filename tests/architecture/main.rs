@@ -32,12 +32,13 @@ const GROUND: [&str; 12] = [
 const MODELLING: [&str; 3] = ["graph_of_sets", "hybrid", "collision_tolerant"];
 
 /// The solving tower on the ground, from the bottom up.
-const SOLVING: [&str; 9] = [
+const SOLVING: [&str; 10] = [
     "program",
     "presolve",
     "relaxation",
     "reformulate",
     "search",
+    "proof",
     "branch_and_bound",
     "explain",
     "external",

@@ -52,7 +52,7 @@ impl HybridProgram {
     /// let solver = &mut BranchAndBound::default();
     /// let parts = program.mission_conflict(&mission, solver)?.expect("there is no plan");
     /// let words: Vec<String> = parts.iter().map(Mission::to_string).collect();
-    /// assert_eq!(words, ["F[0,3s] in A", "G[1.5,3s] !in D"]);
+    /// assert_eq!(words, ["F[0,3s] in A", "G[1.5,2.5s] !in D"]);
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///

@@ -74,7 +74,7 @@ impl HybridSystem {
     /// program.start([x.equals(0.0)])?;
     /// program.goal([x.equals(3.0)])?;
     /// let plan = program.solve(&mut BranchAndBound::default())?;
-    /// assert!(plan.to_string().starts_with("nominal"));
+    /// assert!(plan.to_string().starts_with("# nominal"));
     /// // Pushed by 0.1 m in each step, without and with a feedback.
     /// let open = cart.fly(&plan.run, [[0.0]], &mut |range| range.upper)?;
     /// let closed = cart.fly(&plan.run, [[-1.0]], &mut |range| range.upper)?;

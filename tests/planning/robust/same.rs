@@ -64,7 +64,7 @@ fn a_promise_has_a_price_and_words() -> Result<(), Error> {
     program.minimize(program.sum(u.square())?)?;
     let mut solver = BranchAndBound::default();
     let nominal = program.solve(&mut solver)?;
-    assert!(nominal.to_string().starts_with("nominal: "));
+    assert!(nominal.to_string().starts_with("# nominal: "));
     let tube = program.robust(&Feedback::regulator(&cart)?)?.solve(&mut solver)?;
     assert!(tube.price(&nominal).is_some_and(|price| price > 1e-3));
     let text = tube.to_string();

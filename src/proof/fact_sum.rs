@@ -26,7 +26,7 @@ impl Rounded {
 
 /// A sum of facts: `terms >= limit`.
 #[derive(Debug, Default)]
-pub(super) struct Combination {
+pub(super) struct FactSum {
     terms: Vec<Rounded>,
     touched: Vec<usize>,
     limit: Rounded,
@@ -41,7 +41,7 @@ pub(super) enum Shortfall {
     Unbounded(Vec<usize>),
 }
 
-impl Combination {
+impl FactSum {
     /// Begins a sum over so many columns.
     pub(super) fn clear(&mut self, columns: usize) {
         for j in self.touched.drain(..) {

@@ -1,0 +1,112 @@
+//! What holds everywhere: the objective below the claim, convexity, heads of cones.
+
+use std::rc::Rc;
+
+use super::bounds::Clash;
+use super::claim::Claim;
+use super::cones::ConeRow;
+use super::convexity::ConvexityProof;
+use super::guide::Guide;
+use super::tree::{Limit, Probing, ProofPart, ProofWriter};
+use crate::interval::add_up;
+
+impl ProofWriter<'_, '_> {
+    /// Derives what holds everywhere, and closes the whole program.
+    pub(super) fn run(&mut self, guide: Rc<Guide>) -> Result<(), Limit> {
+        let is_empty = |j: &usize| {
+            let [lower, upper] = self.bounds.of(*j);
+            lower > upper
+        };
+        if let Some(column) = (0..self.relaxer.program.column_count()).find(is_empty) {
+            self.log.conflict(Clash::Column(column));
+            return Ok(());
+        }
+        for fact in 0..self.facts.len() as u32 {
+            self.bounds.enqueue(fact);
+        }
+        self.add_objective();
+        self.add_cones();
+        if let Err(what) = self.bounds.propagate(&self.facts) {
+            self.write_conflict(what);
+            return Ok(());
+        }
+        if self.relaxer.program.quadratic.compute_nnz() > 0 {
+            let ConvexityProof { factor, deficits } = ConvexityProof::of(&self.relaxer.program);
+            let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
+            self.log.convexity(lacking, &factor);
+            self.relaxer.deficits = deficits;
+            self.bound_by_curvature();
+        }
+        let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
+        let begin = Probing::new(order, ProofPart::Node(guide, 0), None);
+        self.close(ProofPart::Probing(Box::new(begin)))
+    }
+
+    /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`, or twice an
+    /// entry at most the sum of both heads.
+    fn add_cones(&mut self) {
+        for cone in 0..self.relaxer.program.cones.len() {
+            let own = &self.relaxer.program.cones[cone];
+            let (heads, entries) = (own.head().len(), own.tail().len());
+            for (entry, weight) in (0..entries).flat_map(|entry| [(entry, 1.0), (entry, -1.0)]) {
+                let mut tail = vec![0.0; entries];
+                tail[entry] = weight;
+                let row = ConeRow { cone, head: vec![1.0; heads], tail };
+                self.log.cone_row(cone, &row.head, &row.tail);
+                let terms: Vec<(usize, f64)> = row.terms(&self.relaxer.program).collect();
+                let fact = self.facts.push(terms.into_iter(), [0.0, f64::INFINITY]);
+                self.bounds.enqueue(fact as u32);
+            }
+        }
+    }
+
+    /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its whole
+    /// coefficients have in common.
+    fn add_objective(&mut self) {
+        let Claim::Bound(bound) = self.relaxer.claim else { return };
+        let program = &self.relaxer.program;
+        if program.quadratic.compute_nnz() > 0 {
+            return;
+        }
+        let costs = program.linear.iter().copied().enumerate().filter(|(_, cost)| *cost != 0.0);
+        let costs: Vec<(usize, f64)> = costs.collect();
+        self.log.tangent(std::iter::empty());
+        let limit = add_up(bound, -program.offset);
+        let unit = if costs.iter().all(|(j, _)| program.integral[*j]) {
+            common_divisor(costs.iter().map(|(_, cost)| *cost))
+        } else {
+            0.0
+        };
+        let fact = self.facts.push(costs.iter().copied(), [f64::NEG_INFINITY, limit]);
+        self.bounds.enqueue(fact as u32);
+        let least = (limit / unit).floor();
+        if unit > 0.0 && least.abs() < MOST_WHOLE && (least + 1.0) * unit > limit {
+            // Not at most `least` units would be at least one more, and that is beyond the limit.
+            let terms = costs.iter().map(|(j, cost)| (*j, cost / unit));
+            self.log.lemma(true, least, terms.clone());
+            let next = self.facts.len();
+            self.log.contradiction([(fact, -1.0), (next, unit)].into_iter());
+            let lemma = self.facts.push(terms, [f64::NEG_INFINITY, least]);
+            self.bounds.enqueue(lemma as u32);
+        }
+    }
+}
+
+/// The largest whole numbers that are counted in (no unit).
+const MOST_WHOLE: f64 = 1e9;
+
+/// The common divisor of whole numbers; 0 if one is not whole, or large.
+fn common_divisor(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut divisor = 0.0_f64;
+    for number in numbers {
+        if number != number.round() || number.abs() > MOST_WHOLE {
+            return 0.0;
+        }
+        let (mut a, mut b) = (divisor, number.abs());
+        while b > 0.0 {
+            (a, b) = (b, a % b);
+        }
+        divisor = a;
+    }
+    divisor
+}
