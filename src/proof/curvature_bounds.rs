@@ -16,7 +16,7 @@ const STEPS_A_COLUMN: usize = 3;
 const WIDENED: f64 = 1e-6;
 
 /// What is known around a point: the gradient there, and how much the objective may still grow.
-struct Around<'a> {
+struct CurvaturePoint<'a> {
     point: &'a [f64],
     gradient: &'a [f64],
     room: f64,
@@ -77,7 +77,7 @@ impl ProofWriter<'_, '_> {
         if room < 0.0 || !room.is_finite() {
             return;
         }
-        let around = Around { point: &point, gradient: &gradient, room };
+        let around = CurvaturePoint { point: &point, gradient: &gradient, room };
         let mut found = self.steep_bounds(&around, &falls);
         found.extend(self.sloped_bounds(&around, &sloped));
         let has_term = |j: usize| gradient[j] != 0.0 || deficits[j] > 0.0;
@@ -91,7 +91,11 @@ impl ProofWriter<'_, '_> {
     }
 
     /// Bounds of columns with curvature, by what each may lower the objective.
-    fn steep_bounds(&self, around: &Around<'_>, falls: &[(usize, f64)]) -> Vec<(usize, bool, f64)> {
+    fn steep_bounds(
+        &self,
+        around: &CurvaturePoint<'_>,
+        falls: &[(usize, f64)],
+    ) -> Vec<(usize, bool, f64)> {
         let mut found = Vec::new();
         for &(j, fall) in falls {
             let surplus = -self.relaxer.deficits[j];
@@ -114,7 +118,7 @@ impl ProofWriter<'_, '_> {
     /// Bounds of columns with a slope only.
     fn sloped_bounds(
         &self,
-        around: &Around<'_>,
+        around: &CurvaturePoint<'_>,
         falls: &[(usize, f64)],
     ) -> Vec<(usize, bool, f64)> {
         let mut found = Vec::new();
