@@ -36,9 +36,13 @@ impl ProofWriter<'_, '_> {
         }
         let point = self.least_point(&steep);
         let mut gradient = program.linear.clone();
+        let mut sizes: Vec<f64> = gradient.iter().map(|cost| cost.abs()).collect();
         for (j, &p) in point.iter().enumerate().filter(|(_, p)| **p != 0.0) {
             let (rows, values) = program.quadratic_column(j);
-            rows.iter().zip(values).for_each(|(&i, a)| gradient[i] += a * p);
+            for (&i, a) in rows.iter().zip(values) {
+                gradient[i] += a * p;
+                sizes[i] += (a * p).abs();
+            }
         }
         // By how much each column can lower the objective.
         let (mut falls, mut sloped) = (Vec::new(), Vec::new());
@@ -46,7 +50,7 @@ impl ProofWriter<'_, '_> {
         let mut size = least.abs() + limit.abs();
         for (j, &g) in gradient.iter().enumerate() {
             let (surplus, [lower, upper]) = (-deficits[j], self.bounds.of(j));
-            let rounding = f64::EPSILON * 64.0 * (g.abs() + program.linear[j].abs());
+            let rounding = f64::EPSILON * program.column_count() as f64 * sizes[j];
             let g = g.abs() + rounding;
             if surplus > 0.0 {
                 let fall = (g * g / (2.0 * surplus)) * (1.0 + WIDENED);

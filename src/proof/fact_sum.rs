@@ -2,6 +2,10 @@
 //! exact arithmetic, too.
 
 use super::bounds::Side;
+use crate::sum::{exact_product, exact_sum};
+
+/// Products above this have their errors as floats.
+const SMALLEST_EXACT: f64 = 1e-250;
 
 /// A sum of terms, what bounds its rounding error, and how many terms there are.
 #[derive(Debug, Clone, Copy, Default)]
@@ -9,10 +13,24 @@ struct Rounded {
     value: f64,
     size: f64,
     count: f64,
+    /// Whether a product or a sum was rounded.
+    is_rounded: bool,
 }
 
 impl Rounded {
+    fn add_product(&mut self, a: f64, b: f64) {
+        let (product, product_error) = exact_product(a, b);
+        let (sum, sum_error) = exact_sum(self.value, product);
+        // Errors of tiny products are lost.
+        let is_exact = product_error == 0.0 && sum_error == 0.0 && product.abs() > SMALLEST_EXACT;
+        self.is_rounded |= !is_exact;
+        self.value = sum;
+        self.size += product.abs();
+        self.count += 1.0;
+    }
+
     fn add(&mut self, term: f64) {
+        self.is_rounded = true;
         self.value += term;
         self.size += term.abs();
         self.count += 1.0;
@@ -20,6 +38,9 @@ impl Rounded {
 
     /// Twice what the error can be if terms are products of up to three floats.
     fn error(&self) -> f64 {
+        if !self.is_rounded {
+            return 0.0;
+        }
         f64::EPSILON * (self.count + 4.0) * self.size
     }
 }
@@ -51,15 +72,15 @@ impl FactSum {
         self.limit = Rounded::default();
     }
 
-    /// Adds a term. The product of its factors is rounded at most twice.
-    pub(super) fn add(&mut self, column: usize, product: f64) {
-        if product == 0.0 {
+    /// Adds a term, the product of two floats.
+    pub(super) fn add(&mut self, column: usize, a: f64, b: f64) {
+        if a == 0.0 || b == 0.0 {
             return;
         }
         if self.terms[column].count == 0.0 {
             self.touched.push(column);
         }
-        self.terms[column].add(product);
+        self.terms[column].add_product(a, b);
     }
 
     /// Adds to the limit.

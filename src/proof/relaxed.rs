@@ -244,7 +244,7 @@ impl Relaxer<'_> {
         for &(fact, y) in &found.facts {
             let [lower, upper] = facts.limits(fact);
             sum.add_to_limit(y * if y > 0.0 { lower } else { upper });
-            facts.terms(fact).for_each(|(j, a)| sum.add(j, a * y));
+            facts.terms(fact).for_each(|(j, a)| sum.add(j, a, y));
         }
         for (row, y) in &mut found.tight {
             let columns = self.program.column_count();
@@ -253,10 +253,10 @@ impl Relaxer<'_> {
             let needed = row.prove(facts, &|j| bounds.of(j), &mut own, columns);
             found.sides.extend(needed.ok_or(Shortfall::Room)?);
             sum.add_to_limit(*y * row.limit);
-            row.terms.iter().for_each(|&(j, a)| sum.add(j, a * *y));
+            row.terms.iter().for_each(|&(j, a)| sum.add(j, a, *y));
         }
         for (row, y) in &found.cones {
-            row.terms(&self.program).for_each(|(j, a)| sum.add(j, a * y));
+            row.terms(&self.program).for_each(|(j, a)| sum.add(j, a, *y));
         }
         if let (Some(point), Claim::Bound(bound)) = (&found.tangent, self.claim) {
             let program = &self.program;
@@ -264,12 +264,12 @@ impl Relaxer<'_> {
             sum.add_to_limit(-bound);
             sum.add_to_limit(program.offset);
             for (j, &cost) in program.linear.iter().enumerate() {
-                sum.add(j, -cost);
+                sum.add(j, -cost, 1.0);
             }
             for &(j, p) in point {
                 let (rows, values) = program.quadratic_column(j);
                 for (&i, &a) in rows.iter().zip(values) {
-                    sum.add(i, -a * p);
+                    sum.add(i, -a, p);
                 }
             }
             // f(p) - gradient p = offset - p'Pp / 2; the point is sparse, and sorted.

@@ -129,7 +129,7 @@ impl TightRowLemma {
         for source in std::iter::once(None).chain(others) {
             sum.clear(columns);
             sum.add_to_limit(sign * self.limit);
-            self.terms.iter().for_each(|&(j, a)| sum.add(j, sign * a));
+            self.terms.iter().for_each(|&(j, a)| sum.add(j, sign, a));
             let mut used = None;
             if let Some((fact, ratio)) = source {
                 let y = -sign / ratio;
@@ -139,7 +139,7 @@ impl TightRowLemma {
                     continue;
                 }
                 sum.add_to_limit(y * limit);
-                facts.terms(fact).for_each(|(j, a)| sum.add(j, a * y));
+                facts.terms(fact).for_each(|(j, a)| sum.add(j, a, y));
                 used = Some((fact, y));
             }
             if let Ok(needed) = sum.contradiction(&within) {
