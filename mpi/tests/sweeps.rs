@@ -3,7 +3,6 @@
 use std::fs;
 use std::thread;
 
-use carom::prelude::*;
 use carom::sweep::{Sweep, SweepRecord, SweepResults};
 use carom_mpi::{ThreadChannel, sweep_on};
 

@@ -45,7 +45,11 @@ impl Solve<'_> {
             },
         };
         let mut solved = self.run_lowered(lowered, known, control)?;
-        if let Some(path) = self.options.proof.as_deref().filter(|_| known.lowered.is_none()) {
+        let path = self.options.proof.as_deref().filter(|_| known.lowered.is_none());
+        // WebAssembly has no files.
+        if cfg!(not(target_family = "wasm"))
+            && let Some(path) = path
+        {
             solved.proof = self.write_proof(path, lowered, &mut solved, control.interrupt())?;
         }
         Ok(solved)

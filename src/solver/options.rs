@@ -256,7 +256,8 @@ impl Options {
 
     /// Has each solve write a proof of its bound, or of its infeasibility, that another program can check: to
     /// this file, or, if the path is a folder, to a new file in it. What a proof says, and who checks it, is on
-    /// the page [Proofs](crate::guide::proofs).
+    /// the page [Proofs](crate::guide::proofs). Solves of prepared models, with lazy constraints, and on
+    /// WebAssembly write none.
     ///
     /// The search is the same, except that it does not fall into blocks. The proof comes after it, and may
     /// take as long again: a time limit holds for each of the two.
