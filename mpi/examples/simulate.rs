@@ -9,7 +9,6 @@
 //! The tree is random: a node has two children or none, so that about so many nodes a rank are searched as
 //! are given below. A message takes a latency, and rank 0 handles messages one after the other.
 
-#[allow(dead_code)]
 #[path = "../../tests/instances/mod.rs"]
 mod instances;
 mod simulation;
