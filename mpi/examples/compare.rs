@@ -4,7 +4,6 @@
 //! ranks`, where NAME is `boxes`, `units` or `puck`, or the path of a model as JSON; `compare NAME threads` takes two
 //! threads.
 
-#[allow(dead_code)]
 #[path = "../../tests/instances/mod.rs"]
 mod instances;
 
