@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The reason that the system gives.
         source: std::io::Error,
     },
     /// There is a checkpoint already, and the run does not go on from it.
@@ -38,7 +38,7 @@ pub enum Error {
     Corrupt {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         what: &'static str,
     },
     /// A checkpoint is about another model, or about the same model with other options or on another
@@ -72,7 +72,7 @@ pub enum Error {
         case: usize,
         /// The rank.
         rank: usize,
-        /// What it said.
+        /// Its words.
         text: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What ranks say to each other.
+//! The messages of ranks to each other.
 //!
 //! A worker speaks first: every [`Status`] is answered by [`Orders`], and a worker sends no second status
 //! before it has its orders. So a rank never sends to one that is sending to it, and sends may block.

@@ -36,7 +36,7 @@ pub struct Run {
 pub struct Answer {
     /// The verified solution, at rank 0; `None` at other ranks.
     pub solution: Option<Solution>,
-    /// What each rank has done, at rank 0; empty at other ranks.
+    /// The work of each rank, at rank 0; empty at other ranks.
     pub ranks: Vec<RankCounts>,
     /// Why the last checkpoint could not be written, if it could not.
     pub unwritten: Option<Error>,

@@ -29,7 +29,7 @@ pub(crate) struct Checkpoints {
     pub(crate) model: u64,
 }
 
-/// What rank 0 knows of a worker.
+/// A worker as rank 0 sees it.
 struct Peer {
     /// Whether its last status has no orders yet.
     is_waiting: bool,
@@ -56,7 +56,7 @@ struct Peer {
     last_better: Instant,
 }
 
-/// What one rank has done.
+/// The work of one rank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RankCounts {
@@ -167,7 +167,7 @@ impl<'a, C: Channel> Supervisor<'a, C> {
         self.is_over = true;
     }
 
-    /// What each rank has done.
+    /// The work of each rank.
     pub(crate) fn counts(&self) -> Vec<RankCounts> {
         let of = |(k, peer): (usize, &Peer)| RankCounts {
             rank: k + 1,

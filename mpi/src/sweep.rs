@@ -7,7 +7,7 @@ use crate::bytes::{Reader, Writer};
 use crate::channel::Channel;
 use crate::error::Error;
 
-/// What a rank says when it wants a case.
+/// The message of a rank that asks for a case.
 #[derive(Debug, PartialEq)]
 enum Word {
     /// It has done nothing yet.

@@ -13,7 +13,7 @@ pub(crate) enum Form {
     Entries(Vec<(u32, f64)>),
 }
 
-/// What follows once a context is closed.
+/// The consequence of closing a context.
 #[derive(Debug)]
 pub(crate) enum Kind {
     /// The claim.

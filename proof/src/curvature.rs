@@ -13,7 +13,7 @@ use crate::rows::Row;
 use crate::text::{Refusal, rejected};
 use std::cmp::Ordering;
 
-/// What the objective is at least, around a point.
+/// A lower bound of the objective around a point.
 #[derive(Debug)]
 pub(crate) struct Around {
     point: Entries,

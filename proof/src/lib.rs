@@ -32,7 +32,7 @@ use std::fmt;
 use std::io::BufRead;
 use text::{Lines, Refusal, rejected, unreadable};
 
-/// What a log proves.
+/// The result of checking a log that is a proof.
 #[derive(Debug, Clone)]
 pub struct Proved {
     /// The claim, which holds at every point that satisfies the program exactly.

@@ -1,4 +1,4 @@
-//! What a point of a log is: its objective, and how far it violates the program.
+//! Points of a log: their objectives, and how far they violate the program.
 
 use crate::exact::{Dyadic, Number, OutOfRange, Plain, Sum};
 use crate::program::Program;

@@ -45,7 +45,7 @@ pub(crate) struct Objective {
     pub(crate) triangle: Vec<(u32, u32, f64)>,
 }
 
-/// What a log proves of all points of its program.
+/// The claim of a log about all points of its program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Claim {
     /// The objective, as a minimisation, is at least this.

@@ -190,7 +190,7 @@ impl Quadratic {
         Ok(())
     }
 
-    /// What `objective <= limit` says of a point, with the tangent of the objective at `point`:
+    /// The row that `objective <= limit` implies at every point, by the tangent of the objective at `point`:
     ///
     /// `gradient x <= limit - objective(point) + gradient point + slack`,
     /// `slack = 1/2 sum d_j max(|lower_j - point_j|, |upper_j - point_j|)^2`.

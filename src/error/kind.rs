@@ -420,7 +420,7 @@ pub enum ErrorKind {
     /// Cases, a shard or a file that are none of a sweep.
     #[error("{what}; {help}")]
     Sweep {
-        /// What is wrong, in words.
+        /// The reason, in words.
         what: String,
         /// The advice on what to do.
         help: &'static str,

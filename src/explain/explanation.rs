@@ -45,7 +45,7 @@ pub enum ExplanationStatus {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Group {
     pub(super) name: String,
-    /// What the family states, in words; its name if there are none.
+    /// The statement of the family in words; its name if there are none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) words: String,
     pub(super) statements: Vec<Name>,

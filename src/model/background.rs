@@ -53,7 +53,7 @@ impl Model {
         self.stored.words.insert(family.to_owned(), words);
     }
 
-    /// What a family states, in words; its name if there are none.
+    /// The statement of a family in words; its name if there are none.
     pub(crate) fn words<'a>(&'a self, family: &'a str) -> &'a str {
         self.stored.words.get(family).map_or(family, String::as_str)
     }

@@ -162,4 +162,14 @@ impl Program {
         }
         sum.value()
     }
+
+    /// Gradient of the (minimised) objective at a point.
+    pub(crate) fn gradient(&self, x: &[f64]) -> Vec<f64> {
+        let mut gradient = self.linear.clone();
+        for (j, &xj) in x.iter().enumerate() {
+            let (rows, entries) = self.quadratic_column(j);
+            rows.iter().zip(entries).for_each(|(&i, p)| gradient[i] += p * xj);
+        }
+        gradient
+    }
 }

@@ -41,7 +41,7 @@ pub(super) struct BoundChange {
 /// One side of a column.
 pub(super) type Side = (usize, bool);
 
-/// What contradicts itself.
+/// A contradiction that propagation has found.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Clash {
     /// The bounds of a column are crossed.

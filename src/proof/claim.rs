@@ -1,6 +1,6 @@
-//! What a proof is of.
+//! The claim of a proof.
 
-/// What is to be proved.
+/// A statement to be proved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Claim {
     /// The (minimised) objective of every point is at least this.

@@ -7,7 +7,7 @@ use crate::program::Program;
 use crate::semidefinite::blocks;
 use crate::sum::Sum;
 
-/// What the factor leaves of each diagonal entry, for rounding (no unit).
+/// The part of each diagonal entry that the factor leaves, for rounding (no unit).
 const LEFT_FOR_ROUNDING: f64 = 1e-12;
 
 /// The part of a diagonal entry below which a pivot may be rounding (no unit).

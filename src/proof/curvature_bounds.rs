@@ -15,7 +15,7 @@ const STEPS_A_COLUMN: usize = 3;
 /// How much larger than necessary the bounds are, for rounding (no unit).
 const WIDENED: f64 = 1e-6;
 
-/// What is known around a point: the gradient there, and how much the objective may still grow.
+/// A point, the gradient there, and how much the objective may still grow.
 struct CurvaturePoint<'a> {
     point: &'a [f64],
     gradient: &'a [f64],
@@ -35,14 +35,11 @@ impl ProofWriter<'_, '_> {
             return;
         }
         let point = self.least_point(&steep);
-        let mut gradient = program.linear.clone();
-        let mut sizes: Vec<f64> = gradient.iter().map(|cost| cost.abs()).collect();
+        let gradient = program.gradient(&point);
+        let mut sizes: Vec<f64> = program.linear.iter().map(|cost| cost.abs()).collect();
         for (j, &p) in point.iter().enumerate().filter(|(_, p)| **p != 0.0) {
             let (rows, values) = program.quadratic_column(j);
-            for (&i, a) in rows.iter().zip(values) {
-                gradient[i] += a * p;
-                sizes[i] += (a * p).abs();
-            }
+            rows.iter().zip(values).for_each(|(&i, a)| sizes[i] += (a * p).abs());
         }
         // By how much each column can lower the objective.
         let (mut falls, mut sloped) = (Vec::new(), Vec::new());
@@ -149,11 +146,7 @@ impl ProofWriter<'_, '_> {
             0.0_f64.max(lower).min(upper)
         };
         let mut point: Vec<f64> = (0..program.column_count()).map(start).collect();
-        let mut gradient = program.linear.clone();
-        for (j, &v) in point.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-            let (rows, values) = program.quadratic_column(j);
-            rows.iter().zip(values).for_each(|(&i, a)| gradient[i] += a * v);
-        }
+        let gradient = program.gradient(&point);
         let right: Vec<f64> = steep.iter().map(|&j| -gradient[j]).collect();
         let moved = conjugate_gradients(program, steep, &right, STEPS_A_COLUMN * steep.len());
         steep.iter().zip(moved).for_each(|(&j, step)| point[j] += step);

@@ -53,15 +53,6 @@ pub(super) struct FactSum {
     limit: Rounded,
 }
 
-/// Why a sum is no contradiction.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Shortfall {
-    /// The bounds leave room.
-    Room,
-    /// Columns without the bound that the sum needs.
-    Unbounded(Vec<usize>),
-}
-
 impl FactSum {
     /// Begins a sum over so many columns.
     pub(super) fn clear(&mut self, columns: usize) {
@@ -94,12 +85,9 @@ impl FactSum {
     }
 
     /// The sides whose bounds make the sum a contradiction: the largest sum of the terms is below the
-    /// limit.
-    pub(super) fn contradiction(
-        &self,
-        bounds: &dyn Fn(usize) -> [f64; 2],
-    ) -> Result<Vec<Side>, Shortfall> {
-        let (mut most, mut sides, mut unbounded) = (Rounded::default(), Vec::new(), Vec::new());
+    /// limit. `None` if they leave room, or if a bound that the sum needs is missing.
+    pub(super) fn contradiction(&self, bounds: &dyn Fn(usize) -> [f64; 2]) -> Option<Vec<Side>> {
+        let (mut most, mut sides) = (Rounded::default(), Vec::new());
         for &j in &self.touched {
             let (term, error) = (self.terms[j], self.terms[j].error());
             let [lower, upper] = bounds(j);
@@ -114,15 +102,13 @@ impl FactSum {
                 worst = worst.max(least * lower);
             }
             if worst == f64::INFINITY {
-                unbounded.push(j);
-            } else if worst > f64::NEG_INFINITY {
+                return None;
+            }
+            if worst > f64::NEG_INFINITY {
                 most.add(worst);
             }
         }
-        if !unbounded.is_empty() {
-            return Err(Shortfall::Unbounded(unbounded));
-        }
         let room = self.limit.value - self.limit.error() - (most.value + most.error());
-        if room > 0.0 { Ok(sides) } else { Err(Shortfall::Room) }
+        (room > 0.0).then_some(sides)
     }
 }

@@ -107,9 +107,8 @@ impl ProofRequest<'_> {
             token,
             ladder: ladders.take(),
             ladders,
-            combination: FactSum::default(),
+            sum: FactSum::default(),
             deficits: Vec::new(),
-            relaxations: 0,
         };
         let mut writer = ProofWriter {
             log: &mut log,
@@ -121,6 +120,7 @@ impl ProofRequest<'_> {
         };
         let result = writer.run(Rc::new(guide));
         let gaps = writer.gaps;
+        ladders.give_back(writer.relaxer.ladder);
         if result.is_err() {
             log.remark("a limit came before the end of the proof");
             let (commands, bytes) = log.abandon()?;

@@ -1,13 +1,13 @@
 //! Contradictions from relaxations: the multipliers of a node's relaxation, as a sum of facts of the
 //! original program.
 //!
-//! Nothing about a relaxation is trusted: its multipliers are put together again from facts, tangents and
+//! No relaxation is trusted: its multipliers are put together again from facts, tangents and
 //! bounds that the log has, and only a sum that is a contradiction is written.
 
 use super::bounds::{Bounds, Side};
 use super::claim::Claim;
 use super::cones::ConeRow;
-use super::fact_sum::{FactSum, Shortfall};
+use super::fact_sum::FactSum;
 use super::facts::Facts;
 use super::tightened::{RowsBefore, TightRowLemma};
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
@@ -30,7 +30,7 @@ pub(super) struct FactRefutation {
     pub(super) sides: Vec<Side>,
 }
 
-/// What a relaxation says of a context.
+/// The verdict of a relaxation on a context.
 #[derive(Debug)]
 pub(super) enum Relaxed {
     /// It has no point.
@@ -52,10 +52,9 @@ pub(super) struct Relaxer<'a> {
     pub(super) ladders: &'a LadderPool,
     /// The same program, with the bounds of the context that is searched.
     pub(super) within: Program,
-    pub(super) combination: FactSum,
+    pub(super) sum: FactSum,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
-    pub(super) relaxations: u64,
 }
 
 impl Relaxer<'_> {
@@ -91,7 +90,6 @@ impl Relaxer<'_> {
         let Some(mut reduced) = reduced else {
             return Relaxed::Open(None);
         };
-        self.relaxations += 1;
         let before = RowsBefore::of(&reduced);
         if is_tight {
             tighten_coefficients(&mut reduced, &self.program.integral);
@@ -117,10 +115,9 @@ impl Relaxer<'_> {
             RelaxationVerdict::Refuted(y) => {
                 let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                 found.cones = self.cone_rows(&reduced, &cuts, y);
-                let checked = self.check(facts, bounds, &mut found);
-                match checked {
-                    Ok(()) => Relaxed::Refuted(found),
-                    Err(_) => Relaxed::Open(None),
+                match self.check(facts, bounds, &mut found) {
+                    Some(()) => Relaxed::Refuted(found),
+                    None => Relaxed::Open(None),
                 }
             }
             RelaxationVerdict::Relaxed { bound, x, y, .. } => {
@@ -131,10 +128,10 @@ impl Relaxer<'_> {
                     found.cones = self.cone_rows(&reduced, &cuts, y);
                     found.tangent = Some(self.tangent_point(&point));
                     let mut checked = self.check(facts, bounds, &mut found);
-                    if checked.is_err() && self.move_tangent(bounds, &mut found) {
+                    if checked.is_none() && self.move_tangent(bounds, &mut found) {
                         checked = self.check(facts, bounds, &mut found);
                     }
-                    if checked.is_ok() {
+                    if checked.is_some() {
                         relaxed = Some(Relaxed::Refuted(found));
                     }
                 }
@@ -224,7 +221,7 @@ impl Relaxer<'_> {
         }
         let mut point = vec![0.0; n];
         tangent.iter().for_each(|&(j, p)| point[j] = p);
-        let left: Vec<f64> = curved.iter().map(|&j| self.combination.coefficient(j)).collect();
+        let left: Vec<f64> = curved.iter().map(|&j| self.sum.coefficient(j)).collect();
         let moved = conjugate_gradients(program, &curved, &left, MOST_MOVES);
         curved.iter().zip(&moved).for_each(|(&j, step)| point[j] += step);
         *tangent = self.tangent_point(&point);
@@ -237,8 +234,8 @@ impl Relaxer<'_> {
         facts: &Facts,
         bounds: &Bounds,
         found: &mut FactRefutation,
-    ) -> Result<(), Shortfall> {
-        let sum = &mut self.combination;
+    ) -> Option<()> {
+        let sum = &mut self.sum;
         sum.clear(self.program.column_count());
         found.sides.clear();
         for &(fact, y) in &found.facts {
@@ -251,7 +248,7 @@ impl Relaxer<'_> {
             let mut own = FactSum::default();
             row.steps.clear();
             let needed = row.prove(facts, &|j| bounds.of(j), &mut own, columns);
-            found.sides.extend(needed.ok_or(Shortfall::Room)?);
+            found.sides.extend(needed?);
             sum.add_to_limit(*y * row.limit);
             row.terms.iter().for_each(|&(j, a)| sum.add(j, a, *y));
         }
@@ -287,7 +284,7 @@ impl Relaxer<'_> {
                 let p = k.map_or(0.0, |k| point[k].1);
                 let reach = (lower - p).abs().max((upper - p).abs());
                 if reach.is_infinite() {
-                    return Err(Shortfall::Unbounded(vec![j]));
+                    return None;
                 }
                 sum.add_to_limit(-0.5 * deficit * reach * reach);
             }
@@ -297,7 +294,7 @@ impl Relaxer<'_> {
             let lacking = self.deficits.iter().enumerate().filter(|(_, d)| **d > 0.0);
             found.sides.extend(lacking.flat_map(|(j, _)| [(j, false), (j, true)]));
         }
-        Ok(())
+        Some(())
     }
 }
 

@@ -1,4 +1,4 @@
-//! What holds everywhere: the objective below the claim, convexity, heads of cones.
+//! Facts that hold everywhere: the objective below the claim, convexity, heads of cones.
 
 use std::rc::Rc;
 
@@ -9,6 +9,7 @@ use super::convexity::ConvexityProof;
 use super::guide::Guide;
 use super::tree::{Limit, Probing, ProofPart, ProofWriter};
 use crate::interval::add_up;
+use crate::search::granularity;
 
 impl ProofWriter<'_, '_> {
     /// Derives what holds everywhere, and closes the whole program.
@@ -72,11 +73,7 @@ impl ProofWriter<'_, '_> {
         let costs: Vec<(usize, f64)> = costs.collect();
         self.log.tangent(std::iter::empty());
         let limit = add_up(bound, -program.offset);
-        let unit = if costs.iter().all(|(j, _)| program.integral[*j]) {
-            common_divisor(costs.iter().map(|(_, cost)| *cost))
-        } else {
-            0.0
-        };
+        let unit = granularity(program);
         let fact = self.facts.push(costs.iter().copied(), [f64::NEG_INFINITY, limit]);
         self.bounds.enqueue(fact as u32);
         let least = (limit / unit).floor();
@@ -94,19 +91,3 @@ impl ProofWriter<'_, '_> {
 
 /// The largest whole numbers that are counted in (no unit).
 const MOST_WHOLE: f64 = 1e9;
-
-/// The common divisor of whole numbers; 0 if one is not whole, or large.
-fn common_divisor(numbers: impl Iterator<Item = f64>) -> f64 {
-    let mut divisor = 0.0_f64;
-    for number in numbers {
-        if number != number.round() || number.abs() > MOST_WHOLE {
-            return 0.0;
-        }
-        let (mut a, mut b) = (divisor, number.abs());
-        while b > 0.0 {
-            (a, b) = (b, a % b);
-        }
-        divisor = a;
-    }
-    divisor
-}

@@ -142,7 +142,7 @@ impl TightRowLemma {
                 facts.terms(fact).for_each(|(j, a)| sum.add(j, a, y));
                 used = Some((fact, y));
             }
-            if let Ok(needed) = sum.contradiction(&within) {
+            if let Some(needed) = sum.contradiction(&within) {
                 let is_own = |side: &Side| values.iter().any(|(column, _)| *column == side.0);
                 sides.extend(needed.into_iter().filter(|side| !is_own(side)));
                 self.steps.push(TightStep::Close(sign, used));

@@ -8,7 +8,7 @@ use super::guide::Guide;
 use super::log::ProofLog;
 use super::relaxed::{FactRefutation, Relaxed, Relaxer};
 use super::tightened::{TightRowLemma, TightStep};
-use crate::search::{Decision, Fork};
+use crate::search::{Decision, Fork, opposite};
 
 /// The distance from a whole number from which a column can be split there (no unit).
 const FRACTIONAL: f64 = 1e-7;
@@ -379,7 +379,7 @@ impl ProofWriter<'_, '_> {
     }
 }
 
-/// What follows at the end of a tree.
+/// The next step at the end of a tree.
 enum Step {
     Closed,
     /// A split, and how both sides go on.
@@ -391,9 +391,4 @@ enum SideRelation {
     Holds,
     Fails,
     Open(Decision),
-}
-
-fn opposite(decision: Decision) -> Decision {
-    let value = decision.value + if decision.is_upper { 1.0 } else { -1.0 };
-    Decision { is_upper: !decision.is_upper, value, ..decision }
 }

@@ -60,7 +60,7 @@ pub(super) fn keep_closed(ctx: &Context<'_>, path: &Path, facts: &[Decision], ch
 }
 
 /// The decision that allows exactly the values that this one excludes.
-pub(super) fn opposite(decision: Decision) -> Decision {
+pub(crate) fn opposite(decision: Decision) -> Decision {
     let value = decision.value + if decision.is_upper { 1.0 } else { -1.0 };
     Decision { is_upper: !decision.is_upper, value, ..decision }
 }

@@ -109,7 +109,7 @@ fn is_dearer(program: &Program, exact: &Program, x: &[f64], feasibility: f64) ->
     if excess <= 0.0 {
         return false;
     }
-    let (gradients, mut size) = ([program, exact].map(|p| gradient(p, x)), 0.0);
+    let (gradients, mut size) = ([program, exact].map(|p| p.gradient(x)), 0.0);
     let [strong, plain] = &gradients;
     for (j, value) in x.iter().enumerate() {
         let slope = if exact.integral[j] { 0.0 } else { (strong[j] - plain[j]).abs() };
@@ -117,16 +117,4 @@ fn is_dearer(program: &Program, exact: &Program, x: &[f64], feasibility: f64) ->
         size += OBJECTIVE_ROUNDING * (strong[j].abs() + plain[j].abs()) * value.abs();
     }
     excess > size + OBJECTIVE_ROUNDING * (program.offset.abs() + exact.offset.abs() + 1.0)
-}
-
-/// The gradient of a program's objective at a point.
-fn gradient(program: &Program, x: &[f64]) -> Vec<f64> {
-    let mut gradient = program.linear.clone();
-    for (j, &value) in x.iter().enumerate() {
-        let (rows, entries) = program.quadratic_column(j);
-        for (&i, &p) in rows.iter().zip(entries) {
-            gradient[i] += p * value;
-        }
-    }
-    gradient
 }

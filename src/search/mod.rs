@@ -92,6 +92,7 @@ mod tree_view;
 mod unbounded;
 mod worker;
 
+pub(crate) use close_node::opposite;
 pub use comparison::Contradiction;
 pub(crate) use driver::{complete, first_point};
 pub use driver::{search, search_unstrengthened};
@@ -106,6 +107,7 @@ pub(crate) use root_point::PilotResult;
 pub(crate) use start::Completion;
 pub use start::{Start, StartPoint};
 pub use task::{PointJudge, SolveTask};
+pub(crate) use tree::granularity;
 
 // For `internals` only.
 pub use best_points::{Accepted, BestPoints};

@@ -64,7 +64,7 @@ pub(super) struct TreeState {
     pub(super) closed: f64,
     /// Smallest bound of a subtree that could be neither finished nor split.
     pub(super) stalled: f64,
-    /// What other processes hold of the tree.
+    /// The part of the tree that other processes hold.
     pub(super) elsewhere: Elsewhere,
     pub(super) stop: Option<Termination>,
     /// Whether a visible part of the value of a point is due to limits that presolve has widened.
@@ -440,7 +440,7 @@ fn bound(state: &TreeState) -> f64 {
 
 /// The smallest possible difference of two objective values: the common divisor of integer
 /// coefficients when only integral columns have a cost.
-fn granularity(program: &Program) -> f64 {
+pub(crate) fn granularity(program: &Program) -> f64 {
     if program.quadratic.compute_nnz() > 0 {
         return 0.0;
     }

@@ -39,7 +39,7 @@ pub struct PartState {
     pub ended: Option<Termination>,
 }
 
-/// What other processes hold of a tree.
+/// The part of a tree that other processes hold.
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elsewhere {

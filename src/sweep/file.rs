@@ -17,7 +17,7 @@ pub struct SweepFile {
     results: SweepResults,
 }
 
-/// What a line of a file is.
+/// The kinds of lines in a file.
 enum Line {
     Case(usize, SweepRecord),
     Half,
@@ -75,7 +75,7 @@ impl SweepFile {
         Ok(())
     }
 
-    /// What is known.
+    /// The results.
     pub fn into_results(self) -> SweepResults {
         self.results
     }

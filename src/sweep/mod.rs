@@ -66,7 +66,7 @@ pub struct SweepCase<'a> {
     index: usize,
 }
 
-/// What is known of the cases of a [`Sweep`].
+/// The results of the cases of a [`Sweep`].
 #[derive(Debug, Clone)]
 pub struct SweepResults {
     records: Vec<Option<SweepRecord>>,
@@ -278,7 +278,7 @@ impl SweepResults {
         SweepResults { records: vec![None; sweep.len()], half_lines: 0 }
     }
 
-    /// What is known of a case; `None` if it is missing.
+    /// The result of a case; `None` if it is missing.
     pub fn record(&self, case: usize) -> Option<&SweepRecord> {
         self.records.get(case)?.as_ref()
     }

@@ -1,8 +1,8 @@
-//! What is known of a case, and its line of text.
+//! The result of a case, and its line of text.
 
 use std::fmt::Write as _;
 
-/// What is known of a case of a [`Sweep`](super::Sweep): named numbers and texts.
+/// The result of a case of a [`Sweep`](super::Sweep): named numbers and texts.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[must_use]
 pub struct SweepRecord {

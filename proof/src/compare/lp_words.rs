@@ -3,7 +3,7 @@
 /// Signs that end a word.
 pub(super) const SIGNS: &[char] = &['+', '-', '*', '/', '^', ':', '<', '>', '=', '[', ']'];
 
-/// What follows the line that begins a section.
+/// The kind of section that a line begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Section {
     Objective,

@@ -34,10 +34,10 @@ pub enum Format {
 /// How many statements that were not compared a text names.
 const MOST_NAMED: usize = 5;
 
-/// What a comparison finds.
+/// The result of a comparison.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Comparison {
-    /// Nothing that was compared differs.
+    /// All that was compared agrees.
     Same {
         /// The number of columns of the model.
         columns: usize,

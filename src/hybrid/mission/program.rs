@@ -24,7 +24,7 @@ struct RunShape<'a> {
     time_step: f64,
 }
 
-/// What becomes of a mission that cannot be true because the run ends before.
+/// How to treat a mission that cannot be true because the run ends before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Late {
     Refused,

@@ -21,7 +21,7 @@ pub(crate) struct Members {
     pub(crate) steps: usize,
     /// By name; the first one has none.
     pub(super) all: Vec<(String, SystemVariables)>,
-    /// What plans are checked for.
+    /// Missions that plans are checked for.
     pub(crate) missions: Vec<RequiredMission>,
     /// Bounds before and after what sets have proved about them, which says nothing that the program does not.
     pub(super) implied: BTreeMap<Variable, (Interval, Interval)>,

@@ -128,7 +128,7 @@ impl Context<'_> {
         law
     }
 
-    /// What the uncertain parts of a transition may add to the next state.
+    /// The set of what the uncertain parts of a transition may add to the next state.
     fn uncertain(&self, transition: &Transition, inputs: &[Interval]) -> Vec<Interval> {
         let states = self.system.states.iter().map(|(_, domain)| *domain);
         let start: Vec<Interval> = states.chain(inputs.iter().copied()).collect();

@@ -17,7 +17,7 @@ use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 /// By how much a run may miss a condition, as in nominal certificates.
 pub(super) const MISS: f64 = FEASIBILITY + REPLAY;
 
-/// What interval simulation has found about all disturbed runs of a plan.
+/// The findings of interval simulation about all disturbed runs of a plan.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RobustCertificate {

@@ -47,7 +47,7 @@ pub enum RobustError {
     Statement {
         /// The statement.
         statement: String,
-        /// What it is.
+        /// The statement, in words.
         kind: &'static str,
         /// The way out.
         help: &'static str,

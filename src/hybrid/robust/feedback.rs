@@ -228,7 +228,7 @@ pub(super) fn disturbance(system: &HybridSystem) -> Vec<f64> {
     (0..system.states.len()).map(of).collect()
 }
 
-/// What the uncertain parameters of an event may add to each state, of a typical size: for states at a quarter
+/// The most that the uncertain parameters of an event may add to each state, of a typical size: for states at a quarter
 /// of the width of their domains.
 fn event(system: &HybridSystem) -> Vec<f64> {
     let typical: Vec<f64> = system.states.iter().map(|(_, domain)| 0.25 * domain.width()).collect();

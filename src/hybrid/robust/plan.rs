@@ -26,7 +26,7 @@ use crate::tolerance::margin_scale;
 pub struct RobustPlan {
     /// The plan without disturbance, around which the feedback keeps the runs.
     pub plan: HybridPlan,
-    /// What interval simulation has found about all disturbed runs.
+    /// The findings of interval simulation about all disturbed runs.
     pub certificate: RobustCertificate,
     feedback: Feedback,
     sense: Sense,

@@ -109,7 +109,7 @@ impl<'a> StatementTightening<'a> {
         Ok(())
     }
 
-    /// What choices change about next states and outputs: as wide as under the transition that is taken.
+    /// The ranges by which choices change next states and outputs: as wide as under the transition that is taken.
     fn changes(&mut self, model: &mut Model) -> Result<(), Error> {
         let own = self.tube.own;
         for step in 1..own.horizon().steps() {

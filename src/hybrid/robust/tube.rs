@@ -18,7 +18,7 @@ use crate::model::{Affine, ConicRow, Family, Literal, Logic, Model, Row, norm};
 /// Factors below this count as 0: they are rounding of factors that cancel.
 const ZERO: f64 = 1e-13;
 
-/// What is not known of a transition's effect on one entry of the next error.
+/// The unknown part of a transition's effect on one entry of the next error.
 struct Spread {
     /// A function of the start of the step.
     map: Map,
@@ -170,7 +170,7 @@ impl<'a> ErrorTube<'a> {
         Ok(())
     }
 
-    /// What is not known of a transition's effect, by entry of the next error.
+    /// The unknown part of a transition's effect, by entry of the next error.
     fn spreads(&self, transition: &Transition, step: usize) -> Vec<Vec<Spread>> {
         let (n, flow) = (self.radius.len(), affine::flow(&transition.flow));
         let width = n + self.own.system().inputs.len();

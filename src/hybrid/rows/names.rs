@@ -14,7 +14,7 @@ pub(super) struct Names {
     prefix: String,
     used: BTreeSet<String>,
     keyed: BTreeMap<Key, String>,
-    /// What guards are called in words, by their families.
+    /// The words for guards, by their families.
     words: BTreeMap<String, String>,
 }
 
@@ -24,7 +24,7 @@ impl Names {
         Names { prefix: prefix.to_owned(), used, keyed, words }
     }
 
-    /// What families of guards are called in words.
+    /// The words for families of guards.
     pub(super) fn words(self) -> BTreeMap<String, String> {
         self.words
     }

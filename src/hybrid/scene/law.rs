@@ -296,8 +296,8 @@ impl Writer<'_> {
         self.contact.shares().flat_map(of).chain(self.contact.spins.iter().map(turn)).collect()
     }
 
-    /// What the spread of the restitution adds to the reset of a hit, which is affine in it: what e = 1 adds
-    /// to e = 0.
+    /// The part that the spread of the restitution adds to the reset of a hit. The reset is affine in e, so the
+    /// part is the reset for e = 1 less that for e = 0.
     fn uncertain(&self, face: &ContactFace, law: &Law) -> Option<Uncertain> {
         let spread = face.surface.spread;
         let rebound = |e: f64| Law { rebound: rebound(&face.normal, e), ..law.clone() };

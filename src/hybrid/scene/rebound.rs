@@ -1,4 +1,4 @@
-//! What a hit does to velocities: restitution along the normal, and the law along the surface.
+//! The change of velocities by a hit: restitution along the normal, and the law along the surface.
 //!
 //! A law is linear in the relative velocity `r` of the centres and, in the plane, in the speed `s` at
 //! which spin moves the surfaces of the bodies past each other, so that the touching points slide with

@@ -1,4 +1,4 @@
-//! What a transition does after its flow: the reset, and parts of it that are not known.
+//! The end of a transition, after its flow: the reset, and parts of it that are not known.
 
 use std::collections::BTreeSet;
 

@@ -72,7 +72,7 @@ pub struct Transition {
     /// The mode that it leaves and the one that it enters, in a choice with memory.
     pub modes: Option<(String, String)>,
     pub(crate) reset: Option<Reset>,
-    /// What is not known about the next state.
+    /// The uncertain parts of the next state.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) uncertain: Vec<Uncertain>,
     pub(crate) outputs: Vec<TransitionOutput>,
