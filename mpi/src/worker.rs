@@ -90,8 +90,10 @@ impl<'a, C: Channel> Worker<'a, C> {
     }
 
     fn obey(&mut self, orders: Orders, part: &mut dyn TreePart) {
-        if let Some(point) = orders.point {
-            part.offer(point);
+        // Rank 0 does not know of a better point that was found while its orders were on their way.
+        if let Some(point) = orders.point
+            && part.offer(point)
+        {
             self.told = part.incumbent().map_or(f64::INFINITY, |(value, _)| value);
         }
         if !orders.nodes.is_empty() && !part.put(orders.nodes) {
