@@ -19,19 +19,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let world = universe.world();
     let words: Vec<String> = std::env::args().skip(1).collect();
     let name = words.first().ok_or("which program?")?;
+    let size = |usual: usize| words.get(2).map_or(Ok(usual), |word| word.parse());
     let model = match name.as_str() {
-        "boxes" => generators::boxes(20, 12, false),
-        "units" => units(20, 48)?,
-        "puck" => generators::puck(100, 0.1),
+        "boxes" => generators::boxes(size(20)?, 12, false),
+        "units" => units(20, size(48)?)?,
+        "puck" => generators::puck(size(100)?, 0.1),
         path => serde_json::from_str(&std::fs::read_to_string(path)?)?,
     };
     let how = words.get(1).map_or("one thread", |how| how);
     let began = Instant::now();
-    let options = Options::default();
+    let options = Options::default().with_time_limit(std::time::Duration::from_secs(40));
     let (solution, ranks) = match how {
         "ranks" => {
             let answer = carom_mpi::solve(&model, &options, &world)?;
             (answer.solution, answer.ranks)
+        }
+        "whole" => {
+            (Some(BranchAndBound::new(options.with_blocks(false)).solve(&model)?), Vec::new())
         }
         "threads" => {
             (Some(BranchAndBound::new(options.with_threads(2)).solve(&model)?), Vec::new())
@@ -61,10 +65,10 @@ fn units(count: usize, hours: usize) -> Result<Model, Box<dyn Error>> {
     let (mut cost, mut most) = (Affine::from(0.0), 0.0);
     for k in 0..count {
         let own = |what: &str| format!("{what}{k}");
-        let on = model.binary_family(own("on"), hours)?;
-        let start = model.binary_family(own("start"), hours)?;
+        let on = model.binary_family(&own("on"), hours)?;
+        let start = model.binary_family(&own("start"), hours)?;
         let size = 50.0 + 7.0 * ((k * 5) % 11) as f64;
-        let power = model.continuous_family(own("power"), hours, 0.0, size)?;
+        let power = model.continuous_family(&own("power"), hours, 0.0, size)?;
         for t in 0..hours {
             model.add((own("most"), t), (power[t] - size * on[t]).le(0.0))?;
             model.add((own("least"), t), (power[t] - 0.4 * size * on[t]).ge(0.0))?;

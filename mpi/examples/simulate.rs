@@ -34,7 +34,7 @@ struct Watch {
 }
 
 impl TreeExchange for Watch {
-    fn begin(&mut self, _: u64) -> bool {
+    fn begin(&mut self, _: u64, _: bool) -> bool {
         self.last = Instant::now();
         true
     }

@@ -1,7 +1,7 @@
 //! Checkpoints: what is open of a tree, and the best point, in a file that is written whole or not at all.
 //!
-//! A file is a line of text, the numbers of the model and of the presolved program, the length of what
-//! follows, the bounds, the best point and the open nodes, and a checksum of all of it.
+//! A file is a line of text, the number of the model, the length of what follows, the trees, and a checksum of
+//! all of it. A tree is the number of its presolved program, its bounds, its best point and its open nodes.
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -12,16 +12,23 @@ use carom::solver::OpenNode;
 use crate::bytes::{Reader, Writer, checksum};
 use crate::error::Error;
 
-const FIRST_LINE: &[u8] = b"carom-mpi checkpoint 1\n";
+const FIRST_LINE: &[u8] = b"carom-mpi checkpoint 2\n";
 
-/// Bytes before the content: the first line, two numbers, and the length.
-const HEAD: usize = FIRST_LINE.len() + 24;
+/// Bytes before the content: the first line, the number of the model, and the length.
+const HEAD: usize = FIRST_LINE.len() + 16;
 
-/// The state of a tree: with it, and the model, a search goes on.
+/// The state of a run: with it, and the model, it goes on.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Checkpoint {
     /// The number of the model and its options.
     pub(crate) model: u64,
+    /// The trees that were searched, and the one that is.
+    pub(crate) trees: Vec<TreeState>,
+}
+
+/// The state of a tree.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TreeState {
     /// The number of the presolved program, to whose columns the rest belongs.
     pub(crate) program: u64,
     /// The smallest bound of what was closed without being infeasible.
@@ -37,13 +44,16 @@ pub(crate) struct Checkpoint {
 impl Checkpoint {
     fn to_bytes(&self) -> Vec<u8> {
         let mut content = Writer::default();
-        content.number(self.closed);
-        content.number(self.stalled);
-        content.maybe(self.point.as_ref(), |out, point| out.numbers(point));
-        content.nodes(&self.open);
+        content.whole(self.trees.len() as u64);
+        for tree in &self.trees {
+            content.whole(tree.program);
+            content.number(tree.closed);
+            content.number(tree.stalled);
+            content.maybe(tree.point.as_ref(), |out, point| out.numbers(point));
+            content.nodes(&tree.open);
+        }
         let mut out = Writer { bytes: FIRST_LINE.to_vec() };
         out.whole(self.model);
-        out.whole(self.program);
         out.whole(content.bytes.len() as u64);
         out.bytes.extend(content.bytes);
         let sum = checksum(&out.bytes);
@@ -85,8 +95,7 @@ impl Checkpoint {
             return Err(truncated(HEAD + 8));
         }
         let mut head = Reader::new(&bytes[FIRST_LINE.len()..]);
-        let numbers = [head.whole(), head.whole(), head.whole()];
-        let [Some(own), Some(program), Some(length)] = numbers else {
+        let [Some(own), Some(length)] = [head.whole(), head.whole()] else {
             return Err(corrupt("the numbers of the head cannot be read"));
         };
         let end = usize::try_from(length).ok().and_then(|length| length.checked_add(HEAD));
@@ -108,18 +117,25 @@ impl Checkpoint {
             });
         }
         let mut content = Reader::new(&bytes[HEAD..end]);
-        let read = |from: &mut Reader<'_>| {
-            Some(Checkpoint {
-                model,
-                program,
-                closed: from.number()?,
-                stalled: from.number()?,
-                point: from.maybe(Reader::numbers)?,
-                open: from.nodes()?,
-            })
-        };
-        let checkpoint = read(&mut content);
-        let whole = checkpoint.filter(|_| content.end().is_some());
-        whole.map(Some).ok_or_else(|| corrupt("its content cannot be read"))
+        let trees = content.whole().and_then(|count| {
+            let tree = |_| TreeState::read(&mut content);
+            (0..count).map(tree).collect::<Option<Vec<_>>>()
+        });
+        match trees.filter(|_| content.end().is_some()) {
+            Some(trees) => Ok(Some(Checkpoint { model, trees })),
+            None => Err(corrupt("its content cannot be read")),
+        }
+    }
+}
+
+impl TreeState {
+    fn read(from: &mut Reader<'_>) -> Option<Self> {
+        Some(TreeState {
+            program: from.whole()?,
+            closed: from.number()?,
+            stalled: from.number()?,
+            point: from.maybe(Reader::numbers)?,
+            open: from.nodes()?,
+        })
     }
 }

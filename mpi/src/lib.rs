@@ -37,6 +37,7 @@ mod channel;
 mod checkpoint;
 mod error;
 mod message;
+mod peer;
 mod solve;
 mod supervisor;
 mod sweep;
@@ -46,8 +47,8 @@ mod world;
 
 pub use channel::{Channel, ThreadChannel};
 pub use error::Error;
+pub use peer::RankCounts;
 pub use solve::{Answer, Run};
-pub use supervisor::RankCounts;
 #[cfg(feature = "mpi")]
 pub use sweep::sweep;
 pub use sweep::sweep_on;

@@ -24,7 +24,7 @@ pub(crate) struct Status {
     pub(crate) given: Vec<OpenNode>,
     /// All nodes that it has, if it was asked to list them.
     pub(crate) listing: Option<Vec<OpenNode>>,
-    /// The last word: the counts, as JSON, and the time in nodes, in s. No orders follow.
+    /// The last word about a tree, with its counts, as JSON, and the time in nodes so far, in s. No orders follow.
     pub(crate) last: Option<(String, f64)>,
 }
 
@@ -39,7 +39,9 @@ pub(crate) struct Orders {
     pub(crate) give: u64,
     /// Whether to list all nodes.
     pub(crate) list: bool,
-    /// Whether the search is over.
+    /// Whether the search of this tree is over.
+    pub(crate) ends: bool,
+    /// Whether no other tree follows.
     pub(crate) stop: bool,
 }
 
@@ -105,6 +107,7 @@ impl Orders {
         out.maybe(self.point.as_ref(), |out, point| out.numbers(point));
         out.whole(self.give);
         out.flag(self.list);
+        out.flag(self.ends);
         out.flag(self.stop);
         out.bytes
     }
@@ -116,6 +119,7 @@ impl Orders {
             point: from.maybe(Reader::numbers)?,
             give: from.whole()?,
             list: from.flag()?,
+            ends: from.flag()?,
             stop: from.flag()?,
         };
         from.end()?;

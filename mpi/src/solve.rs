@@ -12,7 +12,8 @@ use crate::bytes::checksum;
 use crate::channel::Channel;
 use crate::checkpoint::Checkpoint;
 use crate::error::Error;
-use crate::supervisor::{Checkpoints, RankCounts, Supervisor};
+use crate::peer::RankCounts;
+use crate::supervisor::{Checkpoints, Supervisor};
 use crate::worker::Worker;
 
 /// The most ranks of which rank 0 searches as well. Among more it only hands out nodes.

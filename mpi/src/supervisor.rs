@@ -1,16 +1,17 @@
 //! Rank 0: it holds what is open anywhere, hands it out, and is the only one that concludes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use carom::prelude::{Statistics, Termination};
+use carom::prelude::Termination;
 use carom::solver::{Elsewhere, OpenNode, TreeExchange, TreePart};
 
 use crate::channel::Channel;
-use crate::checkpoint::Checkpoint;
+use crate::checkpoint::{Checkpoint, TreeState};
 use crate::error::Error;
 use crate::message::{Orders, Status};
+use crate::peer::{Peer, RankCounts};
 
 /// Most nodes that are handed out or asked back at once.
 const BATCH: usize = 16;
@@ -29,53 +30,13 @@ pub(crate) struct Checkpoints {
     pub(crate) model: u64,
 }
 
-/// A worker as rank 0 sees it.
-struct Peer {
-    /// Whether its last status has no orders yet.
-    is_waiting: bool,
-    /// Whether it takes nodes.
-    takes: bool,
-    is_over: bool,
-    open: usize,
-    /// At most the smallest bound of its open nodes.
-    floor: f64,
-    nodes: u64,
-    /// The version of the best point that it knows.
-    version: u64,
-    /// Nodes it is asked to give back.
-    asked: usize,
-    /// Whether a checkpoint waits for its list.
-    lists: bool,
-    /// Whether it was told to list its nodes.
-    told_to_list: bool,
-    counts: Option<Statistics>,
-    busy: f64,
-    handed: u64,
-    given: u64,
-    /// When it last got a better node.
-    last_better: Instant,
-}
-
-/// The work of one rank.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct RankCounts {
-    /// The rank.
-    pub rank: usize,
-    /// Nodes processed.
-    pub nodes: u64,
-    /// Nodes that rank 0 handed to it.
-    pub handed: u64,
-    /// Nodes that it gave back.
-    pub given: u64,
-    /// Time with a node at hand, in s.
-    pub busy: f64,
-}
-
 /// The end of the protocol at rank 0.
 pub(crate) struct Supervisor<'a, C> {
     channel: &'a mut C,
     program: Option<u64>,
+    is_last: bool,
+    /// The trees that are searched to their ends.
+    searched: Vec<TreeState>,
     /// Whether rank 0 searches as well.
     works: bool,
     node_limit: Option<u64>,
@@ -85,7 +46,9 @@ pub(crate) struct Supervisor<'a, C> {
     serial: u64,
     /// The value of the best point, and how often it has changed.
     best: (f64, u64),
-    resume: Option<Checkpoint>,
+    /// The trees of a checkpoint, and the present one of them.
+    resume: VecDeque<TreeState>,
+    resumed: Option<TreeState>,
     checkpoints: Option<Checkpoints>,
     last_checkpoint: Instant,
     /// The checkpoint that waits for lists of nodes.
@@ -94,6 +57,8 @@ pub(crate) struct Supervisor<'a, C> {
     last_better: Instant,
     is_over: bool,
     own: RankCounts,
+    /// Nodes of rank 0 in earlier trees.
+    own_before: u64,
     busy_since: Option<Instant>,
     pub(crate) error: Option<Error>,
     /// Why the last checkpoint was not written.
@@ -114,34 +79,20 @@ impl<'a, C: Channel> Supervisor<'a, C> {
         checkpoints: Option<Checkpoints>,
         resume: Option<Checkpoint>,
     ) -> Self {
-        let peer = || Peer {
-            is_waiting: false,
-            takes: false,
-            is_over: false,
-            open: 0,
-            floor: f64::INFINITY,
-            nodes: 0,
-            version: 0,
-            asked: 0,
-            lists: false,
-            told_to_list: false,
-            counts: None,
-            busy: 0.0,
-            handed: 0,
-            given: 0,
-            last_better: Instant::now(),
-        };
-        let peers = (1..channel.ranks()).map(|_| peer()).collect();
+        let peers = (1..channel.ranks()).map(|_| Peer::new()).collect();
         Supervisor {
             channel,
             program: None,
+            is_last: true,
+            searched: Vec::new(),
             works,
             node_limit,
             peers,
             pool: BTreeMap::new(),
             serial: 0,
             best: (f64::INFINITY, 0),
-            resume,
+            resume: resume.map(|checkpoint| checkpoint.trees.into()).unwrap_or_default(),
+            resumed: None,
             checkpoints,
             last_checkpoint: Instant::now(),
             collecting: None,
@@ -149,6 +100,7 @@ impl<'a, C: Channel> Supervisor<'a, C> {
             last_better: Instant::now(),
             is_over: false,
             own: RankCounts { rank: 0, nodes: 0, handed: 0, given: 0, busy: 0.0 },
+            own_before: 0,
             busy_since: None,
             error: None,
             unwritten: None,
@@ -157,11 +109,15 @@ impl<'a, C: Channel> Supervisor<'a, C> {
 
     /// Ends the search of all ranks where rank 0 has not searched, or has failed.
     pub(crate) fn finish(&mut self) {
-        while self.peers.iter().any(|peer| !peer.is_over) {
+        let is_over = |peer: &Peer| peer.told_stop && peer.has_ended;
+        for peer in &mut self.peers {
+            peer.is_waiting |= peer.early.take().is_some();
+        }
+        while !self.peers.iter().all(is_over) {
             while let Some((rank, status)) = self.next() {
                 self.note_last(rank, &status);
             }
-            self.stop_waiting();
+            self.end_waiting(true);
             self.channel.pause();
         }
         self.is_over = true;
@@ -171,7 +127,7 @@ impl<'a, C: Channel> Supervisor<'a, C> {
     pub(crate) fn counts(&self) -> Vec<RankCounts> {
         let of = |(k, peer): (usize, &Peer)| RankCounts {
             rank: k + 1,
-            nodes: peer.nodes,
+            nodes: peer.nodes_before + peer.nodes,
             handed: peer.handed,
             given: peer.given,
             busy: peer.busy,
@@ -188,19 +144,28 @@ impl<'a, C: Channel> Supervisor<'a, C> {
         Some((rank, status))
     }
 
+    /// The next status about the present tree: what came too early for the one before is first.
+    fn next_status(&mut self) -> Option<(usize, Status)> {
+        let early = self.peers.iter_mut().enumerate().filter(|(_, peer)| !peer.has_ended);
+        let early = early.filter_map(|(k, peer)| Some((k + 1, peer.early.take()?))).next();
+        early.or_else(|| self.next())
+    }
+
     fn note_last(&mut self, rank: usize, status: &Status) {
         let peer = &mut self.peers[rank - 1];
         peer.is_waiting = status.last.is_none();
         if let Some((counts, busy)) = &status.last {
-            peer.is_over = true;
-            (peer.counts, peer.busy) = (serde_json::from_str(counts).ok(), *busy);
+            peer.has_ended = true;
+            (peer.counts, peer.busy) = (serde_json::from_str(counts).ok(), busy.max(peer.busy));
         }
     }
 
-    fn stop_waiting(&mut self) {
-        for k in 0..self.peers.len() {
-            if std::mem::take(&mut self.peers[k].is_waiting) {
-                let orders = Orders { stop: true, ..Orders::default() };
+    /// Ends the tree of those that wait, or the run.
+    fn end_waiting(&mut self, stop: bool) {
+        for (k, peer) in self.peers.iter_mut().enumerate() {
+            if std::mem::take(&mut peer.is_waiting) {
+                (peer.told_end, peer.told_stop, peer.has_ended) = (true, stop, false);
+                let orders = Orders { ends: true, stop, ..Orders::default() };
                 self.channel.send(k + 1, &orders.to_bytes());
             }
         }
@@ -225,7 +190,11 @@ impl<'a, C: Channel> Supervisor<'a, C> {
 
     /// Reads what workers have said.
     fn hear(&mut self, part: &mut dyn TreePart) {
-        while let Some((rank, mut status)) = self.next() {
+        while let Some((rank, mut status)) = self.next_status() {
+            if self.peers[rank - 1].has_ended {
+                self.peers[rank - 1].early = Some(status);
+                continue;
+            }
             self.note_last(rank, &status);
             if status.program.is_some() && status.program != self.program {
                 self.error.get_or_insert(Error::OtherProgram { rank });
@@ -359,7 +328,7 @@ impl<'a, C: Channel> Supervisor<'a, C> {
             point: point.filter(|_| is_news).cloned(),
             give: std::mem::take(&mut peer.asked) as u64,
             list,
-            stop: false,
+            ..Orders::default()
         };
         (peer.version, peer.is_waiting) = (self.best.1, false);
         self.channel.send(k + 1, &orders.to_bytes());
@@ -389,16 +358,22 @@ impl<'a, C: Channel> Supervisor<'a, C> {
     fn write(&mut self, part: &mut dyn TreePart, open: Vec<OpenNode>) {
         let (Some(checkpoints), Some(program)) = (&self.checkpoints, self.program) else { return };
         let state = part.state();
-        let checkpoint = Checkpoint {
-            model: checkpoints.model,
+        let tree = TreeState {
             program,
             closed: state.closed,
             stalled: state.stalled,
             point: part.incumbent().map(|(_, point)| point),
             open,
         };
+        self.searched.push(tree);
+        let checkpoint =
+            Checkpoint { model: checkpoints.model, trees: std::mem::take(&mut self.searched) };
         // A full disk ends no search.
         self.unwritten = checkpoint.write(&checkpoints.path).err();
+        self.searched = checkpoint.trees;
+        if !self.is_over {
+            self.searched.pop();
+        }
         self.last_checkpoint = Instant::now();
     }
 
@@ -407,7 +382,7 @@ impl<'a, C: Channel> Supervisor<'a, C> {
         for peer in &self.peers {
             elsewhere.floor = elsewhere.floor.min(peer.floor);
             elsewhere.open += peer.open;
-            elsewhere.nodes += if peer.is_over { 0 } else { peer.nodes };
+            elsewhere.nodes += if peer.has_ended { 0 } else { peer.nodes };
         }
         part.note_elsewhere(elsewhere);
     }
@@ -415,11 +390,12 @@ impl<'a, C: Channel> Supervisor<'a, C> {
     /// Ends the search of all ranks, and takes in what they had left.
     fn close(&mut self, part: &mut dyn TreePart) {
         self.collecting = None;
-        while self.peers.iter().any(|peer| !peer.is_over) {
+        while self.peers.iter().any(|peer| !(peer.told_end && peer.has_ended)) {
             self.hear(part);
-            self.stop_waiting();
+            self.end_waiting(self.is_last);
             self.channel.pause();
         }
+        self.is_over = true;
         for counts in self.peers.iter().filter_map(|peer| peer.counts.as_ref()) {
             part.add_statistics(counts);
         }
@@ -429,17 +405,16 @@ impl<'a, C: Channel> Supervisor<'a, C> {
             let open = part.open_nodes().into_iter().chain(self.pool.values().cloned()).collect();
             self.write(part, open);
         }
-        self.is_over = true;
     }
 
     /// Begins where a checkpoint ends.
     fn begin_again(&mut self, part: &mut dyn TreePart) {
-        let Some(checkpoint) = self.resume.take() else { return };
-        part.note_closed(checkpoint.closed, checkpoint.stalled);
-        if let Some(point) = checkpoint.point {
+        let Some(tree) = self.resumed.take() else { return };
+        part.note_closed(tree.closed, tree.stalled);
+        if let Some(point) = tree.point {
             part.offer(point);
         }
-        self.keep(checkpoint.open);
+        self.keep(tree.open);
     }
 
     fn note_time(&mut self, is_idle: bool) {
@@ -455,14 +430,20 @@ impl<'a, C: Channel> Supervisor<'a, C> {
 }
 
 impl<C: Channel> TreeExchange for Supervisor<'_, C> {
-    fn begin(&mut self, program: u64) -> bool {
-        self.program = Some(program);
-        if self.resume.as_ref().is_some_and(|resume| resume.program != program) {
+    fn begin(&mut self, program: u64, is_last: bool) -> bool {
+        (self.program, self.is_last, self.is_over) = (Some(program), is_last, false);
+        (self.best, self.own_before) = ((f64::INFINITY, 0), self.own.nodes);
+        self.pool.clear();
+        for peer in &mut self.peers {
+            peer.begin();
+        }
+        self.resumed = self.resume.pop_front();
+        if self.resumed.as_ref().is_some_and(|tree| tree.program != program) {
             let of = "another version or processor";
             let path = self.checkpoints.as_ref().map(|own| own.path.clone()).unwrap_or_default();
             self.error = Some(Error::Foreign { path, of });
         }
-        self.resume.is_none()
+        self.resumed.is_none()
     }
 
     fn meet(&mut self, part: &mut dyn TreePart, is_idle: bool) -> bool {
@@ -475,11 +456,11 @@ impl<C: Channel> TreeExchange for Supervisor<'_, C> {
         }
         self.hear(part);
         let state = part.state();
-        self.own.nodes = state.nodes;
-        let nodes = state.nodes + self.peers.iter().map(|peer| peer.nodes).sum::<u64>();
+        self.own.nodes = self.own_before + state.nodes;
+        let nodes = self.counts().iter().map(|counts| counts.nodes).sum();
         if self.error.is_some() {
             part.stop(Termination::Interrupted);
-        } else if self.node_limit.is_some_and(|limit| nodes >= limit) {
+        } else if self.node_limit.is_some_and(|limit: u64| limit <= nodes) {
             part.stop(Termination::NodeLimit);
         }
         if part.state().ended.is_some() {

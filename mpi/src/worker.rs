@@ -24,7 +24,9 @@ pub(crate) struct Worker<'a, C> {
     interrupt: Interrupt,
     /// Whether a status waits for its orders.
     is_waiting: bool,
-    /// Whether the last word was said.
+    /// Whether the last word about the present tree was said.
+    has_ended: bool,
+    /// Whether it was the last tree.
     is_over: bool,
     last_status: Option<Instant>,
     /// The value of the best point that rank 0 knows of.
@@ -43,6 +45,7 @@ impl<'a, C: Channel> Worker<'a, C> {
             program: None,
             interrupt: interrupt.clone(),
             is_waiting: false,
+            has_ended: false,
             is_over: false,
             last_status: None,
             told: f64::INFINITY,
@@ -67,7 +70,7 @@ impl<'a, C: Channel> Worker<'a, C> {
         if orders.is_none() {
             self.error = Some(Error::Message { rank });
         }
-        Some(orders.unwrap_or(Orders { stop: true, ..Orders::default() }))
+        Some(orders.unwrap_or(Orders { ends: true, stop: true, ..Orders::default() }))
     }
 
     /// Takes part until rank 0 ends the search, once this rank's own search is over or has never begun.
@@ -78,8 +81,8 @@ impl<'a, C: Channel> Worker<'a, C> {
                 self.send(&Status { given, ..Status::empty() });
             }
             match self.orders() {
-                Some(Orders { stop: true, .. }) => {
-                    self.is_over = true;
+                Some(Orders { ends: true, stop, .. }) => {
+                    self.is_over = stop;
                     self.send(&Status { last: Some(("null".into(), 0.0)), ..Status::empty() });
                 }
                 // Nodes that come too late go back.
@@ -102,10 +105,13 @@ impl<'a, C: Channel> Worker<'a, C> {
         }
         self.given.extend(part.take(orders.give as usize));
         self.listing |= orders.list;
-        if orders.stop {
+        if orders.ends {
             part.stop(Termination::Interrupted);
-            self.interrupt.trigger();
-            self.is_over = true;
+            self.has_ended = true;
+            if orders.stop {
+                self.interrupt.trigger();
+                self.is_over = true;
+            }
             let counts = serde_json::to_string(&part.statistics()).unwrap_or_default();
             let listing = Some(part.open_nodes());
             let last = Some((counts, self.busy().as_secs_f64()));
@@ -142,8 +148,9 @@ impl<'a, C: Channel> Worker<'a, C> {
 }
 
 impl<C: Channel> TreeExchange for Worker<'_, C> {
-    fn begin(&mut self, program: u64) -> bool {
+    fn begin(&mut self, program: u64, _: bool) -> bool {
         self.program = Some(program);
+        (self.told, self.has_ended, self.listing) = (f64::INFINITY, self.is_over, false);
         false
     }
 
@@ -153,12 +160,12 @@ impl<C: Channel> TreeExchange for Worker<'_, C> {
             (false, None) => self.busy.0 = Some(Instant::now()),
             _ => {}
         }
-        if self.is_over {
+        if self.has_ended {
             return false;
         }
         if let Some(orders) = self.is_waiting.then(|| self.orders()).flatten() {
             self.obey(orders, part);
-            if self.is_over {
+            if self.has_ended {
                 return false;
             }
         }

@@ -13,7 +13,7 @@ use crate::presolve::root::{ProgramBlock, blocks};
 use crate::program::{ConeRole, Program};
 use crate::search::{PointJudge, SearchResult, SolveTask};
 use crate::solution::{Point, Statistics, Termination};
-use crate::solver::{Control, Options, Progress, StopToken};
+use crate::solver::{Control, Options, Progress, StopToken, TreeExchange, TreePart};
 use crate::sum::Sum;
 use crate::tolerance;
 
@@ -70,7 +70,7 @@ impl Others {
 }
 
 /// The blocks of the program of a task.
-struct BlockSearches<'a> {
+struct BlockSearches<'a, 'c> {
     task: SolveTask<'a>,
     states: Vec<BlockState>,
     statistics: Statistics,
@@ -81,6 +81,24 @@ struct BlockSearches<'a> {
     is_widened: bool,
     /// Also over when the user stops the solve.
     token: StopToken,
+    /// Other processes that search the same trees, in the first turn.
+    exchange: Option<&'c mut dyn TreeExchange>,
+}
+
+/// The exchange of one block.
+struct BlockExchange<'a> {
+    whole: &'a mut dyn TreeExchange,
+    is_last: bool,
+}
+
+impl TreeExchange for BlockExchange<'_> {
+    fn begin(&mut self, program: u64, _: bool) -> bool {
+        self.whole.begin(program, self.is_last)
+    }
+
+    fn meet(&mut self, part: &mut dyn TreePart, is_idle: bool) -> bool {
+        self.whole.meet(part, is_idle)
+    }
 }
 
 /// The result of searching the program of a task block by block; `None` if it must not be split, if it
@@ -95,7 +113,10 @@ pub(super) fn search_blocks(
     }
     let blocks = blocks(task.program);
     let count = blocks.len();
-    let gap = [options.absolute_gap / count.max(1) as f64, options.relative_gap];
+    if count < 2 {
+        return None;
+    }
+    let gap = [options.absolute_gap / count as f64, options.relative_gap];
     let state = |block| BlockState {
         block,
         bound: f64::NEG_INFINITY,
@@ -112,11 +133,12 @@ pub(super) fn search_blocks(
         any_point: false,
         is_widened: false,
         token: task.token.child(None),
+        exchange: control.take_exchange(),
     };
-    (count > 1).then(|| blocks.run(control))?
+    blocks.run(control)
 }
 
-impl BlockSearches<'_> {
+impl BlockSearches<'_, '_> {
     fn run(&mut self, control: &mut Control<'_>) -> Option<SearchResult> {
         // A second time where the gaps of the blocks are met and that of the whole is not: objectives
         // may cancel.
@@ -127,11 +149,16 @@ impl BlockSearches<'_> {
                     if !self.token.is_over() && !self.is_done(k) {
                         self.search(k, control);
                     }
+                    if self.any_point {
+                        // The other processes do not know that any point will do.
+                        self.exchange = None;
+                    }
                     if self.states[k].ended == Some(Termination::Infeasible) {
                         let statistics = self.statistics;
                         return Some(SearchResult { statistics, ..SearchResult::infeasible() });
                     }
                 }
+                self.exchange = None;
                 if self.searches == before {
                     break;
                 }
@@ -151,7 +178,11 @@ impl BlockSearches<'_> {
 
     /// The share of a block in the time and nodes that are left; `None` if none are left.
     fn grant(&self, k: usize) -> Option<Grant> {
-        let waiting = (k..self.states.len()).filter(|&k| !self.is_done(k)).count().max(1);
+        // All processes search the same blocks in the same order: a block is left when it is done.
+        let waiting = match self.exchange {
+            Some(_) => 1,
+            None => (k..self.states.len()).filter(|&k| !self.is_done(k)).count().max(1),
+        };
         let (limits, time) = (self.task.options, self.token.left());
         let nodes = limits.node_limit.map(|limit| limit.saturating_sub(self.statistics.nodes));
         if time.is_some_and(|time| time.is_zero()) || (self.searches > 0 && nodes == Some(0)) {
@@ -183,7 +214,9 @@ impl BlockSearches<'_> {
         }
         let program = flat.as_ref().unwrap_or(&block.program);
         let token = self.token.child(grant.time);
-        let found = self.search_one(k, program, &options, &token, control);
+        let mut exchange = self.exchange.take();
+        let found = self.search_one(k, program, &options, &token, (control, &mut exchange));
+        self.exchange = exchange;
 
         self.searches += 1;
         self.is_widened |= found.is_widened;
@@ -209,7 +242,7 @@ impl BlockSearches<'_> {
         program: &Program,
         options: &Options,
         token: &StopToken,
-        control: &mut Control<'_>,
+        (control, exchange): (&mut Control<'_>, &mut Option<&mut dyn TreeExchange>),
     ) -> SearchResult {
         let others = self.others(k);
         let judge = BlockJudge {
@@ -226,7 +259,12 @@ impl BlockSearches<'_> {
             token: &self.token,
         };
         let task = SolveTask { program, judge: &judge, options, token, ..self.task };
-        part.run(control, |control| search_task(task, &EarlierResults::default(), control))
+        let is_last = k + 1 == self.states.len();
+        let mut exchange = exchange.as_deref_mut().map(|whole| BlockExchange { whole, is_last });
+        let exchange = exchange.as_mut().map(|own| own as &mut dyn TreeExchange);
+        part.run_together(control, exchange, |control| {
+            search_task(task, &EarlierResults::default(), control)
+        })
     }
 
     fn others(&self, k: usize) -> Others {

@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-use crate::solver::{Control, Event, Incumbent, Progress, StopToken};
+use crate::solver::{Control, Event, Incumbent, Progress, StopToken, TreeExchange};
 
 /// The place of one search within a whole solve.
 pub(super) struct PartOfSolve<'a> {
@@ -58,6 +58,16 @@ impl PartOfSolve<'_> {
         control: &mut Control<'_>,
         run: impl FnOnce(&mut Control<'_>) -> T,
     ) -> T {
+        self.run_together(control, None, run)
+    }
+
+    /// Runs a search of one of the trees that other processes search as well.
+    pub(super) fn run_together<T>(
+        &self,
+        control: &mut Control<'_>,
+        exchange: Option<&mut dyn TreeExchange>,
+        run: impl FnOnce(&mut Control<'_>) -> T,
+    ) -> T {
         let watches = control.watches_incumbents();
         let control = RefCell::new(control);
         let mut on_event = |event: &Event| {
@@ -94,6 +104,9 @@ impl PartOfSolve<'_> {
         let mut inner = Control::default().with_progress(&mut on_event);
         if watches {
             inner = inner.with_incumbent(&mut on_incumbent);
+        }
+        if let Some(exchange) = exchange {
+            inner = inner.with_exchange(exchange);
         }
         run(&mut inner)
     }

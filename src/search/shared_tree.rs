@@ -19,7 +19,7 @@ struct OwnPart<'t, 'a> {
 /// Tells an exchange that a search begins; whether the nodes below the root are another process's. The root
 /// itself is searched by all of them, because nodes from elsewhere start from the state that it leaves.
 pub(super) fn begin(tree: &Tree<'_>, exchange: &mut dyn TreeExchange) -> bool {
-    !exchange.begin(fingerprint(tree.task.exact.unwrap_or(tree.task.program)))
+    !exchange.begin(fingerprint(tree.task.exact.unwrap_or(tree.task.program)), true)
 }
 
 /// Lets an exchange act after a node.

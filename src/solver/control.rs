@@ -209,8 +209,8 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Searches a tree together with other processes: on one thread, and by one way of branching. A program
-    /// of independent blocks is searched by every process alone.
+    /// Searches a tree together with other processes: on one thread, and by one way of branching. The blocks
+    /// of a program are trees of their own, one after the other.
     #[doc(hidden)]
     pub fn with_exchange(mut self, exchange: &'a mut dyn TreeExchange) -> Self {
         self.exchange = Some(exchange);
@@ -222,7 +222,7 @@ impl<'a> Control<'a> {
         self.exchange.is_some()
     }
 
-    /// The exchange with other processes, for one search.
+    /// The exchange with other processes, for one search or for those of all blocks.
     pub(crate) fn take_exchange(&mut self) -> Option<&'a mut dyn TreeExchange> {
         self.exchange.take()
     }

@@ -111,7 +111,9 @@ pub trait TreeExchange {
     /// # Arguments
     ///
     /// * `program`: a number that is the same only for the same presolved program.
-    fn begin(&mut self, program: u64) -> bool;
+    /// * `is_last`: whether no other tree follows, as one does where a program has independent blocks. All
+    ///   processes begin the same trees in the same order.
+    fn begin(&mut self, program: u64, is_last: bool) -> bool;
 
     /// Is called after every node, and when there is none: then again and again until it returns
     /// `false`, which ends the search of this process. The last call comes after the search was stopped.

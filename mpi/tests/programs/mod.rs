@@ -1,4 +1,4 @@
-//! Six programs: two of them are infeasible, and one has cones.
+//! Seven programs: two of them are infeasible, one has cones, and one two blocks.
 
 // Each of the tests uses a part of this module.
 #![allow(dead_code)]
@@ -62,6 +62,24 @@ pub(crate) fn knapsack(columns: usize, seed: u64) -> Model {
     model
 }
 
+/// Two knapsacks that have nothing in common.
+fn two_knapsacks() -> Model {
+    let mut model = Model::new("two knapsacks");
+    let mut values = Affine::from(0.0);
+    for (name, columns) in [("a", 40), ("b", 45)] {
+        let v = model.binary_family(name, columns).unwrap();
+        let number =
+            |k: usize, row: usize| ((k * k * 31 + k * 17 * (row + 1) + row * 7) % 41) as f64;
+        for row in 0..3 {
+            let load: Affine = v.iter().enumerate().map(|(k, v)| (10.0 + number(k, row)) * v).sum();
+            model.add((name, row), load.le(9.0 * columns as f64)).unwrap();
+        }
+        values += v.iter().enumerate().map(|(k, v)| (20.0 + number(k, 5)) * v).sum::<Affine>();
+    }
+    model.maximize(values).unwrap();
+    model
+}
+
 /// Bins whose distance to a point is a norm.
 fn cones(columns: usize) -> Model {
     let mut model = Model::new("cones");
@@ -86,5 +104,6 @@ pub(crate) fn programs() -> Vec<Model> {
         market(4, 18, false),
         market(4, 20, false),
         cones(14),
+        two_knapsacks(),
     ]
 }
