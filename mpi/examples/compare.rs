@@ -1,18 +1,18 @@
 //! Time and nodes of three trees: one thread, two threads of one process, and two ranks.
 //!
-//! `mpirun -n 1 target/release/examples/compare NAME` and `mpirun -n 2 target/release/examples/compare NAME
-//! ranks`, where NAME is `boxes`, `units` or `puck`, or the path of a model as JSON; `compare NAME threads` takes two
-//! threads.
+//! `compare NAME`, `compare NAME threads` and `mpirun -n 2 compare NAME ranks`, where NAME is `boxes`, `puck` or
+//! `market`, or the path of a model as JSON. A number of steps, or of columns, may follow.
 
-#[path = "../../tests/instances/mod.rs"]
-mod instances;
+#[path = "../tests/programs/mod.rs"]
+mod programs;
 
 use std::error::Error;
 use std::time::Instant;
 
 use carom::prelude::*;
-use instances::generators;
 use mpi::traits::Communicator;
+use programs::instances::generators;
+use programs::market;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let universe = mpi::initialize().ok_or("no MPI")?;
@@ -21,21 +21,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     let name = words.first().ok_or("which program?")?;
     let size = |usual: usize| words.get(2).map_or(Ok(usual), |word| word.parse());
     let model = match name.as_str() {
-        "boxes" => generators::boxes(size(20)?, 12, false),
-        "units" => units(20, size(48)?)?,
-        "puck" => generators::puck(size(100)?, 0.1),
+        "boxes" => boxes(size(40)?, 12)?,
+        "puck" => generators::puck(size(70)?, 0.1),
+        "market" => market(4, size(28)?, true),
         path => serde_json::from_str(&std::fs::read_to_string(path)?)?,
     };
-    let how = words.get(1).map_or("one thread", |how| how);
+    let how = words.get(1).map_or("one", |how| how);
     let began = Instant::now();
-    let options = Options::default().with_time_limit(std::time::Duration::from_secs(40));
+    let options = Options::default().with_time_limit(std::time::Duration::from_secs(600));
     let (solution, ranks) = match how {
         "ranks" => {
             let answer = carom_mpi::solve(&model, &options, &world)?;
             (answer.solution, answer.ranks)
-        }
-        "whole" => {
-            (Some(BranchAndBound::new(options.with_blocks(false)).solve(&model)?), Vec::new())
         }
         "threads" => {
             (Some(BranchAndBound::new(options.with_threads(2)).solve(&model)?), Vec::new())
@@ -57,36 +54,59 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Units that run or rest in each hour, with costs of starting, and a demand.
-fn units(count: usize, hours: usize) -> Result<Model, Box<dyn Error>> {
-    let mut model = Model::new("units");
-    let mut supply = vec![Affine::from(0.0); hours];
-    let mut reserve = vec![Affine::from(0.0); hours];
-    let (mut cost, mut most) = (Affine::from(0.0), 0.0);
-    for k in 0..count {
-        let own = |what: &str| format!("{what}{k}");
-        let on = model.binary_family(&own("on"), hours)?;
-        let start = model.binary_family(&own("start"), hours)?;
-        let size = 50.0 + 7.0 * ((k * 5) % 11) as f64;
-        let power = model.continuous_family(&own("power"), hours, 0.0, size)?;
-        for t in 0..hours {
-            model.add((own("most"), t), (power[t] - size * on[t]).le(0.0))?;
-            model.add((own("least"), t), (power[t] - 0.4 * size * on[t]).ge(0.0))?;
-            if t > 0 {
-                model.add((own("begin"), t), (on[t] - on[t - 1] - start[t]).le(0.0))?;
-                model.add((own("ramp"), t), (power[t] - power[t - 1]).le(0.6 * size))?;
-            }
-            supply[t] += power[t];
-            reserve[t] += size * on[t];
-            cost += (10.0 + ((k * 3) % 7) as f64) * power[t] + 90.0 * on[t] + 200.0 * start[t];
+/// A point mass that passes boxes on its way, with the least sum of its accelerations.
+fn boxes(steps: usize, count: usize) -> Result<Model, Box<dyn Error>> {
+    let (dt, size) = (0.5, 10.0);
+    let mut state = 3_u64;
+    let mut between = |low: f64, high: f64| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * ((state >> 33) % 1000) as f64 / 1000.0
+    };
+    let places: Vec<[f64; 4]> = (0..count)
+        .map(|_| [between(2.0, 8.0), between(2.0, 8.0), between(0.6, 1.4), between(0.6, 1.4)])
+        .collect();
+    let mut model = Model::new("boxes");
+    let mut effort = Affine::from(0.0);
+    let mut axes = Vec::new();
+    for axis in ["x", "y"] {
+        let x = model.continuous_family(axis, steps + 1, 0.0, size)?;
+        let v = model.continuous_family(&format!("v{axis}"), steps + 1, -2.0, 2.0)?;
+        let a = model.continuous_family(&format!("a{axis}"), steps, -1.5, 1.5)?;
+        let w = model.continuous_family(&format!("w{axis}"), steps, 0.0, 1.5)?;
+        for (k, (variable, value)) in
+            [(x[0], 0.5), (v[0], 0.0), (x[steps], 9.5), (v[steps], 0.0)].into_iter().enumerate()
+        {
+            model.add((format!("end_{axis}"), k), variable.equals(value))?;
         }
-        most += size;
+        for t in 0..steps {
+            let there = x[t] + dt * v[t] + 0.5 * dt * dt * a[t];
+            model.add((format!("drift_{axis}"), t), (x[t + 1] - there).equals(0.0))?;
+            model.add((format!("speed_{axis}"), t), (v[t + 1] - v[t] - dt * a[t]).equals(0.0))?;
+            model.add((format!("over_{axis}"), t), (a[t] - w[t]).le(0.0))?;
+            model.add((format!("under_{axis}"), t), (a[t] + w[t]).ge(0.0))?;
+            effort += w[t];
+        }
+        axes.push(x);
     }
-    for (t, (supply, reserve)) in supply.into_iter().zip(reserve).enumerate() {
-        let demand = most * (0.5 + 0.25 * (t as f64 * 0.26).sin());
-        model.add(("demand", t), supply.equals(demand))?;
-        model.add(("reserve", t), reserve.ge(1.1 * demand))?;
+    for (b, [x, y, half_x, half_y]) in places.into_iter().enumerate() {
+        for t in 1..steps {
+            let side = |name: &str| (format!("{name}_{b}"), t);
+            let rows = [
+                ("left", axes[0][t].le(x - half_x)),
+                ("right", axes[0][t].ge(x + half_x)),
+                ("below", axes[1][t].le(y - half_y)),
+                ("above", axes[1][t].ge(y + half_y)),
+            ];
+            let mut any = Affine::from(0.0);
+            for (name, row) in rows {
+                let on = model.binary(side(name))?;
+                model.add(side(&format!("if_{name}")), on.on().implies(row))?;
+                any += on;
+            }
+            model.add(side("any"), any.ge(1.0))?;
+        }
     }
-    model.minimize(cost)?;
+    model.minimize(effort)?;
     Ok(model)
 }

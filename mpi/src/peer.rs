@@ -1,10 +1,13 @@
 //! The workers as rank 0 sees them.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use carom::prelude::Statistics;
 
 use crate::message::Status;
+
+/// The least time between two looks of a searching rank for messages: nodes may take microseconds.
+pub(crate) const BETWEEN_LOOKS: Duration = Duration::from_millis(1);
 
 /// The work of one rank.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,11 +56,45 @@ pub(crate) struct Peer {
     pub(crate) busy: f64,
     pub(crate) handed: u64,
     pub(crate) given: u64,
-    /// When it last got a better node.
-    pub(crate) last_better: Instant,
+    pub(crate) batch: Batch,
+}
+
+/// Most nodes that are handed to a worker at once.
+const MOST_AT_ONCE: usize = 256;
+
+/// The time that a worker should need for what it is handed: twice as many nodes if it needed less, half as
+/// many if it needed ten times as long.
+const HELD: Duration = Duration::from_millis(10);
+
+/// The number of nodes that a rank gets at once.
+pub(crate) struct Batch {
+    pub(crate) size: usize,
+    /// When it last got nodes.
+    pub(crate) since: Instant,
+}
+
+impl Batch {
+    pub(crate) fn new() -> Self {
+        Batch { size: 1, since: Instant::now() }
+    }
+
+    /// Fits the number to the time that the last nodes took, once they are used up.
+    pub(crate) fn adapt(&mut self) {
+        let held = self.since.elapsed();
+        if held < HELD {
+            self.size = (2 * self.size).min(MOST_AT_ONCE);
+        } else if held > 10 * HELD {
+            self.size = (self.size / 2).max(1);
+        }
+    }
 }
 
 impl Peer {
+    /// Whether it waits and has nothing to search.
+    pub(crate) fn is_hungry(&self) -> bool {
+        self.takes && self.is_waiting && self.open == 0
+    }
+
     /// A worker that has said nothing yet.
     pub(crate) fn new() -> Self {
         Peer {
@@ -79,7 +116,7 @@ impl Peer {
             busy: 0.0,
             handed: 0,
             given: 0,
-            last_better: Instant::now(),
+            batch: Batch::new(),
         }
     }
 

@@ -11,10 +11,7 @@ use crate::channel::Channel;
 use crate::checkpoint::{Checkpoint, TreeState};
 use crate::error::Error;
 use crate::message::{Orders, Status};
-use crate::peer::{Peer, RankCounts};
-
-/// Most nodes that are handed out or asked back at once.
-const BATCH: usize = 16;
+use crate::peer::{BETWEEN_LOOKS, Batch, Peer, RankCounts};
 
 /// The least time between two nodes that a rank gets although it has some, because they are better than its
 /// own: a node that moves loses the basis of its parent.
@@ -53,8 +50,9 @@ pub(crate) struct Supervisor<'a, C> {
     last_checkpoint: Instant,
     /// The checkpoint that waits for lists of nodes.
     collecting: Option<Vec<OpenNode>>,
+    last_look: Instant,
     last_share: Instant,
-    last_better: Instant,
+    batch: Batch,
     is_over: bool,
     own: RankCounts,
     /// Nodes of rank 0 in earlier trees.
@@ -96,8 +94,9 @@ impl<'a, C: Channel> Supervisor<'a, C> {
             checkpoints,
             last_checkpoint: Instant::now(),
             collecting: None,
+            last_look: Instant::now(),
             last_share: Instant::now(),
-            last_better: Instant::now(),
+            batch: Batch::new(),
             is_over: false,
             own: RankCounts { rank: 0, nodes: 0, handed: 0, given: 0, busy: 0.0 },
             own_before: 0,
@@ -244,8 +243,7 @@ impl<'a, C: Channel> Supervisor<'a, C> {
     fn share(&mut self, part: &mut dyn TreePart) {
         self.prune(part);
         let takers = self.peers.iter().filter(|peer| peer.takes).count();
-        let hungry = |peer: &Peer| peer.takes && peer.is_waiting && peer.open == 0;
-        let idle = self.peers.iter().filter(|peer| hungry(peer)).count();
+        let idle = self.peers.iter().filter(|peer| peer.is_hungry()).count();
         if !self.works {
             let all = part.take_all();
             self.own.given += all.len() as u64;
@@ -254,20 +252,22 @@ impl<'a, C: Channel> Supervisor<'a, C> {
             self.feed_itself(part, idle);
         }
         // The stock covers those that are idle and as many as may soon be.
-        let wanted = idle * 2 + takers + usize::from(self.works && takers > 0);
+        let batches = self.peers.iter().filter(|peer| peer.takes).map(|peer| peer.batch.size);
+        let wanted = idle * 2 + batches.sum::<usize>();
         let short = wanted.saturating_sub(self.pool.len());
         if self.works && short > 0 {
             let spare = part.state().open.saturating_sub(1).div_ceil(2);
-            let own = part.take(short.min(spare).min(BATCH));
+            let own = part.take(short.min(spare));
             self.own.given += own.len() as u64;
             self.keep(own);
         }
         let rich = self.peers.iter().filter(|peer| peer.open > 2).count().max(1);
+        let wanted = wanted + if self.works { self.batch.size } else { 0 };
         let short = wanted.saturating_sub(self.pool.len()).div_ceil(rich);
         for peer in self.peers.iter_mut().filter(|peer| peer.open > 2) {
-            peer.asked = short.min(peer.open / 2).min(BATCH);
+            peer.asked = short.min(peer.open / 2);
         }
-        let share = (self.pool.len() / (takers + 1).max(1)).clamp(1, BATCH);
+        let share = (self.pool.len() / (takers + 1)).max(1);
         let point = part.incumbent();
         for k in 0..self.peers.len() {
             self.answer(k, share, point.as_ref().map(|(_, point)| point));
@@ -278,16 +278,20 @@ impl<'a, C: Channel> Supervisor<'a, C> {
     fn feed_itself(&mut self, part: &mut dyn TreePart, idle: usize) {
         let state = part.state();
         let count = match state.open {
-            0 => (self.pool.len() / (idle + 1)).clamp(1, BATCH),
+            0 if self.pool.is_empty() => return,
+            0 => {
+                self.batch.adapt();
+                (self.pool.len() / (idle + 1)).clamp(1, self.batch.size)
+            }
             _ if self.pool_floor() < state.floor
                 && idle == 0
-                && self.last_better.elapsed() >= BETWEEN_BETTER =>
+                && self.batch.since.elapsed() >= BETWEEN_BETTER =>
             {
-                self.last_better = Instant::now();
                 1
             }
             _ => return,
         };
+        self.batch.since = Instant::now();
         let nodes = self.pick(count);
         self.own.handed += nodes.len() as u64;
         if !part.put(nodes) {
@@ -301,21 +305,24 @@ impl<'a, C: Channel> Supervisor<'a, C> {
         let floor = self.pool_floor();
         let peer = &mut self.peers[k];
         let is_idle = peer.open == 0;
-        let count = match (peer.takes, is_idle) {
-            (false, _) => 0,
-            (true, true) => share,
-            (true, false) => {
-                let is_due = peer.last_better.elapsed() >= BETWEEN_BETTER;
-                usize::from(floor < peer.floor && is_due)
-            }
-        };
         if !peer.is_waiting || is_idle && (!peer.takes || self.pool.is_empty()) {
             return;
         }
+        let count = match (peer.takes, is_idle) {
+            (false, _) => 0,
+            (true, true) => {
+                peer.batch.adapt();
+                share.min(peer.batch.size)
+            }
+            (true, false) => {
+                let is_due = peer.batch.since.elapsed() >= BETWEEN_BETTER;
+                usize::from(floor < peer.floor && is_due)
+            }
+        };
         let nodes = self.pick(count);
         let peer = &mut self.peers[k];
         if !nodes.is_empty() {
-            peer.last_better = Instant::now();
+            peer.batch.since = Instant::now();
         }
         peer.handed += nodes.len() as u64;
         peer.open += nodes.len();
@@ -450,6 +457,10 @@ impl<C: Channel> TreeExchange for Supervisor<'_, C> {
         if self.is_over {
             return false;
         }
+        if !is_idle && self.last_look.elapsed() < BETWEEN_LOOKS {
+            return true;
+        }
+        self.last_look = Instant::now();
         self.note_time(is_idle);
         if self.error.is_none() {
             self.begin_again(part);
@@ -470,7 +481,8 @@ impl<C: Channel> TreeExchange for Supervisor<'_, C> {
             }
             return false;
         }
-        let is_due = is_idle || self.last_share.elapsed() >= BETWEEN;
+        let is_hungry = self.peers.iter().any(Peer::is_hungry);
+        let is_due = is_idle || is_hungry || self.last_share.elapsed() >= BETWEEN;
         if is_due {
             self.last_share = Instant::now();
             self.share(part);

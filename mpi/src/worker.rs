@@ -8,6 +8,7 @@ use carom::solver::{OpenNode, TreeExchange, TreePart};
 use crate::channel::Channel;
 use crate::error::Error;
 use crate::message::{Orders, Status};
+use crate::peer::BETWEEN_LOOKS;
 
 /// Every rank between 1 and so many adds to the time between two statuses of a worker, so that rank 0
 /// hears a bounded number a second.
@@ -28,6 +29,7 @@ pub(crate) struct Worker<'a, C> {
     has_ended: bool,
     /// Whether it was the last tree.
     is_over: bool,
+    last_look: Option<Instant>,
     last_status: Option<Instant>,
     /// The value of the best point that rank 0 knows of.
     told: f64,
@@ -47,6 +49,7 @@ impl<'a, C: Channel> Worker<'a, C> {
             is_waiting: false,
             has_ended: false,
             is_over: false,
+            last_look: None,
             last_status: None,
             told: f64::INFINITY,
             given: Vec::new(),
@@ -155,6 +158,10 @@ impl<C: Channel> TreeExchange for Worker<'_, C> {
     }
 
     fn meet(&mut self, part: &mut dyn TreePart, is_idle: bool) -> bool {
+        if !is_idle && self.last_look.is_some_and(|last| last.elapsed() < BETWEEN_LOOKS) {
+            return true;
+        }
+        self.last_look = Some(Instant::now());
         match (is_idle, self.busy.0) {
             (true, Some(since)) => self.busy = (None, self.busy.1 + since.elapsed()),
             (false, None) => self.busy.0 = Some(Instant::now()),
