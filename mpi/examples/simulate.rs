@@ -60,7 +60,7 @@ fn processor_time() -> Option<f64> {
 fn measure() -> Result<Vec<f64>, Box<dyn Error>> {
     let mut watch = Watch { last: Instant::now(), seconds: Vec::new() };
     let model = instances::generators::puck(20, 0.33);
-    // As a whole, because independent parts are searched without an exchange.
+    // As one tree.
     let options = Options::default().with_blocks(false).with_node_limit(1000);
     let (began, processor) = (Instant::now(), processor_time());
     let mut control = Control::default().with_exchange(&mut watch);
