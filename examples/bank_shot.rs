@@ -1,10 +1,16 @@
 //! A puck that banks off two cushions to be sooner at its goal than without them.
 //!
-//! `cargo run --release --example bank_shot [-- PICTURE.svg [ANIMATION.svg]]`
+//! `cargo run --release --example bank_shot [-- [--proof FOLDER] [PICTURE.svg [ANIMATION.svg]]]`
+//!
+//! * `--proof FOLDER`: write a log for each horizon of both searches, which `carom-proof check` reads
+
+#[path = "common/proofs.rs"]
+mod proofs;
 
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (folder, paths) = proofs::arguments()?;
     let table = [0.0..=2.0, 0.0..=1.0]; // m
     // At most 3 m/s and 3 m/s² along each axis; it starts towards the far corner.
     let puck = Body::new("puck", &table, 3.0, 3.0)
@@ -15,11 +21,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut plans = Vec::new();
     for (name, surface) in [("avoiding", Surface::avoid()), ("banking", bounce)] {
         let scene = Scene::new(0.05).with_body(puck.clone()).with_room("cushion", &table, surface);
+        solver.options_mut().proof = folder.as_ref().map(|folder| folder.join(name));
         let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+        let (solves, logged) = (
+            found.solves(),
+            folder.as_ref().map(|folder| proofs::line(&found, &folder.join(name))),
+        );
         let Some(plan) = found.plan else {
             return Err(format!("{name}: {}", found.status).into());
         };
-        let solves = found.attempts.iter().filter(|attempt| attempt.is_solve()).count();
         println!(
             "{name}: {} steps, {:.2} s; every smaller horizon refuted, {solves} solves in all",
             plan.steps(),
@@ -34,6 +44,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "  samples replayed to {:.1e}; located impacts differ by up to {:.1e} m in their step",
             certificate.drift, certificate.step_error
         );
+        if let Some(logged) = logged {
+            println!("  {logged}");
+        }
         plans.push((scene, plan));
     }
     let [(_, braking), (scene, banking)] = &plans[..] else { return Ok(()) };
@@ -45,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let picture = banking.picture(scene)?.with_name("two cushions").with_title(title);
     let picture = picture.with_rival("no collision", braking)?;
-    let mut paths = std::env::args().skip(1);
+    let mut paths = paths.into_iter();
     if let Some(path) = paths.next() {
         std::fs::write(path, picture.to_svg())?;
     }

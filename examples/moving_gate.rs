@@ -1,6 +1,11 @@
 //! A gate that moves: the drone waits for it, and every shorter flight is refuted, one by one.
 //!
-//! `cargo run --release --example moving_gate [-- PICTURE.svg [ANIMATION.svg [PROGRAM.mps]]]`
+//! `cargo run --release --example moving_gate [-- [--proof FOLDER] [PICTURE.svg [ANIMATION.svg [PROGRAM.mps]]]]`
+//!
+//! * `--proof FOLDER`: write a log for each horizon, which `carom-proof check` reads
+
+#[path = "common/proofs.rs"]
+mod proofs;
 
 use carom::model::mps;
 use carom::prelude::*;
@@ -8,6 +13,7 @@ use carom::prelude::*;
 const TIME_STEP: f64 = 0.2; // s
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (folder, paths) = proofs::arguments()?;
     let room = [0.0..=4.0, 0.0..=2.0];
     let drone = Body::new("drone", &room, 1.5, 2.0)
         .with_shape(Shape::Ball(0.1))
@@ -25,10 +31,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .with_room("wall", &room, Surface::avoid())
         .with_obstacle(door);
     let mut solver = BranchAndBound::default();
+    solver.options_mut().proof.clone_from(&folder);
     let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
     println!("waiting: {}", found.waiting.reason());
     let Some(plan) = &found.plan else { return Err(format!("{}", found.status).into()) };
-    let solves = found.attempts.iter().filter(|attempt| attempt.is_solve()).count();
+    let solves = found.solves();
     println!(
         "{} steps ({:.1} s); {} refuted one by one, {} attempts with {solves} solves, {:.2} s",
         plan.steps(),
@@ -37,13 +44,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         found.attempts.len(),
         found.time.as_secs_f64()
     );
+    if let Some(folder) = &folder {
+        println!("{}", proofs::line(&found, folder));
+    }
     let title = format!(
         "A drone dives under a door that slides up\n{:.1} s; all {} shorter horizons are refuted.",
         plan.duration(),
         plan.steps() - 1
     );
     let picture = plan.picture(&scene)?.with_title(title);
-    let mut paths = std::env::args().skip(1);
+    let mut paths = paths.into_iter();
     if let Some(path) = paths.next() {
         std::fs::write(path, picture.to_svg())?;
     }

@@ -1,5 +1,6 @@
 //! The paper's cases, and solving them on two threads with a progress bar.
 
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -40,6 +41,16 @@ impl Case {
             Case::CollisionTolerant { restitution } => format!("collision, e = {restitution}"),
             Case::DamageLimited { restitution } => format!("damage limited, e = {restitution}"),
             Case::Destination { goal } => format!("to {goal} m, e = 0"),
+        }
+    }
+
+    /// The folder of its logs.
+    pub(crate) fn folder(self) -> String {
+        match self {
+            Case::CollisionFree => "collision_free".into(),
+            Case::CollisionTolerant { restitution } => format!("collision_tolerant_e{restitution}"),
+            Case::DamageLimited { restitution } => format!("damage_limited_e{restitution}"),
+            Case::Destination { goal } => format!("destination_{goal}"),
         }
     }
 }
@@ -100,7 +111,14 @@ impl Solved {
 
 /// Solves every case; the order of the results is that of the tables. After an interrupt, they lack the
 /// cases that were not begun.
-pub(crate) fn solve_all(interrupt: &Interrupt) -> Result<Vec<Solved>, Error> {
+///
+/// # Arguments
+///
+/// * `proofs`: the folder for logs.
+pub(crate) fn solve_all(
+    interrupt: &Interrupt,
+    proofs: Option<&Path>,
+) -> Result<Vec<Solved>, Error> {
     let tolerant = |restitution| Case::CollisionTolerant { restitution };
     let mut cases = vec![Case::CollisionFree];
     cases.extend(PAPER_RESTITUTIONS.map(tolerant));
@@ -122,7 +140,7 @@ pub(crate) fn solve_all(interrupt: &Interrupt) -> Result<Vec<Solved>, Error> {
                     if interrupt.is_triggered() {
                         break;
                     }
-                    let solved = solve(cases[k], interrupt, &line);
+                    let solved = solve(cases[k], interrupt, proofs, &line);
                     if let Ok(mut results) = results.lock() {
                         results[k] = Some(solved);
                     }
@@ -136,7 +154,13 @@ pub(crate) fn solve_all(interrupt: &Interrupt) -> Result<Vec<Solved>, Error> {
     results.into_iter().flatten().collect()
 }
 
-fn solve(case: Case, interrupt: &Interrupt, line: &Line) -> Result<Solved, Error> {
+fn solve(
+    case: Case,
+    interrupt: &Interrupt,
+    proofs: Option<&Path>,
+    line: &Line,
+) -> Result<Solved, Error> {
+    let folder = |what: &str| proofs.map(|folder| folder.join(case.folder()).join(what));
     let mut solver = BranchAndBound::default();
     let paper = Scenario::paper();
     let (mut interval, mut without) = (None, None);
@@ -159,11 +183,13 @@ fn solve(case: Case, interrupt: &Interrupt, line: &Line) -> Result<Solved, Error
         Case::Destination { goal } => {
             let there = paper.with_goal_position(goal);
             let label = format!("to {goal} m, no collision");
+            solver.options_mut().proof = folder("no_collision");
             without =
                 Some(search(&there.clone().collision_free(), label, interrupt, &mut solver, line)?);
             there
         }
     };
+    solver.options_mut().proof = folder("");
     let shortest = search(&scenario, case.label(), interrupt, &mut solver, line)?;
     Ok(Solved { case, scenario, shortest, interval, without })
 }

@@ -1,9 +1,11 @@
 //! The paper's experiments: solved, proved, plotted, and compared with the paper's figures.
 //!
-//! `cargo run --release --example paper [-- --csv] [--out FOLDER] [--scaling]`
+//! `cargo run --release --example paper [-- [--csv] [--out FOLDER] [--proof FOLDER] [--scaling]]`
 //!
 //! * `--csv`: print the rows of a CSV file on standard output and nothing else
 //! * `--out FOLDER`: where the plots go, `plots` by default
+//! * `--proof FOLDER`: write a log for every shorter horizon of each row and for its plan, which `carom-proof check`
+//!   reads, to a folder for each row
 //! * `--scaling`: instead, measure the time of one search with finer and finer steps
 //!
 //! Ctrl-C ends the searches; what is proved by then is printed and plotted, with how far the others are,
@@ -17,6 +19,8 @@
 mod output;
 #[path = "../common/interrupts.rs"]
 mod interrupts;
+#[path = "../common/proofs.rs"]
+mod proofs;
 
 mod cases;
 mod plots;
@@ -32,7 +36,7 @@ use std::process::ExitCode;
 use carom::prelude::Interrupt;
 use interrupts::{INTERRUPTED, Signals};
 
-const USAGE: &str = "usage: paper [--csv] [--out FOLDER] [--scaling]";
+const USAGE: &str = "usage: paper [--csv] [--out FOLDER] [--proof FOLDER] [--scaling]";
 
 fn main() -> ExitCode {
     match run() {
@@ -46,7 +50,8 @@ fn main() -> ExitCode {
 
 fn run() -> Result<ExitCode, Box<dyn Error>> {
     let (mut csv, mut scaling, mut folder) = (false, false, PathBuf::from("plots"));
-    let mut words = std::env::args().skip(1);
+    let (proofs, words) = proofs::arguments()?;
+    let mut words = words.into_iter();
     while let Some(word) = words.next() {
         match word.as_str() {
             "--csv" => csv = true,
@@ -62,7 +67,7 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
         scaling::run(csv, &folder, &interrupt)?;
         return Ok(status());
     }
-    let results = cases::solve_all(&interrupt)?;
+    let results = cases::solve_all(&interrupt, proofs.as_deref())?;
     let (results, unfinished): (Vec<_>, Vec<_>) =
         results.into_iter().partition(|solved| solved.is_done());
     let figures = plots::write_all(&results, &folder)?;
@@ -73,6 +78,9 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
             report::print_interrupted(&results, &unfinished);
         } else {
             report::print_tables(&results);
+            if let Some(folder) = &proofs {
+                report::print_logs(&results, folder);
+            }
         }
         for figure in figures {
             println!("wrote {}", figure.display());

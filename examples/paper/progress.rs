@@ -97,6 +97,10 @@ impl Horizons<'_> {
                     _ => {}
                 }
             }
+            HorizonEvent::Logged(proof) => {
+                self.line.say(&format!("{}: log of {} steps", self.label, proof.steps));
+                return;
+            }
             _ => return,
         }
         self.line.say(&self.text());

@@ -1,9 +1,12 @@
 //! The tables, and the CSV rows.
 
+use std::path::Path;
+
 use carom::collision_tolerant::Plan;
 use carom::hybrid::Refutation;
 
 use super::cases::{Case, FURTHER_RESTITUTIONS, LIMITED_STEPS, PAPER_RESTITUTIONS, Solved};
+use super::proofs::line;
 
 /// How much less time one plan takes than another, relative to either time, in percent. The paper's
 /// "13.59 %" in Table 3 is relative to the faster time, its "6.27 %" in Table 4 to the baseline.
@@ -203,6 +206,19 @@ fn print_proofs(results: &[Solved]) {
         );
     }
     println!("  Where waiting is free, a horizon refutes every shorter one with it.");
+}
+
+/// What was logged of each search.
+pub(crate) fn print_logs(results: &[Solved], folder: &Path) {
+    println!("Logs of every shorter horizon and of the plan, for `carom-proof check`:");
+    for solved in results {
+        let folder = folder.join(solved.case.folder());
+        println!("  {}: {}", solved.case.label(), line(&solved.shortest, &folder));
+        if let Some(without) = &solved.without {
+            println!("    without collisions: {}", line(without, &folder.join("no_collision")));
+        }
+    }
+    println!();
 }
 
 fn print_replays(results: &[Solved]) {

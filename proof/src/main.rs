@@ -1,26 +1,32 @@
-//! `carom-proof check LOG`: one line that says what is proved, or which line of the log fails and why.
+//! `carom-proof check LOG...`: one line a log that says what is proved, or which line of it fails and why.
 //! `carom-proof compare MODEL LOG`: whether the log is about the model.
 
 use carom_proof::compare::{Comparison, Format};
 use flate2::bufread::MultiGzDecoder;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const HELP: &str = "\
 Checks proofs that carom writes, in exact arithmetic.
 
-    carom-proof check LOG           what the log proves
+    carom-proof check LOG...        what the log proves; of several, a line each, and of a folder all
+                                    files in it and its folders that end in .proof or .proof.gz
     carom-proof compare MODEL LOG   whether the log is about this MPS, LP or CBF file
 
-Both may be compressed by gzip, and - is the standard input.
+Logs and models may be compressed by gzip, and - is the standard input.
 Exit codes: 0 proved, or the same; 1 rejected, or different; 2 unreadable.";
+
+/// The exit code for what cannot be read.
+const UNREADABLE: u8 = 2;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
-        ["check", log] => check(log),
+        ["check", log] if !Path::new(log).is_dir() => check(log, "").into(),
+        ["check", _, ..] => check_all(&arguments[1..]),
         ["compare", model, log] => compare(model, log),
         ["--help" | "-h"] => {
             println!("{HELP}");
@@ -28,30 +34,71 @@ fn main() -> ExitCode {
         }
         _ => {
             eprintln!("{HELP}");
-            ExitCode::from(2)
+            UNREADABLE.into()
         }
     }
 }
 
-fn check(path: &str) -> ExitCode {
+/// Checks several logs. Returns the worst exit code.
+fn check_all(paths: &[&str]) -> ExitCode {
+    let mut logs = Vec::new();
+    for path in paths {
+        let before = logs.len();
+        let listed = collect(Path::new(path), &mut logs);
+        if let Err(error) = listed {
+            eprintln!("{path}: {error}");
+            return UNREADABLE.into();
+        }
+        if logs.len() == before {
+            eprintln!("{path}: there is no file in it that ends in .proof or .proof.gz");
+            return UNREADABLE.into();
+        }
+    }
+    let mut worst = 0;
+    for log in &logs {
+        worst = worst.max(check(log, &format!("{log}: ")));
+    }
+    worst.into()
+}
+
+/// Adds a file, or the logs in a folder in the order of their names.
+fn collect(path: &Path, logs: &mut Vec<String>) -> io::Result<()> {
+    if !path.is_dir() {
+        logs.push(path.display().to_string());
+        return Ok(());
+    }
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
+    entries.sort();
+    for entry in entries {
+        let name = entry.to_string_lossy();
+        if entry.is_dir() || name.ends_with(".proof") || name.ends_with(".proof.gz") {
+            collect(&entry, logs)?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks a log and prints what it proves, with a word in front. Returns the exit code.
+fn check(path: &str, front: &str) -> u8 {
     let log = match open(path) {
         Ok(log) => log,
         Err(error) => {
             eprintln!("{path}: {error}");
-            return ExitCode::from(2);
+            return UNREADABLE;
         }
     };
     match carom_proof::check(log) {
         Ok(proved) => {
             for point in &proved.points {
-                println!("{point}");
+                println!("{front}{point}");
             }
-            println!("{proved}");
-            ExitCode::SUCCESS
+            println!("{front}{proved}");
+            0
         }
         Err(failure) => {
-            println!("{failure}");
-            ExitCode::from(if failure.is_readable { 1 } else { 2 })
+            println!("{front}{failure}");
+            if failure.is_readable { 1 } else { UNREADABLE }
         }
     }
 }
@@ -65,7 +112,7 @@ fn compare(model: &str, log: &str) -> ExitCode {
         "cbf" => Format::Cbf,
         _ => {
             eprintln!("{model}: the name must end in .mps, .qps, .lp or .cbf");
-            return ExitCode::from(2);
+            return UNREADABLE.into();
         }
     };
     let mut text = String::new();
@@ -74,7 +121,7 @@ fn compare(model: &str, log: &str) -> ExitCode {
         Ok(log) => log,
         Err(error) => {
             eprintln!("{model}, {log}: {error}");
-            return ExitCode::from(2);
+            return UNREADABLE.into();
         }
     };
     match carom_proof::compare::compare(&text, format, log) {
@@ -84,7 +131,7 @@ fn compare(model: &str, log: &str) -> ExitCode {
         }
         Err(error) => {
             println!("{error}");
-            ExitCode::from(2)
+            UNREADABLE.into()
         }
     }
 }

@@ -89,7 +89,9 @@ impl Scenario {
     ) -> Result<Plan, Error> {
         let mut program = self.program(steps, objective)?;
         let token = StopToken::new(solver.options().time_limit, &Interrupt::new());
-        if let Some(tube) = self.reach_sets()?.tube_until(steps, &token)?
+        // A log takes nothing from sets as given.
+        if solver.options().proof.is_none()
+            && let Some(tube) = self.reach_sets()?.tube_until(steps, &token)?
             && program.tighten(&tube)?.infeasible
         {
             return Err(no_point(Termination::Infeasible));

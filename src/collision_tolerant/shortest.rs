@@ -8,10 +8,11 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::reach::Tube;
+use crate::hybrid::shortest_horizon::{HorizonLogs, without_logs};
 use crate::hybrid::{HorizonEvent, Shortest, ShortestOptions, Solved, shortest_horizon_with};
 use crate::setters::setters;
 use crate::solution::Solution;
-use crate::solver::{Solver, StopToken};
+use crate::solver::{MipStart, Solver, StopToken};
 
 /// Options of a search for the shortest plan.
 #[derive(Debug, Clone)]
@@ -83,9 +84,31 @@ impl Scenario {
         progress: &mut dyn FnMut(&HorizonEvent),
     ) -> Result<Shortest<Plan>, Error> {
         self.check()?;
-        let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
         let programs = Programs { scenario: self.clone(), upper_hint: options.upper_hint };
-        let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
+        without_logs(solver, |solver, folder| {
+            let mut found = self.find(&programs, options, solver, progress)?;
+            let Some(folder) = folder else { return Ok(found) };
+            let mut logs = HorizonLogs::new(folder, &options.search, solver, progress);
+            if let Some(plan) = &mut found.plan {
+                let fewest = options.fewest_impacts && plan.fewest_impacts;
+                let objective = if fewest { Objective::Impacts } else { Objective::Feasibility };
+                self.log_plan(objective, options, plan, &mut logs)?;
+            }
+            found.proofs = logs.refute(&programs, found.refuted_steps.unwrap_or(0))?;
+            Ok(found)
+        })
+    }
+
+    /// The search, without logs.
+    fn find(
+        &self,
+        programs: &Programs,
+        options: &PlanningOptions,
+        solver: &mut dyn Solver,
+        progress: &mut dyn FnMut(&HorizonEvent),
+    ) -> Result<Shortest<Plan>, Error> {
+        let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
+        let found = shortest_horizon_with(programs, &options.search, solver, progress)?;
         let mut found = found.try_map(|Solved { program, solution }| program.plan(&solution))?;
         if options.fewest_impacts && found.is_found() {
             let search = &options.search;
@@ -97,7 +120,30 @@ impl Scenario {
         Ok(found)
     }
 
-    /// Finds the shortest plans without and with collisions. The first is a hint for the second.
+    /// Solves the program of a plan as the scenario states it, and writes its log. The plan is then the point
+    /// in the log.
+    fn log_plan(
+        &self,
+        objective: Objective,
+        options: &PlanningOptions,
+        plan: &mut Plan,
+        logs: &mut HorizonLogs<'_>,
+    ) -> Result<(), Error> {
+        let steps = plan.trajectory.steps();
+        let mut program = self.program(steps, objective)?;
+        options.search.complete(&mut program)?;
+        let contacts = program.contact.iter().flatten().zip(&plan.trajectory.contact);
+        let values = contacts.map(|(zeta, &hit)| (zeta, f64::from(u8::from(hit))));
+        let start = MipStart::new().with_values(values);
+        if let Some(solution) = logs.log(steps, program.model(), &start, Solution::is_optimal)? {
+            let (refinements, fewest_impacts) = (plan.refinements.clone(), plan.fewest_impacts);
+            *plan = Plan { refinements, fewest_impacts, ..program.plan(&solution)? };
+        }
+        Ok(())
+    }
+
+    /// Finds the shortest plans without and with collisions. The first is a hint for the second. Logs of the
+    /// two, if the solver is asked for them, go to the folders `free` and `tolerant` in the folder.
     ///
     /// # Errors
     ///
@@ -107,11 +153,18 @@ impl Scenario {
         options: &PlanningOptions,
         solver: &mut dyn Solver,
     ) -> Result<PlanComparison, Error> {
-        let free = self.clone().collision_free().shortest_plan(options, solver)?;
+        let folder = solver.options().proof.clone();
+        let mut logged = |name: &str, scenario: &Scenario, options: &PlanningOptions| {
+            solver.options_mut().proof = folder.as_ref().map(|folder| folder.join(name));
+            let found = scenario.shortest_plan(options, solver);
+            solver.options_mut().proof.clone_from(&folder);
+            found
+        };
+        let free = logged("free", &self.clone().collision_free(), options)?;
         let mut options = options.clone();
         options.upper_hint = free.steps.or(options.upper_hint);
         let tolerant = Scenario { collisions: Collisions::Tolerated, ..self.clone() };
-        let tolerant = tolerant.shortest_plan(&options, solver)?;
+        let tolerant = logged("tolerant", &tolerant, &options)?;
         Ok(PlanComparison { free, tolerant })
     }
 }

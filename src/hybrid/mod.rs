@@ -41,9 +41,9 @@ pub use robust::RobustProgram;
 pub use robust::{Feedback, RobustCertificate, RobustError, RobustPlan};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
-    Attempt, HorizonEvent, HorizonModel, LeastTimeStep, Refutation, Shortest, ShortestOptions,
-    ShortestStatus, Solved, TimeStepGrid, Verdict, Waiting, least_time_step, shortest_horizon,
-    shortest_horizon_with,
+    Attempt, HorizonEvent, HorizonModel, HorizonProof, LeastTimeStep, Refutation, Shortest,
+    ShortestOptions, ShortestStatus, Solved, TimeStepGrid, Verdict, Waiting, least_time_step,
+    shortest_horizon, shortest_horizon_with,
 };
 pub use simulate::{
     Candidate, Condition, DeadEnd, DisturbedRun, RunCertificate, RunError, SimulatedStep,

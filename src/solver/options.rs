@@ -259,6 +259,11 @@ impl Options {
     /// the page [Proofs](crate::guide::proofs). Solves of prepared models, with lazy constraints, and on
     /// WebAssembly write none.
     ///
+    /// A search for a shortest horizon takes the path as a folder, makes it if it is missing, and writes a log for
+    /// each horizon instead, see [`Shortest::proofs`](crate::hybrid::Shortest::proofs). Plans over a fixed
+    /// horizon take nothing from reach sets then, except in the bounds of a program that was tightened by them
+    /// already.
+    ///
     /// The search is the same, except that it does not fall into blocks. The proof comes after it, and may
     /// take as long again: a time limit holds for each of the two.
     #[must_use]

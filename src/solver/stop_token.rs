@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
 
 use web_time::{Duration, Instant};
 
-use super::{Control, Event, Interrupt, Solver};
+use super::{Control, Event, Interrupt, MipStart, Solver};
 use crate::error::Error;
 use crate::model::Model;
 use crate::solution::{Solution, Termination};
@@ -198,13 +198,32 @@ impl StopToken {
         model: &Model,
         progress: &mut dyn FnMut(&Event),
     ) -> Result<Solution, Error> {
+        let control = Control::default().with_progress(progress);
+        self.solve_controlled(nodes, solver, model, control)
+    }
+
+    /// As [`solve`](Self::solve), from a start and unwatched.
+    pub(crate) fn solve_from(
+        &self,
+        start: &MipStart,
+        solver: &mut dyn Solver,
+        model: &Model,
+    ) -> Result<Solution, Error> {
+        self.solve_controlled(None, solver, model, Control::default().with_start(start))
+    }
+
+    fn solve_controlled(
+        &self,
+        nodes: Option<u64>,
+        solver: &mut dyn Solver,
+        model: &Model,
+        control: Control<'_>,
+    ) -> Result<Solution, Error> {
         let (own_time, own_nodes) = (solver.options().time_limit, solver.options().node_limit);
         let options = solver.options_mut();
         options.time_limit = own_time.into_iter().chain(self.left()).min();
         options.node_limit = own_nodes.into_iter().chain(nodes).min();
-        let mut control =
-            Control::default().with_progress(progress).with_interrupt(self.interrupt());
-        let solution = solver.solve_with(model, &mut control);
+        let solution = solver.solve_with(model, &mut control.with_interrupt(self.interrupt()));
         let options = solver.options_mut();
         (options.time_limit, options.node_limit) = (own_time, own_nodes);
         solution

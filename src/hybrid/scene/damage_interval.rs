@@ -223,9 +223,11 @@ impl Enclosure<'_> {
         scene.rules.extend(limit.map(|most| rule.with_per_hit(most)));
         let stated = scene.stated()?;
         let mut program = stated.program(steps)?;
-        match program.tighten_until(&stated, &self.token)? {
-            true => self.solve(&program),
-            false => Ok(Answer::Refuted),
+        // A log takes nothing from sets as given.
+        let uses_sets = self.solver.options().proof.is_none();
+        match uses_sets && !program.tighten_until(&stated, &self.token)? {
+            true => Ok(Answer::Refuted),
+            false => self.solve(&program),
         }
     }
 

@@ -79,7 +79,8 @@ impl Scene {
         cautious.rules.clear();
         let stated = cautious.stated()?;
         let mut program = stated.program(steps)?;
-        if !program.tighten_by_sets(&stated)? {
+        // A log takes nothing from sets as given.
+        if solver.options().proof.is_none() && !program.tighten_by_sets(&stated)? {
             return Ok(Avoidable::No(stated.sets()?.explain(steps)?.map(Box::new)));
         }
         let solution = solver.solve(program.model())?;
@@ -98,7 +99,10 @@ impl Scene {
     ///
     /// As for [`avoidable`](Scene::avoidable).
     pub fn mitigate(&self, steps: usize, solver: &mut dyn Solver) -> Result<Mitigation, Error> {
-        let mut program = self.program(steps)?;
+        let mut program = match solver.options().proof.is_some() {
+            true => self.plain_program(steps)?,
+            false => self.program(steps)?,
+        };
         let price = program.price();
         let next = if price.terms().is_empty() { program.hits() } else { price };
         let largest = program.largest_impact()?;

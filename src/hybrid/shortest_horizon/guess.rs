@@ -1,8 +1,9 @@
 //! Coarse to fine: the mode sequence of a plan on a coarser grid as a MIP start.
 
+use super::HorizonModel;
 use super::options::ShortestOptions;
 use super::outcome::Solved;
-use super::{HorizonModel, shortest_horizon};
+use super::search::find;
 use crate::error::Error;
 use crate::hybrid::reach::HorizonVariables;
 use crate::interval::Interval;
@@ -58,7 +59,7 @@ impl Guess {
             options.max_steps = options.max_steps.min(most);
         }
         // Nobody has asked for the coarser grid: what is wrong there is no error.
-        let found = shortest_horizon(&*coarser, &options, solver).ok();
+        let found = find(&*coarser, &options, solver, &mut |_| {}).ok();
         let Some(Solved { program, solution }) = found.as_ref().and_then(|f| f.plan.as_ref())
         else {
             return Ok(nothing);

@@ -1,18 +1,22 @@
 #![doc = include_str!("../../../docs/modules/shortest_horizon.md")]
 
 mod guess;
+mod logged;
 mod look;
 mod options;
 mod outcome;
+mod proofs;
 mod rest;
 mod run;
 mod search;
 mod statements;
 mod time_step;
 
+pub use logged::{shortest_horizon, shortest_horizon_with};
 pub use options::ShortestOptions;
-pub use outcome::{Attempt, Refutation, Shortest, ShortestStatus, Solved, Verdict};
-pub use search::{HorizonEvent, shortest_horizon, shortest_horizon_with};
+pub use outcome::{Attempt, HorizonProof, Refutation, Shortest, ShortestStatus, Solved, Verdict};
+pub(crate) use proofs::{HorizonLogs, without_logs};
+pub use search::HorizonEvent;
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
 

@@ -1,13 +1,14 @@
 //! The outcome of a search for the shortest horizon.
 
 use std::fmt;
+use std::path::PathBuf;
 
 use web_time::Duration;
 
 use super::Waiting;
 use crate::error::Error;
 use crate::hybrid::reach::{ReachSets, Tube};
-use crate::solution::{Solution, Statistics, Termination};
+use crate::solution::{ProofReport, Solution, Statistics, Termination};
 
 /// How a horizon was refuted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -80,6 +81,27 @@ impl Attempt {
     }
 }
 
+/// What became of the log of a horizon, which [`Options::with_proof`](crate::solver::Options::with_proof) has
+/// asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct HorizonProof {
+    /// The horizon, in steps.
+    pub steps: usize,
+    /// The file of its log: `steps_000007.proof` in the folder of the option for 7 steps.
+    pub path: PathBuf,
+    /// The report on the log. `None` if there is none: a limit or an interrupt came first, the solver writes
+    /// none, or the solve of the horizon's own program came to another answer than the search.
+    pub report: Option<ProofReport>,
+}
+
+impl HorizonProof {
+    /// Whether there is a log that covers the whole claim.
+    pub fn is_complete(&self) -> bool {
+        self.report.is_some_and(|report| report.is_complete)
+    }
+}
+
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -145,7 +167,11 @@ pub struct Shortest<P> {
     /// Every refuted horizon and every solve, in order. Restricted programs without a point are
     /// undecided.
     pub attempts: Vec<Attempt>,
-    /// Wall-clock time of the search, building included.
+    /// The logs that [`Options::with_proof`](crate::solver::Options::with_proof) of the solver has asked for,
+    /// in ascending order: one for each horizon up to `refuted_steps`, and one for `steps`, each about the
+    /// program as the model states it. The plan is then the point in its log. Empty without that option.
+    pub proofs: Vec<HorizonProof>,
+    /// Wall-clock time of the search, building included and logs not.
     pub time: Duration,
 }
 
@@ -212,6 +238,7 @@ impl<P> Shortest<P> {
             sets: self.sets,
             tube: self.tube,
             attempts: self.attempts,
+            proofs: self.proofs,
             time: self.time,
         })
     }
@@ -224,6 +251,16 @@ impl<P> Shortest<P> {
     /// The refuted horizons, in the order in which they were refuted.
     pub fn refutations(&self) -> impl Iterator<Item = &Attempt> {
         self.attempts.iter().filter(|attempt| matches!(attempt.verdict, Verdict::Refuted(_)))
+    }
+
+    /// The horizons whose claim is to be believed without a complete log: all of them if none was asked for.
+    pub fn unlogged(&self) -> impl Iterator<Item = usize> + '_ {
+        let is_logged = |steps: &usize| {
+            let at = self.proofs.binary_search_by_key(steps, |proof| proof.steps);
+            at.is_ok_and(|at| self.proofs[at].is_complete())
+        };
+        let said = (1..=self.refuted_steps.unwrap_or(0)).chain(self.steps);
+        said.filter(move |steps| !is_logged(steps))
     }
 
     /// How many programs were solved.

@@ -1,8 +1,8 @@
 //! The shortest plan of a hybrid system, from its statement alone.
 
+use super::logged::shortest_horizon;
 use super::options::ShortestOptions;
 use super::outcome::{Shortest, Solved};
-use super::search::shortest_horizon;
 use super::{HorizonModel, Waiting};
 use crate::error::Error;
 #[cfg(doc)]

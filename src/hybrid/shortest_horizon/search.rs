@@ -1,4 +1,4 @@
-//! The search: reach sets first; then short looks, so that a plan is at hand early; then galloping and
+//! The search without logs: reach sets first; then short looks, so that a plan is at hand early; then galloping and
 //! bisection if waiting is free, otherwise an ascent.
 
 use std::borrow::{Borrow, BorrowMut};
@@ -7,7 +7,7 @@ use super::HorizonModel;
 use super::guess::{Guess, restricted};
 use super::look::look_token;
 use super::options::ShortestOptions;
-use super::outcome::{Attempt, Shortest, ShortestStatus, Solved, Verdict};
+use super::outcome::{Attempt, HorizonProof, Shortest, ShortestStatus, Solved, Verdict};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
@@ -23,7 +23,7 @@ const MAX_UNDECIDED: usize = 8;
 const MANY_OPEN: usize = 16;
 
 /// A gap that any point closes, where only the first point is wanted.
-const ANY_GAP: f64 = 1e9;
+pub(super) const ANY_GAP: f64 = 1e9;
 
 /// A progress event of a search.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,25 +51,12 @@ pub enum HorizonEvent {
     },
     /// A horizon is decided, by reach sets or by a solve.
     Decided(Attempt),
+    /// The log of a horizon is written, or it is known that there is none.
+    Logged(HorizonProof),
 }
 
-/// Finds the smallest feasible horizon and refutes the smaller ones.
-///
-/// # Errors
-///
-/// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a bad `max_steps`; errors of
-/// building and of the solver.
-pub fn shortest_horizon<B: HorizonModel + ?Sized>(
-    builder: &B,
-    options: &ShortestOptions,
-    solver: &mut dyn Solver,
-) -> Result<Shortest<Solved<B::Program>>, Error> {
-    shortest_horizon_with(builder, options, solver, &mut |_| {})
-}
-
-/// Same as [`shortest_horizon`], with progress events on the calling thread.
-#[doc(hidden)]
-pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
+/// Finds the smallest feasible horizon and refutes the smaller ones, with progress events.
+pub(super) fn find<B: HorizonModel + ?Sized>(
     builder: &B,
     options: &ShortestOptions,
     solver: &mut dyn Solver,
@@ -109,6 +96,7 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
         sets,
         tube: None,
         attempts,
+        proofs: Vec::new(),
         time,
     };
     if let Some(best) = search.best {

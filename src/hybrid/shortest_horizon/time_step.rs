@@ -185,7 +185,9 @@ pub(crate) fn decide<M: HorizonModel>(
     solver: &mut dyn Solver,
 ) -> Result<(Attempt, Solved<M>), Error> {
     let mut program = build(task, steps, options)?;
-    if let Some(mut sets) = if options.reach_sets { task.reach_sets()? } else { None }
+    // A log takes nothing from sets as given.
+    let uses_sets = options.reach_sets && solver.options().proof.is_none();
+    if let Some(mut sets) = if uses_sets { task.reach_sets()? } else { None }
         && let Some(tube) = sets.tube_until(steps, token)?
     {
         let variables = task.variables(&program);

@@ -10,12 +10,13 @@
 //! | [`least_violation`] | linear inequalities: by how little can they be missed |
 //! | [`brute_force`] | the scenario as such inequalities, and every set of impacts |
 //! | [`scenes`] | scenarios as plain numbers in wall coordinates, and random ones |
-//! | [`random_scenarios`], [`cases`], [`invariance`] | the tests |
+//! | [`random_scenarios`], [`cases`], [`invariance`], [`statements`], [`logs`] | the tests |
 
 mod brute_force;
 mod cases;
 mod invariance;
 mod least_violation;
+mod logs;
 mod random_scenarios;
 mod scenes;
 mod statements;

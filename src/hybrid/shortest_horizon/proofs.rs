@@ -1,0 +1,164 @@
+//! The logs of a search, for another program to check: one for each refuted horizon and one for the plan.
+//!
+//! Behind a search, the program of each horizon is solved as the model states it, without what sets say about
+//! it, and that solve writes its proof. So the sets, the argument that waiting is free and the tightened
+//! programs of the search need not be trusted.
+
+use std::borrow::Borrow;
+use std::fs;
+use std::path::Path;
+
+use super::HorizonModel;
+use super::options::ShortestOptions;
+use super::outcome::{HorizonProof, Solved};
+use super::search::{ANY_GAP, HorizonEvent, build};
+use crate::error::{Error, ErrorKind};
+use crate::model::Model;
+use crate::solution::Solution;
+use crate::solver::{MipStart, Solver, StopToken};
+
+/// Runs a search whose own solves write no logs, and tells it the folder in which the solver was asked for
+/// them, which is made if it is missing.
+///
+/// # Errors
+///
+/// [`ErrorKind::Io`] for a folder that cannot be made; those of the search.
+pub(crate) fn without_logs<T>(
+    solver: &mut dyn Solver,
+    search: impl FnOnce(&mut dyn Solver, Option<&Path>) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let asked = solver.options_mut().proof.take();
+    // WebAssembly has no files.
+    let folder = asked.as_deref().filter(|_| cfg!(not(target_family = "wasm")));
+    let found = folder.map_or(Ok(()), make).and_then(|()| search(solver, folder));
+    solver.options_mut().proof = asked;
+    found
+}
+
+fn make(folder: &Path) -> Result<(), Error> {
+    fs::create_dir_all(folder).map_err(|source| {
+        let what = format!("the proofs cannot be written to {}", folder.display());
+        let help = "choose a folder that can be made and written";
+        Error::with_source(ErrorKind::Io { what, help }, source)
+    })
+}
+
+/// Writes the logs of a search.
+pub(crate) struct HorizonLogs<'a> {
+    folder: &'a Path,
+    options: &'a ShortestOptions,
+    solver: &'a mut dyn Solver,
+    progress: &'a mut dyn FnMut(&HorizonEvent),
+    token: StopToken,
+    /// Whether the solver has turned out to write no logs.
+    is_in_vain: bool,
+    proofs: Vec<HorizonProof>,
+}
+
+impl<'a> HorizonLogs<'a> {
+    /// The time limit of the search holds for all logs together, once more.
+    pub(crate) fn new(
+        folder: &'a Path,
+        options: &'a ShortestOptions,
+        solver: &'a mut dyn Solver,
+        progress: &'a mut dyn FnMut(&HorizonEvent),
+    ) -> Self {
+        let token = StopToken::new(options.time_limit, &options.interrupt);
+        HorizonLogs {
+            folder,
+            options,
+            solver,
+            progress,
+            token,
+            is_in_vain: false,
+            proofs: Vec::new(),
+        }
+    }
+
+    /// Writes the log of every horizon up to one. Returns all that was written, in ascending order.
+    pub(crate) fn refute<B: HorizonModel + ?Sized>(
+        mut self,
+        builder: &B,
+        refuted: usize,
+    ) -> Result<Vec<HorizonProof>, Error> {
+        for steps in 1..=refuted {
+            if self.is_in_vain || self.token.is_over() {
+                let proof = self.nothing(steps);
+                self.file(proof);
+                continue;
+            }
+            let program = build(builder, steps, self.options)?;
+            self.log(steps, program.borrow(), &MipStart::new(), Solution::is_infeasible)?;
+        }
+        self.proofs.sort_by_key(|proof| proof.steps);
+        Ok(self.proofs)
+    }
+
+    /// Solves the program of the plan once more, as the model states it, and writes its log. The plan
+    /// is then the point in the log.
+    pub(super) fn repeat<B: HorizonModel + ?Sized>(
+        &mut self,
+        builder: &B,
+        steps: usize,
+        plan: &mut Solved<B::Program>,
+    ) -> Result<(), Error> {
+        let program = build(builder, steps, self.options)?;
+        let (own, searched) = (program.borrow(), plan.program.borrow());
+        let pairs = own.variables().zip(searched.variables());
+        let values = pairs
+            .filter(|(own, _)| own.kind().is_integral())
+            .filter_map(|(own, from)| Some((own.id(), plan.solution.value(from.id()).ok()?)));
+        let start = MipStart::new().with_values(values);
+        let gap = self.solver.options().absolute_gap;
+        if builder.takes_any_point() {
+            self.solver.options_mut().absolute_gap = ANY_GAP;
+        }
+        let solved = self.log(steps, own, &start, Solution::is_optimal);
+        self.solver.options_mut().absolute_gap = gap;
+        if let Some(solution) = solved? {
+            *plan = Solved { program, solution };
+        }
+        Ok(())
+    }
+
+    /// Solves the program of a horizon and writes its log. Returns the solution if it is the answer that the
+    /// log is for.
+    ///
+    /// # Errors
+    ///
+    /// Those of the solver; [`ErrorKind::Io`] for a file that cannot be written.
+    pub(crate) fn log(
+        &mut self,
+        steps: usize,
+        model: &Model,
+        start: &MipStart,
+        is_answer: impl Fn(&Solution) -> bool,
+    ) -> Result<Option<Solution>, Error> {
+        let mut proof = self.nothing(steps);
+        self.solver.options_mut().proof = Some(proof.path.clone());
+        let solution = self.token.solve_from(start, self.solver, model);
+        self.solver.options_mut().proof = None;
+        let solution = solution?;
+        let is_answer = is_answer(&solution);
+        proof.report = solution.proof().copied().filter(|_| is_answer);
+        self.is_in_vain |= is_answer && solution.proof().is_none();
+        if !is_answer {
+            // Nobody has asked for what it claims.
+            fs::remove_file(&proof.path).ok();
+        }
+        self.file(proof);
+        Ok(Some(solution).filter(|_| is_answer))
+    }
+
+    /// A horizon without a log; one that an earlier search has left does not count.
+    fn nothing(&self, steps: usize) -> HorizonProof {
+        let path = self.folder.join(format!("steps_{steps:06}.proof"));
+        fs::remove_file(&path).ok();
+        HorizonProof { steps, path, report: None }
+    }
+
+    fn file(&mut self, proof: HorizonProof) {
+        (self.progress)(&HorizonEvent::Logged(proof.clone()));
+        self.proofs.push(proof);
+    }
+}
