@@ -107,6 +107,8 @@ struct Analysis<'a> {
     regions: &'a [Region],
     /// The values of the groups' variables, by group and transition.
     changes: Vec<Vec<Map>>,
+    /// The same as the rows state them: only their range, where that is a point.
+    stated: Vec<Vec<Map>>,
     /// Ranges of states and inputs in any transition, and then of the groups' variables.
     domain: Vec<Interval>,
     /// Rows that hold in any transition, in these variables.
@@ -145,8 +147,20 @@ pub(super) fn switch(
         row.factors.resize(ranges.len() + groups, 0.0);
         row
     };
+    // More than two transitions state the ranges of changes for all at once. A change of one value is not
+    // stated besides, so that guards and ranges from which the value follows must not follow from it.
+    let is_range = |span: &Interval| regions.len() > 2 && span.width() == 0.0;
+    let stated = maps.iter().zip(&spans).map(|(maps, spans)| {
+        let each = maps.iter().zip(spans);
+        let map = |(map, span): (&Map, &Interval)| match is_range(span) {
+            true => Map::constant(map.factors.len(), span.lower),
+            false => map.clone(),
+        };
+        each.map(map).collect()
+    });
     let mut analysis = Analysis {
         regions,
+        stated: stated.collect(),
         changes: maps,
         domain: [ranges, &bounds].concat(),
         known: known.iter().map(wide).collect(),
@@ -213,7 +227,7 @@ impl Analysis<'_> {
 
     /// A row in states and inputs alone, where the changes are those of a transition; and the sum
     /// of the magnitudes of its terms.
-    fn within(&self, transition: usize, row: &SwitchRow) -> (Map, f64) {
+    fn within(&self, changes: &[Vec<Map>], transition: usize, row: &SwitchRow) -> (Map, f64) {
         let mut map = Map { factors: row.z.clone(), constant: -row.limit };
         let domain = &self.regions[transition].domain;
         let size = |map: &Map| -> f64 {
@@ -221,7 +235,7 @@ impl Analysis<'_> {
             terms.map(|(a, range)| (a * range.magnitude()).abs()).sum::<f64>() + map.constant.abs()
         };
         let mut magnitude = size(&map);
-        for (w, maps) in row.w.iter().zip(&self.changes).filter(|(w, _)| **w != 0.0) {
+        for (w, maps) in row.w.iter().zip(changes).filter(|(w, _)| **w != 0.0) {
             map.add(*w, &maps[transition]);
             magnitude += size(&maps[transition]) * w.abs();
         }
@@ -237,7 +251,7 @@ impl Analysis<'_> {
                 if other == transition {
                     continue;
                 }
-                let (map, magnitude) = self.within(other, row);
+                let (map, magnitude) = self.within(&self.changes, other, row);
                 let allowed = ROUNDING * magnitude;
                 let Region { domain, rows } = region;
                 let miss = most(&map.factors, map.constant, domain, rows, allowed).value;
@@ -257,7 +271,7 @@ impl Analysis<'_> {
 
     /// A guard whose normal is a multiple of a group's change, as a row in that group's variable.
     fn by_change(&self, transition: usize, row: &SwitchRow, group: usize) -> Option<SwitchRow> {
-        let change = &self.changes[group][transition];
+        let change = &self.stated[group][transition];
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let ratio = dot(&row.z, &change.factors) / dot(&change.factors, &change.factors);
         let largest = row.z.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
@@ -293,10 +307,10 @@ impl Analysis<'_> {
             let (z, w) = row.factors.split_at(self.width);
             let label = Label::Change { group: 0, upper: true };
             let row = SwitchRow { label, z: z.to_vec(), w: w.to_vec(), limit: row.limit };
-            below(&self.within(transition, &row).0, 0.0)
+            below(&self.within(&self.stated, transition, &row).0, 0.0)
         };
         let bounds =
-            self.changes.iter().zip(&self.domain[self.width..]).flat_map(|(maps, range)| {
+            self.stated.iter().zip(&self.domain[self.width..]).flat_map(|(maps, range)| {
                 let map = &maps[transition];
                 [below(map, range.upper), below(&map.scaled(-1.0), -range.lower)]
             });

@@ -274,3 +274,24 @@ proptest! {
         }
     }
 }
+
+/// Three transitions, one of which has its next state from a reset and its input from a guard: the guard must
+/// stay, although the change of the state in it is the same as in the others.
+#[test]
+fn a_guard_from_which_a_change_follows_is_stated() -> Result<(), Error> {
+    let mut system = HybridSystem::new(1.0);
+    let x = system.state("x", -4.0, 4.0)?;
+    let u = system.input("u", -1.0, 1.0)?;
+    system.mode("hold")?.next([x.is(x + u)])?.guard(u.equals(0.0))?.reset([x.is(0.0)])?;
+    for (name, value) in [("slow", 0.5), ("fast", 1.0)] {
+        system.mode(name)?.next([x.is(u)])?.guard(u.equals(value))?;
+    }
+    let hold = system.transition_named("mode", "hold")?;
+    let mut program = system.program(2)?;
+    program.start([x.equals(0.0)])?;
+    program.add("held", program.at(Affine::from(hold).equals(1.0), 1)?)?;
+    program.maximize(program.end(x)?)?;
+    let plan = program.solve(&mut BranchAndBound::default())?;
+    assert_eq!((plan.value(x, 2)?, plan.value(u, 1)?), (0.0, 0.0));
+    Ok(())
+}
