@@ -1,5 +1,7 @@
 //! Planning over a fixed horizon, with a certificate for every plan.
 
+use std::collections::BTreeMap;
+
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
@@ -30,7 +32,9 @@ pub struct PlanCertificate {
     pub replay: SceneCertificate,
 }
 
-/// A certified plan.
+/// A certified plan. It is nominal: [pushes](Scenario::with_pushes) and the
+/// [spread](Scenario::with_spread) of the restitution are left out; plans that hold under them are made by
+/// [`HybridProgram::robust`](crate::hybrid::HybridProgram::robust).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -55,6 +59,9 @@ pub struct Plan {
     pub fewest_impacts: bool,
     /// The solves that minimised the impacts.
     pub refinements: Vec<Statistics>,
+    /// The plans of the [cases](PlanningProgram::add_case), by name, each certified against its own scenario.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "BTreeMap::is_empty"))]
+    pub cases: BTreeMap<String, Plan>,
 }
 
 impl Scenario {
@@ -145,9 +152,12 @@ impl PlanningProgram {
         let no_point = || no_point(solution.termination());
         let verification = solution.verification().cloned().ok_or_else(no_point)?;
         let objective = solution.objective().ok_or_else(no_point)?;
+        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.plan(solution)?)));
+        let cases = cases.collect::<Result<_, Error>>()?;
         Ok(Plan {
             trajectory,
             run,
+            cases,
             certificate: PlanCertificate { verification, run: checked, replay },
             objective,
             bound: solution.bound(),

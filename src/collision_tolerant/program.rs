@@ -79,6 +79,8 @@ pub struct PlanningProgram {
     pub damage: Vec<Affine>,
     /// The impact speeds that count as damage, in m/s, if the model has them.
     pub(super) counted_speed: Option<Family>,
+    /// The cases, by name; the model is that of this program.
+    pub(super) cases: Vec<(String, PlanningProgram)>,
 }
 
 owns_program!(PlanningProgram);
@@ -115,9 +117,27 @@ impl PlanningProgram {
             Collisions::Forbidden => "collision_free",
         });
         let hybrid = scenario.system(&horizon, &scenario.damage)?.write(&mut model, "", steps)?;
+        let program = HybridProgram::from_parts(model, hybrid);
+        let (mut program, cost) = PlanningProgram::completed(scenario, program, objective, ends)?;
+        if objective != Objective::Feasibility {
+            program.minimize(cost)?;
+        }
+        Ok(program)
+    }
+
+    /// A program whose first system is that of the scenario, with its ends and rules, and its cost.
+    fn completed(
+        scenario: &Scenario,
+        mut program: HybridProgram,
+        objective: Objective,
+        ends: Ends,
+    ) -> Result<(Self, Quadratic), Error> {
+        let steps = program.steps();
+        let horizon = Horizon::new(steps, scenario.time_step)?;
+        let hybrid = program.variables().clone();
         // a(τ) does not enter the dynamics.
         let limits = scenario.acceleration;
-        let last = model.continuous(("a", steps), limits.lower, limits.upper)?;
+        let last = program.model.continuous(("a", steps), limits.lower, limits.upper)?;
         let (position, velocity) = (hybrid.state("x")?.clone(), hybrid.state("v")?.clone());
         let acceleration: Family = hybrid.input("a")?.iter().chain([last]).collect();
         let contact = contacts(&hybrid);
@@ -129,7 +149,6 @@ impl PlanningProgram {
             }
             _ => hybrid.output(IMPACT_SPEED)?.to_vec(),
         };
-        let mut program = HybridProgram::from_parts(model, hybrid);
         if ends == Ends::Fixed {
             fix_ends(scenario, &mut program, [&position, &velocity, &acceleration])?;
         }
@@ -140,8 +159,8 @@ impl PlanningProgram {
             _ => Some("impact"),
         };
         let mut program = SceneProgram::on_line(scenario.scene(&horizon), program, hit)?;
-        set_objective(&mut program, objective)?;
-        Ok(PlanningProgram {
+        let cost = cost(&mut program, objective)?;
+        let program = PlanningProgram {
             damage: program.damage_by_step(),
             counted_speed: program.counted_speed(),
             program: program.into(),
@@ -151,7 +170,63 @@ impl PlanningProgram {
             acceleration,
             contact,
             impact_speed,
-        })
+            cases: Vec::new(),
+        };
+        Ok((program, cost))
+    }
+
+    /// Adds a case: another scenario, such as one with another restitution or another goal. In the steps before
+    /// `until` it has the accelerations of the program's scenario; from then on the cases can be told apart.
+    /// [Plans](super::Plan::cases) have those of the cases.
+    ///
+    /// The objective stays as it is: add the returned cost with weights, or limit both by
+    /// [`worst`](HybridProgram::worst).
+    ///
+    /// ```
+    /// use carom::collision_tolerant::{Objective, Scenario};
+    /// use carom::prelude::*;
+    ///
+    /// // The wall rebounds by 0.2 or by 0.5, which is known after 20 steps.
+    /// let goal = Region::from([0.1..=0.6, -0.4..=0.4]);
+    /// let scenario = Scenario::paper().with_time_step(0.1).with_goal_region(goal);
+    /// let (soft, hard) = (scenario.clone().with_restitution(0.2)?, scenario.with_restitution(0.5)?);
+    /// let mut program = soft.program(28, Objective::Effort)?;
+    /// let soft_cost = program.model().objective().clone();
+    /// let hard_cost = program.add_case("hard", &hard, 20, Objective::Effort)?;
+    /// program.minimize(0.5 * soft_cost + 0.5 * hard_cost)?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
+    /// let [soft, hard] = [&plan, &plan.cases["hard"]].map(|plan| &plan.trajectory.acceleration);
+    /// assert!((0..20).all(|t| (soft[t] - hard[t]).abs() < 1e-6));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Returns
+    ///
+    /// The cost of the case, in the unit of the objective; 0 for [`Objective::Feasibility`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scenario::program`] for the case; [`ErrorKind::OutOfRange`] for steps beyond the horizon
+    /// and another time step; [`ErrorKind::DuplicateName`]. The program then stays as it was.
+    pub fn add_case(
+        &mut self,
+        name: &str,
+        scenario: &Scenario,
+        until: usize,
+        objective: Objective,
+    ) -> Result<Quadratic, Error> {
+        scenario.check()?;
+        let horizon = Horizon::new(self.steps(), scenario.time_step)?;
+        let system = scenario.system(&horizon, &scenario.damage)?;
+        let mut cost = Quadratic::zero();
+        let case = self.program.write_case(name, &system, until, |program| {
+            let (case, own) =
+                PlanningProgram::completed(scenario, program, objective, Ends::Fixed)?;
+            cost = own;
+            Ok(case)
+        })?;
+        self.cases.push((name.to_owned(), case));
+        Ok(cost)
     }
 
     /// Adds the row `contact_needed`, `Σ ζ(t) >= 1`, for a horizon whose collision-free program is
@@ -163,15 +238,15 @@ impl PlanningProgram {
     }
 }
 
-fn set_objective(program: &mut SceneProgram, objective: Objective) -> Result<(), Error> {
+/// An objective and the prices of damage.
+fn cost(program: &mut SceneProgram, objective: Objective) -> Result<Quadratic, Error> {
     let cost: Quadratic = match objective {
-        Objective::Feasibility => return Ok(()),
+        Objective::Feasibility => return Ok(Quadratic::zero()),
         Objective::Effort => program.effort()?,
         Objective::Impacts => program.hits().into(),
         Objective::LargestDamage => program.largest_impact()?.into(),
     };
-    let price = program.price();
-    program.minimize(cost + price)
+    Ok(cost + program.price())
 }
 
 /// (1), (2), (21c)-(21h), on the positions, velocities and accelerations.

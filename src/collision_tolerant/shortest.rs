@@ -8,7 +8,9 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::reach::Tube;
+use crate::hybrid::robust::shortest_robust;
 use crate::hybrid::shortest_horizon::{HorizonLogs, without_logs};
+use crate::hybrid::{Feedback, RobustPlan};
 use crate::hybrid::{HorizonEvent, Shortest, ShortestOptions, Solved, shortest_horizon_with};
 use crate::setters::setters;
 use crate::solution::Solution;
@@ -140,6 +142,26 @@ impl Scenario {
             *plan = Plan { refinements, fewest_impacts, ..program.plan(&solution)? };
         }
         Ok(())
+    }
+
+    /// The smallest number of steps for which a plan brings all disturbed runs to the goal, if the feedback
+    /// corrects the accelerations: as
+    /// [`HybridSystem::shortest_robust`](crate::hybrid::HybridSystem::shortest_robust). The number of impacts
+    /// is not minimised. The goal has to be a [region](Scenario::with_goal_region).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`shortest_plan`](Scenario::shortest_plan) and of
+    /// [`robust`](crate::hybrid::HybridProgram::robust).
+    pub fn shortest_robust(
+        &self,
+        feedback: &Feedback,
+        options: &ShortestOptions,
+        solver: &mut dyn Solver,
+    ) -> Result<Shortest<RobustPlan>, Error> {
+        self.check()?;
+        let programs = Programs { scenario: self.clone(), upper_hint: None };
+        shortest_robust(&programs, &self.hybrid_system()?, feedback, options, solver)
     }
 
     /// Finds the shortest plans without and with collisions. The first is a hint for the second. Logs of the

@@ -14,7 +14,7 @@ mod nalgebra;
 pub(crate) mod program;
 pub mod reach;
 mod receding;
-mod robust;
+pub(crate) mod robust;
 pub(crate) mod rows;
 pub mod scene;
 pub mod shortest_horizon;

@@ -28,6 +28,8 @@ impl Model {
     ///
     /// [`ErrorKind::UnknownName`] if the model has no statement of this family.
     pub fn set_background(&mut self, family: &str) -> Result<(), Error> {
+        let scoped = self.scoped(Name::of_family(family));
+        let family = scoped.family();
         if self.stored.background.contains(family) {
             return Ok(());
         }
@@ -50,7 +52,8 @@ impl Model {
 
     /// Says in words what a family states, for explanations.
     pub(crate) fn describe(&mut self, family: &str, words: String) {
-        self.stored.words.insert(family.to_owned(), words);
+        let family = self.scoped(Name::of_family(family)).family().to_owned();
+        self.stored.words.insert(family, words);
     }
 
     /// The statement of a family in words; its name if there are none.

@@ -56,6 +56,19 @@ impl Name {
         self.step
     }
 
+    /// A family as a name, even if it looks like one of its members.
+    pub(super) fn of_family(family: &str) -> Name {
+        Name { family: family.to_owned(), step: None }
+    }
+
+    /// The name with a word and an underscore before it; the step stays. White space of the word becomes an
+    /// underscore.
+    pub(super) fn prefixed(&self, word: &str) -> Name {
+        let plain = |c: char| if c.is_whitespace() || c.is_control() { '_' } else { c };
+        let word: String = word.chars().map(plain).collect();
+        Name { family: format!("{word}_{}", self.family), step: self.step }
+    }
+
     /// The name with something appended to its family; the step stays.
     pub(crate) fn suffixed(&self, suffix: &str) -> Name {
         Name { family: format!("{}{suffix}", self.family), step: self.step }

@@ -41,9 +41,13 @@ impl Model {
         name: impl Into<Name>,
         statement: S,
     ) -> Result<S::Handle, Error> {
-        let name = name.into();
+        let name = self.scoped(name.into());
         name.check()?;
-        statement.add_to(self, name)
+        // A statement makes names of its own from this one.
+        let scope = std::mem::take(&mut self.scope);
+        let added = statement.add_to(self, name);
+        self.scope = scope;
+        added
     }
 
     /// Number of linear rows, without indicators.

@@ -32,6 +32,8 @@ pub struct Model {
     pub(super) revision: u64,
     /// Whether the objective is convex only as far as bounds tell.
     pub(super) is_convex_within_bounds: bool,
+    /// The words with which new names begin, empty for most models.
+    pub(super) scope: String,
 }
 
 /// The part of a model that is written to files; the look-up tables are derived from it.
@@ -199,6 +201,7 @@ impl Model {
             statement_names,
             revision: fresh_revision(),
             is_convex_within_bounds: false,
+            scope: String::new(),
         }
     }
 
@@ -363,6 +366,7 @@ impl Model {
             statement_names,
             revision: fresh_revision(),
             is_convex_within_bounds: self.is_convex_within_bounds,
+            scope: String::new(),
         }
     }
 
@@ -398,8 +402,21 @@ impl Model {
         result
     }
 
+    /// Lets all new names begin with a word, which says what they are of; none if it is empty.
+    pub(crate) fn set_scope(&mut self, word: &str) {
+        self.scope = word.to_owned();
+    }
+
+    /// The name that the model gives to what is to be called so.
+    pub(super) fn scoped(&self, name: Name) -> Name {
+        if self.scope.is_empty() { name } else { name.prefixed(&self.scope) }
+    }
+
     pub(crate) fn has_statement(&self, name: &Name) -> bool {
-        self.statement_names.get(name).is_some()
+        match self.scope.is_empty() {
+            true => self.statement_names.get(name).is_some(),
+            false => self.statement_names.get(&name.prefixed(&self.scope)).is_some(),
+        }
     }
 
     pub(super) fn claim_statement(

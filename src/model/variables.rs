@@ -75,7 +75,7 @@ impl Model {
         lower: f64,
         upper: f64,
     ) -> Result<Variable, Error> {
-        let name = name.into();
+        let name = self.scoped(name.into());
         name.check()?;
         let (lower, upper) = variable_bounds(&name, kind, lower, upper)?;
         let index = self.stored.variables.len();

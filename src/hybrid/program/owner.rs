@@ -45,6 +45,36 @@ macro_rules! owns_program {
             ) -> Result<(), $crate::error::Error> {
                 self.program.maximize(gain)
             }
+
+            /// Hands a case over that [`add_case`](Self::add_case) has added, for statements and costs about it:
+            /// within `state` it is a program of its own, with the variables and rules of the case, and what
+            /// it adds to the model has a name that begins with that of the case.
+            ///
+            /// # Errors
+            ///
+            /// [`ErrorKind::UnknownName`]($crate::ErrorKind::UnknownName); those of `state`.
+            pub fn in_case<T>(
+                &mut self,
+                name: &str,
+                state: impl FnOnce(&mut Self) -> Result<T, $crate::error::Error>,
+            ) -> Result<T, $crate::error::Error> {
+                let found = self.cases.iter().position(|(own, _)| own == name);
+                let unknown = || $crate::error::Error::unknown_name(name, "case of the program");
+                let k = found.ok_or_else(unknown)?;
+                let (own, mut case) = self.cases.remove(k);
+                self.program.lend_to(&mut case.program, name);
+                let result = state(&mut case);
+                self.program.take_back(&mut case.program);
+                self.cases.insert(k, (own, case));
+                result
+            }
+        }
+
+        impl From<$type> for $crate::hybrid::HybridProgram {
+            /// The program with its rules and cases, for controllers.
+            fn from(program: $type) -> Self {
+                program.program
+            }
         }
 
         impl std::ops::Deref for $type {

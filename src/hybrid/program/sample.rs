@@ -21,6 +21,8 @@ pub(crate) struct Members {
     pub(crate) steps: usize,
     /// By name; the first one has none.
     pub(super) all: Vec<(String, SystemVariables)>,
+    /// The systems that are cases, by name, with the number of first steps in which they share their inputs.
+    pub(crate) cases: BTreeMap<String, usize>,
     /// Missions that plans are checked for.
     pub(crate) missions: Vec<RequiredMission>,
     /// Bounds before and after what sets have proved about them, which says nothing that the program does not.
@@ -30,8 +32,8 @@ pub(crate) struct Members {
 impl Members {
     pub(super) fn new(tag: ModelTag, variables: SystemVariables) -> Self {
         let steps = variables.horizon().steps();
-        let (implied, missions) = (BTreeMap::new(), Vec::new());
-        Members { tag, steps, all: vec![(String::new(), variables)], missions, implied }
+        let (cases, implied, missions) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
+        Members { tag, steps, all: vec![(String::new(), variables)], cases, missions, implied }
     }
 
     /// The first system's variables.
@@ -44,17 +46,34 @@ impl Members {
         (self.all.len() == 1).then(|| self.first())
     }
 
+    /// The variables of the system that a controller steers: of the first one, if all others are cases.
+    pub(crate) fn steered(&self) -> Option<&SystemVariables> {
+        (self.all.len() == self.cases.len() + 1).then(|| self.first())
+    }
+
+    /// Puts the system with a name in the place of the first one.
+    pub(crate) fn put_first(&mut self, name: &str) {
+        if let Some(k) = self.all.iter().position(|(own, _)| own == name) {
+            self.all.swap(0, k);
+        }
+    }
+
+    /// All systems' variables with their names.
+    pub(crate) fn named(&self) -> impl Iterator<Item = (&str, &SystemVariables)> {
+        self.all.iter().map(|(name, variables)| (name.as_str(), variables))
+    }
+
     /// All systems' variables.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &SystemVariables> {
         self.all.iter().map(|(_, variables)| variables)
     }
 
-    pub(super) fn push(&mut self, name: &str, variables: SystemVariables) {
+    pub(crate) fn push(&mut self, name: &str, variables: SystemVariables) {
         self.all.push((name.to_owned(), variables));
     }
 
     /// Refuses a system that cannot be added.
-    pub(super) fn check_new(&self, name: &str, system: &HybridSystem) -> Result<(), Error> {
+    pub(crate) fn check_new(&self, name: &str, system: &HybridSystem) -> Result<(), Error> {
         let time_step = self.first().system().time_step;
         if system.time_step != time_step {
             let range = format!("{time_step}, that of the program");

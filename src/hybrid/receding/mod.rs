@@ -116,7 +116,7 @@ impl<'a> RecedingHorizon<'a> {
         check_memory(&program)?;
         let handles = Handles::measure(&mut program)?;
         let HybridProgram { model, members } = program;
-        let system = members.only().map(|only| only.system().clone());
+        let system = members.steered().map(|only| only.system().clone());
         let prepared = solver.prepare(&model)?;
         let planner = Planner::Receding { prepared, handles, members: Some(members) };
         Ok(RecedingHorizon::of(planner, system))

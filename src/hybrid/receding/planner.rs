@@ -56,19 +56,35 @@ impl Handles {
     pub(super) fn measure(program: &mut HybridProgram) -> Result<Self, Error> {
         let HybridProgram { model, members } = program;
         let mut handles = Handles { measured: Vec::new(), states: Vec::new(), inputs: Vec::new() };
-        for (k, own) in members.iter().enumerate() {
-            for ((name, domain), family) in own.system().states.iter().zip(own.states()) {
-                let Some(first) = family.get(0) else { continue };
-                let middle = 0.0_f64.clamp(domain.lower, domain.upper);
-                let number = if k == 0 { String::new() } else { format!("{k}_") };
-                let name = format!("measured_{number}{}", name.replace(char::is_whitespace, "_"));
-                let parameter =
-                    model.parameter(name.as_str(), middle, domain.lower, domain.upper)?;
-                model.add(format!("{name}_row").as_str(), (first - parameter).equals(0.0))?;
-                handles.measured.push(parameter);
+        let first = members.first().system();
+        for (k, (name, own)) in members.named().enumerate() {
+            // Cases begin in the state of the first system.
+            let shared = members.cases.get(name);
+            if shared == Some(&0) {
+                let what = format!("the number of steps that `{name}` shares");
+                let range = "at least 1, because a controller applies one input for all cases";
+                return Err(Error::out_of_range(what, 0.0, range));
             }
-            handles.states.extend(own.states().iter().cloned());
-            handles.inputs.extend(own.inputs().iter().cloned());
+            let number = if k == 0 { String::new() } else { format!("{k}_") };
+            for ((name, domain), family) in own.system().states.iter().zip(own.states()) {
+                let Some(start) = family.get(0) else { continue };
+                let middle = 0.0_f64.clamp(domain.lower, domain.upper);
+                let called = format!("measured_{number}{}", name.replace(char::is_whitespace, "_"));
+                let twin = first.states.iter().position(|(own, _)| own == name);
+                if let (Some(twin), Some(_)) = (twin, shared) {
+                    let row = (start - handles.measured[twin]).equals(0.0);
+                    model.add(format!("{called}_row").as_str(), row)?;
+                    continue;
+                }
+                let parameter =
+                    model.parameter(called.as_str(), middle, domain.lower, domain.upper)?;
+                model.add(format!("{called}_row").as_str(), (start - parameter).equals(0.0))?;
+                handles.measured.push(parameter);
+                handles.states.push(family.clone());
+            }
+            if shared.is_none() {
+                handles.inputs.extend(own.inputs().iter().cloned());
+            }
         }
         Ok(handles)
     }
@@ -185,7 +201,7 @@ impl Planner<'_> {
                 let handles = Handles::measure(&mut program)?;
                 check_length("the measured state", state.len(), handles.measured.len())?;
                 let HybridProgram { mut model, members } = program;
-                *system = members.only().map(|only| only.system().clone());
+                *system = members.steered().map(|only| only.system().clone());
                 if question.budget.is_some() {
                     solver.options_mut().time_limit = question.budget;
                 }

@@ -83,6 +83,16 @@ fn inverse(shape: &faer::Mat<f64>, approximate: &faer::Mat<f64>) -> Option<Inter
     Some(all)
 }
 
+/// Refuses a scale that turns ranges around or is no number.
+fn check_scale(scale: f64) -> Result<(), Error> {
+    match scale.is_finite() && scale >= 0.0 {
+        true => Ok(()),
+        false => {
+            Err(Error::out_of_range("the scale of the ranges", scale, "finite and at least 0"))
+        }
+    }
+}
+
 /// A plan in numbers, and the boxes of its errors.
 struct Flight<'a> {
     system: &'a HybridSystem,
@@ -94,13 +104,15 @@ struct Flight<'a> {
     scale: f64,
 }
 
-/// Simulates all runs of a plan whose disturbances lie within `scale` times their ranges.
+/// Simulates all runs of a plan whose disturbances and errors of the start lie within `scale` times their ranges.
 pub(super) fn certify(
     system: &HybridSystem,
     run: &HybridRun,
     feedback: &Feedback,
+    start: &[Interval],
     scale: f64,
 ) -> Result<RobustCertificate, Error> {
+    check_scale(scale)?;
     let n = system.states.len();
     let shape = exact(&feedback.shape);
     let fed = product(&exact(feedback.gain().faer()), &shape);
@@ -109,11 +121,12 @@ pub(super) fn certify(
         let statement = "the tube of the feedback".to_owned();
         return Err(RobustError::Statement { statement, kind: "too flat", help }.into());
     };
+    let off: Vec<Interval> = start.iter().map(|range| *range * scale).collect();
     let certificate = RobustCertificate {
         states: Vec::new(),
         largest_violation: 0.0,
         least_slack: f64::INFINITY,
-        errors: vec![vec![point(0.0); n]],
+        errors: vec![inverse.iter().map(|row| dot(row, &off)).collect()],
     };
     let both = [&shape[..], &fed].concat();
     let mut flight = Flight { system, both, inverse, certificate, scale };
@@ -161,6 +174,24 @@ impl Flight<'_> {
     fn over(&self, map: &Map, start: &[f64]) -> Interval {
         let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
         map.over(&at) + dot(&self.factors(map), self.errors())
+    }
+
+    /// The values of maps of states over all runs, along the directions of the errors: what one parameter adds to
+    /// all states is added up before its magnitude is taken.
+    fn along_directions(&self, maps: &[Map], start: &[f64]) -> Vec<Interval> {
+        let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
+        let factors: Intervals = maps
+            .iter()
+            .map(|map| map.factors.iter().map(|factor| point(*factor)).collect())
+            .collect();
+        let constants: Vec<Interval> = maps.iter().map(|map| point(map.constant)).collect();
+        let factors = product(&self.inverse, &factors);
+        let of_errors = product(&factors, &self.both);
+        let value =
+            |((factors, of_errors), inverse): ((&Vec<Interval>, &Vec<Interval>), &Vec<_>)| {
+                dot(factors, &at) + dot(of_errors, self.errors()) + dot(inverse, &constants)
+            };
+        factors.iter().zip(&of_errors).zip(&self.inverse).map(value).collect()
     }
 
     /// Notes by how much a value of all runs is above 0, and refuses more than a tolerance.
@@ -312,7 +343,7 @@ impl Flight<'_> {
         let maps = affine::sum(common.as_deref(), &parts);
         // In the states' own directions: the closed loop, and what does not depend on the error.
         let mut closed: Intervals = maps.iter().map(|map| self.factors(map)).collect();
-        let mut added: Vec<Interval> = (0..n)
+        let added: Vec<Interval> = (0..n)
             .map(|i| {
                 let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
                 // Sums of maps are rounded.
@@ -329,23 +360,30 @@ impl Flight<'_> {
                 *entry = *entry + Interval::new(-by, by);
             });
         }
+        let mut spread = vec![point(0.0); n];
         for own in taken {
             let flow = affine::flow(&own.flow);
             for parameter in &own.uncertain {
                 let range = parameter.range * self.scale;
-                for (i, added) in added.iter_mut().enumerate() {
+                let effect = |i: usize| {
                     let offset = parameter.effect.offset.get(step);
                     let offset = offset.and_then(|offset| offset.get(i)).copied().unwrap_or(0.0);
                     let factors = (0..n).map(|j| parameter.effect.matrix[(i, j)]);
-                    let map = affine::combine(factors, &flow, width, offset);
-                    *added = *added + times(self.over(&map, start), range);
+                    affine::combine(factors, &flow, width, offset)
+                };
+                let effect: Vec<Map> = (0..n).map(effect).collect();
+                for (spread, value) in spread.iter_mut().zip(self.along_directions(&effect, start))
+                {
+                    *spread = *spread + times(value, range);
                 }
             }
         }
         let closed = product(&self.inverse, &closed);
         let errors = self.errors();
-        let all = closed.iter().zip(&self.inverse);
-        let after = all.map(|(row, inverse)| dot(row, errors) + dot(inverse, &added)).collect();
+        let all = closed.iter().zip(&self.inverse).zip(&spread);
+        let after = all
+            .map(|((row, inverse), spread)| dot(row, errors) + dot(inverse, &added) + *spread)
+            .collect();
         self.certificate.errors.push(after);
     }
 }

@@ -6,19 +6,23 @@
 //! | a program with a tube | `robust/program.rs` |
 //! | the tube as rows: how it grows, what it takes of the system's limits | `robust/tube.rs` |
 //! | the program's own statements, tightened | `robust/tighten.rs` |
+//! | variables that differ because others define them | `robust/defined.rs` |
 //! | the certificate, by interval simulation | `robust/certificate.rs` |
 //! | plans and their promise | `robust/plan.rs` |
+//! | shortest horizons | `robust/shortest.rs` |
 //! | several cases with the inputs shared until they differ | `robust/scenarios.rs` |
 //! | what can be refused | `robust/error.rs` |
 //!
 //! Disturbed runs are flown by `simulate/disturbed.rs`.
 
 mod certificate;
+mod defined;
 mod error;
 mod feedback;
 mod plan;
 mod program;
 mod scenarios;
+mod shortest;
 mod tighten;
 mod tube;
 
@@ -27,3 +31,4 @@ pub use error::RobustError;
 pub use feedback::Feedback;
 pub use plan::RobustPlan;
 pub use program::RobustProgram;
+pub(crate) use shortest::shortest_robust;

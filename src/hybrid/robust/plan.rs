@@ -29,6 +29,7 @@ pub struct RobustPlan {
     /// The findings of interval simulation about all disturbed runs.
     pub certificate: RobustCertificate,
     feedback: Feedback,
+    start: Vec<Interval>,
     sense: Sense,
     radius: Vec<Family>,
     tightened: Vec<TightStatement>,
@@ -39,6 +40,11 @@ impl fmt::Display for RobustPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let system = self.plan.system();
         let mut ranges = Vec::new();
+        for ((name, _), range) in system.states.iter().zip(&self.start) {
+            if range.magnitude() > 0.0 {
+                ranges.push(format!("{name} at the start by [{}, {}]", range.lower, range.upper));
+            }
+        }
         for ((name, _), range) in system.states.iter().zip(&system.disturbance) {
             if range.magnitude() > 0.0 {
                 ranges.push(format!("{name} by [{}, {}]", range.lower, range.upper));
@@ -78,11 +84,13 @@ impl RobustPlan {
         solution: &crate::solution::Solution,
     ) -> Result<Self, Error> {
         let plan = program.program.plan(solution)?;
-        let certificate = certify(plan.system(), &plan.run, &program.feedback, 1.0)?;
+        let start = &program.start;
+        let certificate = certify(plan.system(), &plan.run, &program.feedback, start, 1.0)?;
         let robust = RobustPlan {
             plan,
             certificate,
             feedback: program.feedback.clone(),
+            start: start.clone(),
             sense: program.program.model().sense(),
             radius: program.radius.clone(),
             tightened: program.tightened.clone(),
@@ -96,14 +104,15 @@ impl RobustPlan {
         &self.feedback
     }
 
-    /// Certifies the plan again, for ranges that are `scale` times those of the system.
+    /// Certifies the plan again, for ranges that are `scale` times those of the system and of the start.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::Other`] with a [`RobustError`] as its source, which names the condition that some
     /// disturbance may violate.
     pub fn certify(&self, scale: f64) -> Result<RobustCertificate, Error> {
-        let certificate = certify(self.plan.system(), &self.plan.run, &self.feedback, scale)?;
+        let Self { plan, feedback, start, .. } = self;
+        let certificate = certify(plan.system(), &plan.run, feedback, start, scale)?;
         self.check_statements(&certificate)?;
         Ok(certificate)
     }
@@ -116,13 +125,17 @@ impl RobustPlan {
         Some(self.sense.sign() * worse)
     }
 
-    /// Flies the plan in a disturbed world, with its feedback; see [`HybridSystem::fly`].
+    /// Flies the plan in a disturbed world, with its feedback; see [`HybridSystem::fly`]. `draw` is asked for
+    /// the errors of the start first.
     ///
     /// # Errors
     ///
     /// None for the plan's own system.
     pub fn simulate(&self, draw: &mut dyn FnMut(Interval) -> f64) -> Result<DisturbedRun, Error> {
-        self.plan.system().fly(&self.plan.run, self.feedback.gain(), draw)
+        let by =
+            self.start.iter().map(|range| if range.magnitude() > 0.0 { draw(*range) } else { 0.0 });
+        let by = by.collect::<Vec<_>>();
+        self.plan.system().fly_from(&by, &self.plan.run, self.feedback.gain(), draw)
     }
 
     /// Checks the statements of the program over the boxes of a certificate.

@@ -1,6 +1,7 @@
 //! Programs whose plans hold for every disturbance.
 
 use std::borrow::{Borrow, BorrowMut};
+use std::collections::BTreeSet;
 
 use super::error::RobustError;
 use super::feedback::Feedback;
@@ -11,6 +12,8 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::program::HybridProgram;
+use crate::hybrid::system::{HybridSystem, Meaning, State};
+use crate::interval::Interval;
 use crate::model::{Family, Model};
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};
@@ -21,6 +24,8 @@ use crate::solver::{Control, Solver};
 pub struct RobustProgram {
     pub(super) program: HybridProgram,
     pub(super) feedback: Feedback,
+    /// By how much each state may be off at the first sample.
+    pub(super) start: Vec<Interval>,
     pub(super) radius: Vec<Family>,
     pub(super) tightened: Vec<TightStatement>,
 }
@@ -68,6 +73,52 @@ impl HybridProgram {
     /// [`ErrorKind::DuplicateName`] for names that begin with `tube`.
     #[doc(alias("tube", "robust optimisation", "constraint tightening"))]
     pub fn robust(&self, feedback: &Feedback) -> Result<RobustProgram, Error> {
+        let none: [(State, Interval); 0] = [];
+        self.robust_from(feedback, none)
+    }
+
+    /// As [`robust`](HybridProgram::robust), if the start is not known exactly either: the first state of a
+    /// run may differ from that of the plan by ranges, such as those of a sensor. The tube begins with the box
+    /// of these ranges, and the feedback and the conditions of the first step have to bear it.
+    ///
+    /// Equations of states at the first sample say where the plan starts. Everything else that is required
+    /// there is required of all starts.
+    ///
+    /// ```
+    /// use carom::hybrid::Feedback;
+    /// use carom::prelude::*;
+    ///
+    /// let mut cart = HybridSystem::new(1.0); // s
+    /// let x = cart.state("x", 0.0, 9.0)?; // m
+    /// let u = cart.input("u", -1.0, 1.0)?; // m
+    /// cart.mode("roll")?.next([x.is(x + u)])?;
+    /// let mut program = cart.program(4)?;
+    /// program.start([x.equals(1.0)])?;
+    /// program.goal([x.within(2.9, 3.1)])?;
+    /// // Half of an error is left after each step.
+    /// let feedback = Feedback::new(&cart, [[-0.5]])?;
+    /// let plan = program.robust_from(&feedback, [(x, -0.4..=0.4)])?.solve(&mut BranchAndBound::default())?;
+    /// let run = plan.simulate(&mut |range| range.upper)?;
+    /// assert!((run.run.state("x")?[0] - 1.4).abs() < 1e-6);
+    /// assert!(run.kept && run.run.state("x")?[4] < 3.1 + 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `start`: by how much a state may be off at the first sample, in its unit; 0 for those that are not
+    ///   named.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`robust`](HybridProgram::robust); [`ErrorKind::ForeignHandle`] and [`ErrorKind::Misplaced`]
+    /// for what is no state of the system; [`ErrorKind::DuplicateName`] for one that is named twice;
+    /// [`ErrorKind::NotFinite`] and [`ErrorKind::CrossedBounds`] for a range.
+    pub fn robust_from<R: Into<Interval>>(
+        &self,
+        feedback: &Feedback,
+        start: impl IntoIterator<Item = (State, R)>,
+    ) -> Result<RobustProgram, Error> {
         let Some(own) = self.members.only() else {
             return Err(RobustError::SeveralSystems { count: self.members.iter().count() }.into());
         };
@@ -78,18 +129,44 @@ impl HybridProgram {
         let mut robust = RobustProgram {
             program: self.clone(),
             feedback: feedback.clone(),
+            start: start_errors(own.system(), start)?,
             radius: Vec::new(),
             tightened: Vec::new(),
         };
-        if !own.system().is_disturbed() {
+        let is_exact = robust.start.iter().all(|range| range.magnitude() == 0.0);
+        if is_exact && !own.system().is_disturbed() {
             return Ok(robust);
         }
         let model = robust.program.model_mut();
-        let tube = ErrorTube::write(model, own, feedback)?;
+        let start = robust.start.iter().map(|range| range.magnitude()).collect::<Vec<_>>();
+        let tube = ErrorTube::write(model, own, feedback, (!is_exact).then_some(&start))?;
         robust.tightened = StatementTightening::write(model, self, &tube)?;
         robust.radius = tube.radius;
         Ok(robust)
     }
+}
+
+/// The ranges by which states may be off at the first sample.
+fn start_errors<R: Into<Interval>>(
+    system: &HybridSystem,
+    start: impl IntoIterator<Item = (State, R)>,
+) -> Result<Vec<Interval>, Error> {
+    let place = "the error of the start";
+    let mut errors = vec![Interval::point(0.0); system.states.len()];
+    let mut named = BTreeSet::new();
+    for (state, range) in start {
+        let (handle, range) = (state.into(), range.into());
+        let Meaning::State(i) = *system.meaning(handle, place)? else {
+            return Err(system.misplaced(handle, place, "name a state"));
+        };
+        let name = &system.states[i].0;
+        if !named.insert(i) {
+            return Err(Error::duplicate_name(name, "state of the error of the start"));
+        }
+        range.check(&format!("the error of the start of `{name}`"))?;
+        errors[i] = range;
+    }
+    Ok(errors)
 }
 
 impl RobustProgram {

@@ -1,10 +1,13 @@
 //! Scenarios: several cases of a system in one program, whose inputs are the same until the cases can be told
 //! apart.
 
+use std::ops::DerefMut;
+use std::sync::Arc;
+
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::system::HybridSystem;
-use crate::model::{Affine, Variable};
+use crate::model::{Affine, Family, Model, Variable};
 
 impl HybridProgram {
     /// Adds a case: another system with the same inputs, such as one with another restitution, another push
@@ -52,43 +55,142 @@ impl HybridProgram {
         system: &HybridSystem,
         until: usize,
     ) -> Result<(), Error> {
+        let before = self.clone();
+        let added = self.check_case(name, system, until).and_then(|inputs| {
+            self.join(name, system)?;
+            self.share(["", name], &inputs, until)
+        });
+        match added {
+            Ok(()) => Arc::make_mut(&mut self.members).cases.insert(name.to_owned(), until),
+            Err(error) => {
+                *self = before;
+                return Err(error);
+            }
+        };
+        Ok(())
+    }
+
+    /// Lets two cases have the same inputs in the steps before `until`, where neither is the first system: so
+    /// that cases which part from the first one together can be told apart later.
+    ///
+    /// # Arguments
+    ///
+    /// * `cases`: their names.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`]; [`ErrorKind::OutOfRange`] for steps beyond the horizon;
+    /// [`ErrorKind::DuplicateName`] at the second call for the same cases. The program then stays as it was.
+    pub fn share_inputs(&mut self, cases: [&str; 2], until: usize) -> Result<(), Error> {
+        for name in cases {
+            if !self.members.cases.contains_key(name) {
+                return Err(Error::unknown_name(name, "case of the program"));
+            }
+        }
+        self.check_until(&format!("`{}` and `{}` share", cases[0], cases[1]), until)?;
+        let inputs = input_names(self.system());
+        self.share(cases, &inputs, until)
+    }
+
+    fn check_until(&self, who: &str, until: usize) -> Result<(), Error> {
         if until > self.steps() {
-            let what = format!("the number of steps that `{name}` shares");
+            let what = format!("the number of steps that {who}");
             let range = format!("at most {}, the number of steps", self.steps());
             return Err(Error::out_of_range(what, until as f64, range));
         }
-        let names = |of: &HybridSystem| -> Vec<String> {
-            of.inputs.iter().map(|(name, _)| name.clone()).collect()
-        };
-        let (own, its) = (names(self.system()), names(system));
+        Ok(())
+    }
+
+    /// Refuses a case that cannot be added. Returns the names of the inputs that it shares.
+    fn check_case(
+        &self,
+        name: &str,
+        system: &HybridSystem,
+        until: usize,
+    ) -> Result<Vec<String>, Error> {
+        self.check_until(&format!("`{name}` shares"), until)?;
+        let (own, its) = (input_names(self.system()), input_names(system));
         if let Some(missing) = own.iter().chain(&its).find(|u| !own.contains(u) || !its.contains(u))
         {
             return Err(Error::unknown_name(missing, "input of all cases"));
         }
-        let before = self.clone();
-        let shared = self.join(name, system).and_then(|()| self.share(name, &own, until));
-        if shared.is_err() {
-            *self = before;
-        }
-        shared
+        self.members.check_new(name, system)?;
+        Ok(own)
     }
 
-    fn share(&mut self, name: &str, inputs: &[String], until: usize) -> Result<(), Error> {
+    /// Adds a case whose owner, such as a scene, writes it: into a program in which the case's system stands
+    /// first, and where names begin with that of the case. An error leaves the program as it was.
+    ///
+    /// # Returns
+    ///
+    /// The owner, without the model.
+    pub(crate) fn write_case<P: DerefMut<Target = HybridProgram>>(
+        &mut self,
+        name: &str,
+        system: &HybridSystem,
+        until: usize,
+        write: impl FnOnce(HybridProgram) -> Result<P, Error>,
+    ) -> Result<P, Error> {
+        let inputs = self.check_case(name, system, until)?;
+        let mut whole = self.clone();
+        whole.model.set_scope(name);
+        let variables = system.write(&mut whole.model, "", self.steps())?;
+        let members = Arc::make_mut(&mut whole.members);
+        members.push(name, variables);
+        members.cases.insert(name.to_owned(), until);
+        members.put_first(name);
+        let mut case = write(whole)?;
+        let mut whole = self.without_model();
+        whole.take_back(&mut case);
+        whole.share(["", name], &inputs, until)?;
+        *self = whole;
+        Ok(case)
+    }
+
+    fn without_model(&self) -> Self {
+        HybridProgram { model: Model::new("case"), members: self.members.clone() }
+    }
+
+    /// Hands the model over to a case, whose system stands first in it.
+    pub(crate) fn lend_to(&mut self, case: &mut HybridProgram, name: &str) {
+        std::mem::swap(&mut self.model, &mut case.model);
+        case.model.set_scope(name);
+        case.members = self.members.clone();
+        Arc::make_mut(&mut case.members).put_first(name);
+    }
+
+    /// Takes the model back from a case.
+    pub(crate) fn take_back(&mut self, case: &mut HybridProgram) {
+        std::mem::swap(&mut self.model, &mut case.model);
+        self.model.set_scope("");
+        self.members = case.members.clone();
+        Arc::make_mut(&mut self.members).put_first("");
+    }
+
+    /// Adds the rows by which two systems share their inputs.
+    fn share(
+        &mut self,
+        [first, second]: [&str; 2],
+        inputs: &[String],
+        until: usize,
+    ) -> Result<(), Error> {
         let members = self.members.clone();
-        let (Some(first), Some(last)) = (members.iter().next(), members.iter().last()) else {
-            return Ok(());
-        };
-        for (k, input) in inputs.iter().enumerate() {
-            let both: [&crate::model::Family; 2] = [first.input(input)?, last.input(input)?];
-            let family = format!("{name}_shares_{k}");
-            for step in 0..until {
-                let pair: Vec<Variable> = both.iter().filter_map(|own| own.get(step)).collect();
-                if let [own, its] = pair[..] {
-                    self.add((family.as_str(), step), (its - own).equals(0.0))?;
+        let of = |name: &str| members.named().find(|(own, _)| *own == name).map(|(_, own)| own);
+        let (Some(own), Some(its)) = (of(first), of(second)) else { return Ok(()) };
+        let prefix = if first.is_empty() { second.to_owned() } else { format!("{first}_{second}") };
+        self.model.all_or_nothing(|model| {
+            for (k, input) in inputs.iter().enumerate() {
+                let both: [&Family; 2] = [own.input(input)?, its.input(input)?];
+                let family = format!("{prefix}_shares_{k}");
+                for step in 0..until {
+                    let pair: Vec<Variable> = both.iter().filter_map(|own| own.get(step)).collect();
+                    if let [own, its] = pair[..] {
+                        model.add((family.as_str(), step), (its - own).equals(0.0))?;
+                    }
                 }
             }
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
     /// The largest of several costs, as a new variable of the model that is at least each of them: to
@@ -121,4 +223,8 @@ impl HybridProgram {
             Ok(worst.into())
         })
     }
+}
+
+fn input_names(system: &HybridSystem) -> Vec<String> {
+    system.inputs.iter().map(|(name, _)| name.clone()).collect()
 }

@@ -13,15 +13,15 @@ use crate::hybrid::affine::Map;
 use crate::hybrid::program::HybridProgram;
 use crate::interval::Interval;
 use crate::model::{
-    Affine, AnyStatement, Consequent, Function, Logic, Model, Name, Row, Statement, StoredConic,
-    StoredRow, StoredTerm, Variable, VariableKind, norm, statements,
+    Affine, AnyStatement, Consequent, Logic, Model, Name, Row, Statement, StoredConic, StoredRow,
+    StoredTerm, Variable, norm, statements,
 };
 
 /// Widths of one value that are not more than this are rounding.
 const ONE_VALUE: f64 = 1e-9;
 
 /// By how much a variable differs between runs.
-enum Carried {
+pub(super) enum Carried {
     /// Factors of the error at a sample.
     Error { sample: usize, factors: Vec<f64> },
     /// Half its width.
@@ -46,8 +46,8 @@ pub(super) enum TightRow {
 
 /// Tightens the statements of a model that its system did not write.
 pub(super) struct StatementTightening<'a> {
-    tube: &'a ErrorTube<'a>,
-    carried: BTreeMap<Variable, Carried>,
+    pub(super) tube: &'a ErrorTube<'a>,
+    pub(super) carried: BTreeMap<Variable, Carried>,
     all: Vec<TightStatement>,
 }
 
@@ -63,8 +63,7 @@ impl<'a> StatementTightening<'a> {
         own.system();
         own.changes(model)?;
         own.bounds(model, program)?;
-        own.functions(model, original)?;
-        let defined = own.definitions(model, original)?;
+        let defined = own.defined(model, original)?;
         own.statements(model, original, &defined)?;
         Ok(own.all)
     }
@@ -90,7 +89,7 @@ impl<'a> StatementTightening<'a> {
         let own = self.tube.own;
         let system = own.system();
         for (k, family) in own.states().iter().chain(own.inputs()).enumerate() {
-            for (sample, variable) in family.iter().enumerate().skip(1) {
+            for (sample, variable) in family.iter().enumerate().skip(self.tube.first) {
                 let of_system = match system.states.get(k) {
                     Some((_, domain)) => *domain,
                     None => system
@@ -99,6 +98,10 @@ impl<'a> StatementTightening<'a> {
                 };
                 let Interval { lower, upper } = program.stated_bounds(variable)?;
                 if lower <= of_system.lower && upper >= of_system.upper {
+                    continue;
+                }
+                // A single value says where the plan starts.
+                if sample == 0 && k < system.states.len() && lower == upper {
                     continue;
                 }
                 let row = StoredRow { terms: vec![(variable, 1.0)], lower, upper };
@@ -112,7 +115,7 @@ impl<'a> StatementTightening<'a> {
     /// The ranges by which choices change next states and outputs: as wide as under the transition that is taken.
     fn changes(&mut self, model: &mut Model) -> Result<(), Error> {
         let own = self.tube.own;
-        for step in 1..own.horizon().steps() {
+        for step in self.tube.first..own.horizon().steps() {
             for choice in 0..own.system().choices.len() {
                 for (g, (variable, maps)) in own.change_maps(choice, step).into_iter().enumerate() {
                     let widths = maps.iter().map(|map| {
@@ -148,77 +151,6 @@ impl<'a> StatementTightening<'a> {
         Ok(())
     }
 
-    /// Functions of variables that differ.
-    fn functions(&mut self, model: &mut Model, original: &Model) -> Result<(), Error> {
-        for own in original.functions() {
-            let widths: Vec<Affine> =
-                own.function().expressions().iter().map(|e| self.width(&e.terms())).collect();
-            let wide: Vec<&Affine> = widths.iter().filter(|w| !w.terms().is_empty()).collect();
-            let Some(first) = wide.first() else { continue };
-            let width = match own.function() {
-                Function::Absolute(_) => (*first).clone(),
-                Function::Product { factor, .. } => {
-                    let most = original.variable_ref(*factor)?.bounds().magnitude();
-                    most * *first
-                }
-                Function::Maximum(_) | Function::Minimum(_) => {
-                    let mut most = 0.0_f64;
-                    for width in &wide {
-                        most = most.max(model.range(width)?.upper);
-                    }
-                    let name = own.name().suffixed("_tube");
-                    let half = model.continuous(name.clone(), 0.0, most)?;
-                    for (k, width) in wide.iter().enumerate() {
-                        model.add(name.suffixed(&format!("_{k}")), half.ge(*width))?;
-                    }
-                    half.into()
-                }
-                _ => {
-                    let help = "state it by rows, or about variables that do not differ";
-                    let statement = own.name().to_string();
-                    let kind = "a piecewise function of states or inputs";
-                    return Err(RobustError::Statement { statement, kind, help }.into());
-                }
-            };
-            self.carried.insert(own.result(), Carried::Width(width));
-        }
-        Ok(())
-    }
-
-    /// Continuous variables that equations define by variables that differ; returns the positions of these
-    /// equations.
-    fn definitions(
-        &mut self,
-        model: &mut Model,
-        original: &Model,
-    ) -> Result<BTreeSet<usize>, Error> {
-        let mut defined = BTreeSet::new();
-        for (position, row) in original.constraints().enumerate() {
-            if self.tube.own.wrote(0, position) || row.limits().width() > 0.0 {
-                continue;
-            }
-            let mut open = Vec::new();
-            for &(variable, factor) in row.terms() {
-                let is_continuous =
-                    original.variable_ref(variable)?.kind() == VariableKind::Continuous;
-                if is_continuous && !self.carried.contains_key(&variable) {
-                    open.push((variable, factor));
-                }
-            }
-            let width = self.width(row.terms());
-            if let ([(variable, factor)], false) = (&open[..], width.terms().is_empty()) {
-                let width = (1.0 / factor.abs()) * width;
-                self.carried.insert(*variable, Carried::Width(width));
-                // The definition holds in every run; what is left is the variable's own range.
-                let Interval { lower, upper } = original.variable_ref(*variable)?.bounds();
-                let own = StoredRow { terms: vec![(*variable, 1.0)], lower, upper };
-                self.linear(model, row.name(), "_bounds", None, &own)?;
-                defined.insert(position);
-            }
-        }
-        Ok(defined)
-    }
-
     /// The tightened statements.
     fn statements(
         &mut self,
@@ -233,8 +165,12 @@ impl<'a> StatementTightening<'a> {
                 AnyStatement::Indicator(_) => 1,
                 AnyStatement::Conic(_) => 2,
                 AnyStatement::Disjunction(_) => 3,
-                // They are about the plan.
-                AnyStatement::Logic(_) | AnyStatement::Set(_) => continue,
+                AnyStatement::Set(set) => {
+                    self.refuse_set(statement.name(), set.members())?;
+                    continue;
+                }
+                // It is about the plan.
+                AnyStatement::Logic(_) => continue,
             };
             let position = positions[kind];
             positions[kind] += 1;
@@ -244,7 +180,7 @@ impl<'a> StatementTightening<'a> {
             let name = statement.name();
             match statement {
                 AnyStatement::Row(row) => {
-                    if defined.contains(&position) {
+                    if defined.contains(&position) || self.is_start(original, row.terms())? {
                         continue;
                     }
                     let (lower, upper) = (row.limits().lower, row.limits().upper);
@@ -290,7 +226,7 @@ impl<'a> StatementTightening<'a> {
         Ok(())
     }
 
-    fn linear(
+    pub(super) fn linear(
         &mut self,
         model: &mut Model,
         name: &Name,
@@ -332,6 +268,16 @@ impl<'a> StatementTightening<'a> {
         Ok(())
     }
 
+    /// Refuses a set whose members differ between runs: which of them is 0 may differ too.
+    fn refuse_set(&self, name: &Name, members: &[(Variable, f64)]) -> Result<(), Error> {
+        if members.iter().all(|(member, _)| self.width(&[(*member, 1.0)]).terms().is_empty()) {
+            return Ok(());
+        }
+        let help = "let binaries say which of them may differ from 0, and limit the others by rows";
+        let (statement, kind) = (name.to_string(), "an ordered set of states or inputs");
+        Err(RobustError::Statement { statement, kind, help }.into())
+    }
+
     fn conic(
         &mut self,
         model: &mut Model,
@@ -366,7 +312,7 @@ impl<'a> StatementTightening<'a> {
     }
 
     /// Half the width of a sum over all runs. Errors at one sample are added before their magnitudes are.
-    fn width(&self, terms: &[(Variable, f64)]) -> Affine {
+    pub(super) fn width(&self, terms: &[(Variable, f64)]) -> Affine {
         let mut errors: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         let mut sum = Affine::zero();
         for &(variable, factor) in terms {

@@ -40,19 +40,29 @@ pub(super) struct ErrorTube<'a> {
     pub(super) feedback: &'a Feedback,
     /// r, by entry of the error, at the samples.
     pub(super) radius: Vec<Family>,
+    /// The first sample at which runs differ.
+    pub(super) first: usize,
 }
 
 impl<'a> ErrorTube<'a> {
     /// Adds the half widths, how they grow, and the tightened conditions of the system.
+    ///
+    /// # Arguments
+    ///
+    /// * `start`: by how much each state may be off at the first sample, if that is not known exactly.
     pub(super) fn write(
         model: &mut Model,
         own: &'a SystemVariables,
         feedback: &'a Feedback,
+        start: Option<&Vec<f64>>,
     ) -> Result<Self, Error> {
         let (system, steps) = (own.system(), own.horizon().steps());
         let by = feedback.spread(&disturbance(system));
+        let start = start.map(|start| feedback.spread(start));
+        let first = usize::from(start.is_none());
         let mut radius = Vec::new();
         for (k, by) in by.iter().enumerate() {
+            let start = start.as_ref().map_or(0.0, |start| start[k]);
             // A tube that is wider leaves a domain.
             let widths = system.states.iter().enumerate().map(|(i, (_, domain))| {
                 let factor = feedback.shape[(i, k)].abs();
@@ -61,18 +71,21 @@ impl<'a> ErrorTube<'a> {
             let most = widths.fold(f64::INFINITY, f64::min);
             let name = format!("tube_{k}");
             let member = |t: usize| {
-                let (least, most) = if t == 0 { (0.0, 0.0) } else { (by.min(most), most) };
+                let (least, most) = if t == 0 { (start, start) } else { (by.min(most), most) };
                 model.continuous((name.as_str(), t), least, most)
             };
             radius.push((0..=steps).map(member).collect::<Result<Family, Error>>()?);
         }
-        let tube = ErrorTube { own, feedback, radius };
+        let tube = ErrorTube { own, feedback, radius, first };
         for t in 0..steps {
             tube.grow(model, t)?;
             tube.sample(model, t + 1)?;
-            if t > 0 {
+            if t >= first {
                 tube.step(model, t)?;
             }
+        }
+        if first == 0 {
+            tube.sample(model, 0)?;
         }
         Ok(tube)
     }
@@ -81,7 +94,8 @@ impl<'a> ErrorTube<'a> {
     pub(super) fn width(&self, factors: &[f64], sample: usize) -> Affine {
         let mut sum = Affine::zero();
         for (factor, family) in factors.iter().zip(&self.radius) {
-            let radius = family.get(sample).filter(|_| factor.abs() > ZERO && sample > 0);
+            let radius = family.get(sample);
+            let radius = radius.filter(|_| factor.abs() > ZERO && sample >= self.first);
             if let Some(radius) = radius {
                 sum.add_term(factor.abs(), radius);
             }

@@ -180,7 +180,8 @@ impl SceneProgram {
             contact.modes = hit.into_iter().map(mode).collect();
         }
         let damage = vec![None; contacts.len()];
-        let mut program = SceneProgram { program, scene, contacts, damage, measured: Vec::new() };
+        let (measured, cases) = Default::default();
+        let mut program = SceneProgram { program, scene, contacts, damage, measured, cases };
         program.add_damage()?;
         program.add_rules()?;
         Ok(program)

@@ -2,6 +2,7 @@
 
 mod axes;
 mod body;
+mod case;
 mod compare;
 mod contact;
 mod damage_interval;

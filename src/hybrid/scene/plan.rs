@@ -1,5 +1,7 @@
 //! Plans of a scene, read from solutions and replayed.
 
+use std::collections::BTreeMap;
+
 use super::axes::AXES;
 use super::contact::Mode;
 use super::error::SceneError;
@@ -83,7 +85,9 @@ impl SceneHit {
     }
 }
 
-/// A plan of a scene, replayed.
+/// A plan of a scene, replayed. It is nominal: [pushes](super::Body::with_pushes) and
+/// [spreads](super::Surface::with_spread) of the scene are left out; plans that hold under them are made by
+/// [`HybridProgram::robust`](crate::hybrid::HybridProgram::robust).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -98,6 +102,9 @@ pub struct ScenePlan {
     pub run: HybridRun,
     /// The result of the replay.
     pub certificate: SceneCertificate,
+    /// The plans of the [cases](SceneProgram::add_case), by name, each replayed in its own scene.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "BTreeMap::is_empty"))]
+    pub cases: BTreeMap<String, ScenePlan>,
 }
 
 impl ScenePlan {
@@ -290,6 +297,8 @@ impl SceneProgram {
         hits.sort_by_key(|hit| hit.step);
         let certificate = replay::certify(&self.scene, &bodies, &mut hits)?;
         let time_step = self.scene.time_step;
-        Ok(ScenePlan { time_step, bodies, hits, run, certificate })
+        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.plan(solution)?)));
+        let cases = cases.collect::<Result<_, Error>>()?;
+        Ok(ScenePlan { time_step, bodies, hits, run, certificate, cases })
     }
 }

@@ -25,16 +25,11 @@ pub struct SceneProgram {
     pub(super) damage: Vec<Option<Family>>,
     /// The value of each rule's measure by contact and step.
     pub(super) measured: Vec<Vec<Vec<Affine>>>,
+    /// The cases, by name; the model is that of this program.
+    pub(super) cases: Vec<(String, SceneProgram)>,
 }
 
 owns_program!(SceneProgram);
-
-impl From<SceneProgram> for HybridProgram {
-    /// The program with its rules, for controllers.
-    fn from(program: SceneProgram) -> Self {
-        program.program
-    }
-}
 
 impl Scene {
     /// The program of the scene over a horizon, from starts to goals. Bodies without a start or a
@@ -100,14 +95,29 @@ impl Scene {
 impl Stated {
     /// The program from the starts to the goals.
     pub(super) fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
-        let Stated { scene, contacts, system } = self;
-        if let Some((obstacle, last)) = scene.longest().filter(|(_, last)| *last < steps) {
-            let obstacle = obstacle.name.clone();
-            return Err(super::SceneError::Course { obstacle, last, needed: steps }.into());
-        }
+        self.check_courses(steps)?;
         let mut model = Model::new("scene");
-        let hybrid = system.write(&mut model, "", steps)?;
-        let mut program = HybridProgram::from_parts(model, hybrid);
+        let hybrid = self.system.write(&mut model, "", steps)?;
+        let mut program = self.completed(HybridProgram::from_parts(model, hybrid))?;
+        let price = program.price();
+        program.minimize(price)?;
+        Ok(program)
+    }
+
+    /// Refuses obstacles whose courses end before some steps.
+    pub(super) fn check_courses(&self, steps: usize) -> Result<(), Error> {
+        match self.scene.longest().filter(|(_, last)| *last < steps) {
+            None => Ok(()),
+            Some((obstacle, last)) => {
+                let obstacle = obstacle.name.clone();
+                Err(super::SceneError::Course { obstacle, last, needed: steps }.into())
+            }
+        }
+    }
+
+    /// A program whose first system is that of the scene, with starts, goals and rules.
+    pub(super) fn completed(&self, mut program: HybridProgram) -> Result<SceneProgram, Error> {
+        let Stated { scene, contacts, system } = self;
         program.start(scene.ends(system, true))?;
         program.goal(scene.ends(system, false))?;
         let mut program = SceneProgram {
@@ -116,6 +126,7 @@ impl Stated {
             contacts: contacts.clone(),
             damage: vec![None; contacts.len()],
             measured: Vec::new(),
+            cases: Vec::new(),
         };
         program.fix_first()?;
         program.start_outside()?;
@@ -123,8 +134,6 @@ impl Stated {
         program.next_outside()?;
         program.add_damage()?;
         program.add_rules()?;
-        let price = program.price();
-        program.minimize(price)?;
         Ok(program)
     }
 }
@@ -293,7 +302,7 @@ impl SceneProgram {
     }
 
     /// States that there is no plan.
-    fn contradict(&mut self) -> Result<(), Error> {
+    pub(super) fn contradict(&mut self) -> Result<(), Error> {
         let first = self.variables().states()[0][0];
         let beyond = self.program.model.variable_ref(first)?.bounds().upper + 1.0;
         self.program.add("no_plan_by_reach_sets", first.ge(beyond))?;

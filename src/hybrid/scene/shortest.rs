@@ -13,6 +13,7 @@ use super::system::Stated;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use crate::hybrid::robust::{Feedback, RobustPlan, shortest_robust};
 #[cfg(doc)]
 use crate::hybrid::shortest_horizon::shortest_horizon;
 use crate::hybrid::shortest_horizon::{
@@ -63,15 +64,37 @@ impl Scene {
         solver: &mut dyn Solver,
         progress: &mut dyn FnMut(&HorizonEvent),
     ) -> Result<Shortest<ScenePlan>, Error> {
+        let (task, options) = self.task(options)?;
+        let found = shortest_horizon_with(&task, &options, solver, progress)?;
+        found.try_map(|Solved { program, solution }| program.plan(&solution))
+    }
+
+    /// The smallest number of steps for which a plan brings all disturbed bodies from their starts to their
+    /// goals, if the feedback corrects the inputs: as
+    /// [`HybridSystem::shortest_robust`], with the rules of the scene.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`shortest_plan`](Scene::shortest_plan) and of [`robust`](HybridProgram::robust).
+    pub fn shortest_robust(
+        &self,
+        feedback: &Feedback,
+        options: &ShortestOptions,
+        solver: &mut dyn Solver,
+    ) -> Result<Shortest<RobustPlan>, Error> {
+        let (task, options) = self.task(options)?;
+        shortest_robust(&task, &task.stated.system, feedback, &options, solver)
+    }
+
+    /// The programs of the scene, and options with steps for which its courses last.
+    fn task(&self, options: &ShortestOptions) -> Result<(ScenePrograms, ShortestOptions), Error> {
         let stated = self.stated()?;
         let waiting = options.waiting(stated.waiting()?);
         let mut options = options.clone();
         if let Some((_, longest)) = stated.scene.longest() {
             options.max_steps = options.max_steps.min(longest);
         }
-        let task = ScenePrograms { stated, waiting };
-        let found = shortest_horizon_with(&task, &options, solver, progress)?;
-        found.try_map(|Solved { program, solution }| program.plan(&solution))
+        Ok((ScenePrograms { stated, waiting }, options))
     }
 
     /// Reach sets of the scene, from its starts to its goals. They refute horizons, say why in

@@ -69,16 +69,26 @@ impl HybridSystem {
         solver: &mut dyn Solver,
     ) -> Result<Shortest<HybridPlan>, Error> {
         let (start, goal) = (&start.stated().of(self)?, &goal.stated().of(self)?);
-        self.check_reachable(start, "the start")?;
-        self.check_reachable(goal, "the goal")?;
-        let waiting = options.waiting(self.waiting(start, goal)?);
-        let task = Task { system: self, start, goal, waiting };
+        let task = self.task(start, goal, options)?;
         let found = shortest_horizon(&task, options, solver)?;
         found.try_map(|Solved { program, solution }| program.plan(&solution))
     }
 }
 
 impl HybridSystem {
+    /// The programs from a start to a goal.
+    pub(in crate::hybrid) fn task<'a>(
+        &'a self,
+        start: &'a Region,
+        goal: &'a Region,
+        options: &ShortestOptions,
+    ) -> Result<Task<'a>, Error> {
+        self.check_reachable(start, "the start")?;
+        self.check_reachable(goal, "the goal")?;
+        let waiting = options.waiting(self.waiting(start, goal)?);
+        Ok(Task { system: self, start, goal, waiting })
+    }
+
     /// Refuses a region outside the domains of the states.
     fn check_reachable(&self, region: &Region, what: &str) -> Result<(), Error> {
         region.check(self, "the region")?;
@@ -94,7 +104,7 @@ impl HybridSystem {
 }
 
 /// From a start to a goal, in any number of steps.
-pub(super) struct Task<'a> {
+pub(in crate::hybrid) struct Task<'a> {
     pub(super) system: &'a HybridSystem,
     pub(super) start: &'a Region,
     pub(super) goal: &'a Region,

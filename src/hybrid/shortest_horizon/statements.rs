@@ -144,7 +144,7 @@ impl ShortestOptions {
     }
 
     /// The same for a grid on which the samples of windows mean nothing.
-    pub(super) fn without_statements(&self) -> Self {
+    pub(crate) fn without_statements(&self) -> Self {
         let reformulation = self.statements.reformulation;
         let statements = Statements { reformulation, ..Statements::default() };
         ShortestOptions { statements, ..self.clone() }

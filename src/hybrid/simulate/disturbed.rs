@@ -97,8 +97,18 @@ impl HybridSystem {
         gain: impl Into<Matrix>,
         draw: &mut dyn FnMut(Interval) -> f64,
     ) -> Result<DisturbedRun, Error> {
+        self.fly_from(&[], plan, &gain.into(), draw)
+    }
+
+    /// Flies a run as [`fly`](HybridSystem::fly), from a start that is off by some numbers.
+    pub(in crate::hybrid) fn fly_from(
+        &self,
+        off: &[f64],
+        plan: &HybridRun,
+        gain: &Matrix,
+        draw: &mut dyn FnMut(Interval) -> f64,
+    ) -> Result<DisturbedRun, Error> {
         let (n, m) = (self.states.len(), self.inputs.len());
-        let gain = gain.into();
         if (gain.nrows(), gain.ncols()) != (m, n) {
             return Err(ErrorKind::Shape {
                 what: "the gain of a feedback",
@@ -124,6 +134,7 @@ impl HybridSystem {
         };
         let options = SimulationOptions { tolerance: MISS, ..SimulationOptions::default() };
         let mut state = planned.states[0].clone();
+        state.iter_mut().zip(off).for_each(|(x, by)| *x += by);
         let is_uncertain = self.transitions().any(|own| !own.uncertain.is_empty());
         disturbed.note(&state);
         for step in 0..planned.inputs.len() {

@@ -112,7 +112,12 @@ impl HybridSystem {
         Ok(all)
     }
 
-    pub(super) fn misplaced(&self, variable: Variable, place: &str, help: &'static str) -> Error {
+    pub(in crate::hybrid) fn misplaced(
+        &self,
+        variable: Variable,
+        place: &str,
+        help: &'static str,
+    ) -> Error {
         let name = format!("`{}`", self.handle_name(variable));
         ErrorKind::Misplaced { name, place: place.to_owned(), help }.into()
     }

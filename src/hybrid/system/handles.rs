@@ -134,6 +134,11 @@ impl Handles {
         Handles { tag, meanings: Vec::new() }
     }
 
+    /// Gives the handles another tag, so that those of before are foreign to it.
+    pub(crate) fn renew(&mut self) {
+        self.tag = ModelTag::fresh();
+    }
+
     /// The handle of a thing, which is declared if it is new.
     pub(crate) fn of(&mut self, meaning: Meaning) -> Variable {
         let index = self.meanings.iter().position(|known| known.as_ref() == Some(&meaning));

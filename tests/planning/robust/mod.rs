@@ -1,10 +1,14 @@
 //! Plans that hold for every disturbance: tubes, certificates, scenarios.
 
+mod broken;
 mod cases;
+mod kinds;
 mod promises;
 mod refusals;
 mod same;
 mod scenarios;
+mod shared;
+mod starts;
 
 /// Numbers from a seed, for cases that are the same in every run.
 pub(crate) struct Draw(u64);

@@ -13,10 +13,10 @@ use super::{Draw, cases};
 const CASES: u64 = 20;
 
 /// By how much a statement may be missed.
-const MISS: f64 = 2e-6;
+pub(super) const MISS: f64 = 2e-6;
 
 /// Disturbed runs of each case; `ROBUST_RUNS=100000` for more.
-fn runs() -> u64 {
+pub(super) fn runs() -> u64 {
     std::env::var("ROBUST_RUNS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(300)
 }
 
@@ -35,7 +35,7 @@ fn planned(case: u64) -> Result<Option<(f64, RobustPlan)>, Error> {
 }
 
 /// Ends of ranges in some runs, all of one sign in others, and numbers within them.
-fn value(draw: &mut Draw, run: u64, range: Interval) -> f64 {
+pub(super) fn value(draw: &mut Draw, run: u64, range: Interval) -> f64 {
     match run {
         0 => range.lower,
         1 => range.upper,

@@ -144,3 +144,19 @@ fn bounds_are_tightened_too() -> Result<(), Error> {
     assert_eq!(statement, "x[4]");
     Ok(())
 }
+
+#[test]
+fn ranges_of_disturbances_are_checked() -> Result<(), Error> {
+    let bad = [(f64::NAN, 0.1), (0.0, f64::NAN), (0.1, -0.1), (f64::NEG_INFINITY, 0.1)];
+    for (lower, upper) in bad {
+        let mut cart = HybridSystem::new(1.0);
+        let x = cart.state("x", 0.0, 9.0)?;
+        assert!(cart.disturbance(x, lower, upper).is_err(), "{lower}..{upper}");
+        let puck = Body::new("puck", [0.0..=2.0], 1.0, 1.0).with_pushes([lower..=upper]);
+        let scene = Scene::new(0.1).with_body(puck);
+        assert!(scene.hybrid_system().is_err(), "{lower}..{upper}");
+        let scenario = carom::collision_tolerant::Scenario::paper().with_pushes(lower..=upper);
+        assert!(scenario.hybrid_system().is_err(), "{lower}..{upper}");
+    }
+    Ok(())
+}
