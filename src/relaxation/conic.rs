@@ -113,6 +113,11 @@ impl Ladder {
             }
         }
         program.truncate_rows(rows);
+        // Also where the multipliers prove a bound: it holds within a radius only.
+        let is_near = best.as_ref().is_some_and(|best| best.converged);
+        if question.look_for_descent && !is_near && self.falls_forever(program, question.token) {
+            return RelaxationVerdict::Descent;
+        }
         let Some(Best { bound, x, y, converged, cuts }) = best else {
             let x = vec![0.0; program.columns.len()];
             let (bound, y, converged) = (f64::NEG_INFINITY, Vec::new(), false);
@@ -140,6 +145,18 @@ impl Ladder {
             let (result, cuts) = self.attempt_conic(program, attempt, f64::INFINITY, token);
             // The claim of an attempt does not matter, because the multipliers are checked.
             accept((result.x, result.y, cuts))
+        })
+    }
+
+    /// Whether a program of directions with cones has a point that is accepted.
+    pub(super) fn steepest_conic(
+        &mut self,
+        directions: &Reduced,
+        token: &StopToken,
+        mut accept: impl FnMut(&[f64]) -> bool,
+    ) -> bool {
+        MULTIPLIER_ATTEMPTS.iter().any(|&attempt| {
+            accept(&self.attempt_conic(directions, attempt, f64::INFINITY, token).0.x)
         })
     }
 

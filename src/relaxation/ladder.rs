@@ -449,8 +449,11 @@ impl Ladder {
     }
 
     /// Looks for a direction of descent without end when no method named one.
-    fn falls_forever(&mut self, program: &Reduced, token: &StopToken) -> bool {
+    pub(super) fn falls_forever(&mut self, program: &Reduced, token: &StopToken) -> bool {
         let Some(directions) = recession_program(program) else { return false };
+        if directions.is_conic() {
+            return self.steepest_conic(&directions, token, |ray| is_descent_ray(program, ray));
+        }
         let mut result = self.solve_once(&directions, Purpose::Direction, token);
         polish(&directions, &mut result.x, token);
         is_descent_ray(program, &result.x)

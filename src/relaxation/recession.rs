@@ -13,9 +13,9 @@ const RAY_ROUNDING: f64 = 1e-9;
 /// enters squared.
 const CURVATURE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// The program whose solutions are the steepest recession directions: the rows and bounds without
-/// their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when the
-/// box leaves no direction.
+/// The program whose solutions are the steepest recession directions: the rows, bounds and cones
+/// without their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when
+/// the box leaves no direction.
 pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
     let n = program.columns.len();
     let cone = |limit: &f64| if limit.is_finite() { 0.0 } else { *limit };
@@ -41,6 +41,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
     if directions.lower.iter().chain(&directions.upper).all(|&bound| bound == 0.0) {
         return None;
     }
+    program.cones.iter().for_each(|cone| directions.add_directions(cone));
     let mut curvature = vec![Vec::new(); n];
     for j in 0..n {
         let (rows, entries) = program.quadratic.vector(j);
@@ -59,6 +60,26 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
         directions.row_upper.push(0.0);
     }
     Some(directions)
+}
+
+impl Reduced {
+    /// Adds the directions in which a cone of another program goes on for ever. As bounds, if a fixed head
+    /// leaves none but `tail = 0`: such a cone has no interior, which methods need.
+    fn add_directions(&mut self, cone: &ReducedCone) {
+        if cone.head().iter().any(ConeEntry::is_fixed) {
+            for entry in cone.tail().iter().filter(|entry| !entry.is_fixed()) {
+                (self.lower[entry.place], self.upper[entry.place]) = (0.0, 0.0);
+            }
+            for entry in cone.head().iter().filter(|entry| !entry.is_fixed()) {
+                self.lower[entry.place] = 0.0;
+            }
+            return;
+        }
+        let along = |entry: &ConeEntry| ConeEntry { column: entry.place, value: 0.0, ..*entry };
+        let mut cone = cone.clone();
+        cone.entries = cone.entries.iter().map(along).collect();
+        self.cones.push(cone);
+    }
 }
 
 /// Whether `ray` is a direction along which the reduced program stays feasible and its objective

@@ -14,6 +14,7 @@ mod cones;
 mod conformance;
 mod convexity;
 mod dependent_rows;
+mod endless_cones;
 mod explain;
 mod far_optima;
 mod far_starts;
