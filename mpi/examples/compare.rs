@@ -89,14 +89,15 @@ fn boxes(steps: usize, count: usize) -> Result<Model, Box<dyn Error>> {
         }
         axes.push(x);
     }
+    let (across, along) = (&axes[0], &axes[1]);
     for (b, [x, y, half_x, half_y]) in places.into_iter().enumerate() {
         for t in 1..steps {
             let side = |name: &str| (format!("{name}_{b}"), t);
             let rows = [
-                ("left", axes[0][t].le(x - half_x)),
-                ("right", axes[0][t].ge(x + half_x)),
-                ("below", axes[1][t].le(y - half_y)),
-                ("above", axes[1][t].ge(y + half_y)),
+                ("left", across[t].le(x - half_x)),
+                ("right", across[t].ge(x + half_x)),
+                ("below", along[t].le(y - half_y)),
+                ("above", along[t].ge(y + half_y)),
             ];
             let mut any = Affine::from(0.0);
             for (name, row) in rows {
