@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
 use carom::hybrid::scene::{DamageInterval, DamageRule, IntervalOptions};
@@ -23,6 +24,9 @@ pub(crate) const LIMITED_STEPS: usize = 478;
 /// The destination study: from the paper's goal away from the wall, past the point where hitting
 /// stops to pay (0.67 m in continuous time).
 const GOALS: [f64; 7] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
+
+/// The time for the log of one horizon.
+const LOG_LIMIT: Duration = Duration::from_secs(30);
 
 /// One experiment.
 #[derive(Clone, Copy, PartialEq)]
@@ -162,6 +166,8 @@ fn solve(
 ) -> Result<Solved, Error> {
     let folder = |what: &str| proofs.map(|folder| folder.join(case.folder()).join(what));
     let mut solver = BranchAndBound::default();
+    // For each solve, and once more for its log. Without a log, no solve comes near it.
+    solver.options_mut().time_limit = proofs.map(|_| LOG_LIMIT);
     let paper = Scenario::paper();
     let (mut interval, mut without) = (None, None);
     let scenario = match case {

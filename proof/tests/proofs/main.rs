@@ -1,6 +1,7 @@
 //! Each rule accepted and each way of breaking it rejected, by hand and at random.
 
 mod bytes;
+mod commands;
 mod compare;
 mod contexts;
 mod convexity;
