@@ -13,7 +13,8 @@
 //! * `relaxed`, `cones` - multipliers of relaxations as sums of facts
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `root`, `curvature_bounds` - what holds everywhere
-//! * `tree`, `guide`, `search` - the splits, those of the search first
+//! * `simple_sums` - sums whose terms cancel exactly
+//! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
 //! * `log` - the text
 
 mod bounds;
@@ -24,10 +25,12 @@ mod curvature_bounds;
 mod fact_sum;
 mod facts;
 mod guide;
+mod guided_splits;
 mod log;
 mod relaxed;
 mod root;
 mod search;
+mod simple_sums;
 mod tightened;
 mod tree;
 
@@ -109,6 +112,7 @@ impl ProofRequest<'_> {
             ladders,
             sum: FactSum::default(),
             deficits: Vec::new(),
+            objective: Vec::new(),
         };
         let mut writer = ProofWriter {
             log: &mut log,

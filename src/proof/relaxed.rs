@@ -9,6 +9,7 @@ use super::claim::Claim;
 use super::cones::ConeRow;
 use super::fact_sum::FactSum;
 use super::facts::Facts;
+use super::simple_sums::ObjectiveFact;
 use super::tightened::{RowsBefore, TightRowLemma};
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
@@ -55,6 +56,8 @@ pub(super) struct Relaxer<'a> {
     pub(super) sum: FactSum,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
+    /// The facts that a linear objective is, the strongest first.
+    pub(super) objective: Vec<ObjectiveFact>,
 }
 
 impl Relaxer<'_> {
@@ -94,9 +97,10 @@ impl Relaxer<'_> {
         if is_tight {
             tighten_coefficients(&mut reduced, &self.program.integral);
         }
-        let cutoff = match self.claim {
-            Claim::Bound(bound) => bound,
-            Claim::Infeasible => f64::INFINITY,
+        let cutoff = match (self.claim, self.objective.first()) {
+            (Claim::Bound(_), Some(objective)) => objective.most,
+            (Claim::Bound(bound), None) => bound,
+            (Claim::Infeasible, _) => f64::INFINITY,
         };
         let question = RelaxationQuestion {
             purpose: Purpose::Root,
@@ -108,6 +112,7 @@ impl Relaxer<'_> {
             warm: None,
         };
         let verdict = self.ladder.solve(&mut reduced, &question);
+        let mut is_short = false;
         let cuts = self.ladder.take_cone_cuts();
         let relaxed = match &verdict {
             RelaxationVerdict::Stopped => return Relaxed::Stopped,
@@ -115,10 +120,12 @@ impl Relaxer<'_> {
             RelaxationVerdict::Refuted(y) => {
                 let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                 found.cones = self.cone_rows(&reduced, &cuts, y);
-                match self.check(facts, bounds, &mut found) {
-                    Some(()) => Relaxed::Refuted(found),
-                    None => Relaxed::Open(None),
+                let mut checked = self.check(facts, bounds, &mut found);
+                if checked.is_none() {
+                    checked = self.check_simpler(facts, bounds, &mut found);
                 }
+                is_short = checked.is_none();
+                if is_short { Relaxed::Open(None) } else { Relaxed::Refuted(found) }
             }
             RelaxationVerdict::Relaxed { bound, x, y, .. } => {
                 let point = reduced.lift(x);
@@ -126,12 +133,16 @@ impl Relaxer<'_> {
                 if *bound > cutoff {
                     let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                     found.cones = self.cone_rows(&reduced, &cuts, y);
-                    found.tangent = Some(self.tangent_point(&point));
-                    let mut checked = self.check(facts, bounds, &mut found);
-                    if checked.is_none() && self.move_tangent(bounds, &mut found) {
+                    let mut checked = self.check_objective(facts, bounds, &mut found);
+                    if checked.is_none() && self.objective.is_empty() {
+                        found.tangent = Some(self.tangent_point(&point));
                         checked = self.check(facts, bounds, &mut found);
+                        if checked.is_none() && self.move_tangent(bounds, &mut found) {
+                            checked = self.check(facts, bounds, &mut found);
+                        }
                     }
-                    if checked.is_some() {
+                    is_short = checked.is_none();
+                    if !is_short {
                         relaxed = Some(Relaxed::Refuted(found));
                     }
                 }
@@ -140,7 +151,12 @@ impl Relaxer<'_> {
         };
         self.ladder.reuse(verdict);
         self.ladder.reducer().reuse(reduced);
-        relaxed
+        // What has changed the rows may have no proof.
+        match (is_short, is_whole, is_tight) {
+            (true, _, true) => self.relax(facts, bounds, [is_whole, false]),
+            (true, false, false) => self.relax(facts, bounds, [true, false]),
+            _ => relaxed,
+        }
     }
 
     /// The entries of a point that the objective is not linear in.

@@ -7,6 +7,7 @@ use super::claim::Claim;
 use super::cones::ConeRow;
 use super::convexity::ConvexityProof;
 use super::guide::Guide;
+use super::simple_sums::ObjectiveFact;
 use super::tree::{Limit, Probing, ProofPart, ProofWriter};
 use crate::interval::add_up;
 use crate::search::granularity;
@@ -76,6 +77,8 @@ impl ProofWriter<'_, '_> {
         let unit = granularity(program);
         let fact = self.facts.push(costs.iter().copied(), [f64::NEG_INFINITY, limit]);
         self.bounds.enqueue(fact as u32);
+        let offset = program.offset;
+        self.relaxer.objective.push(ObjectiveFact { fact, ratio: 1.0, most: bound });
         let least = (limit / unit).floor();
         if unit > 0.0 && least.abs() < MOST_WHOLE && (least + 1.0) * unit > limit {
             // Not at most `least` units would be at least one more, and that is beyond the limit.
@@ -85,6 +88,8 @@ impl ProofWriter<'_, '_> {
             self.log.contradiction([(fact, -1.0), (next, unit)].into_iter());
             let lemma = self.facts.push(terms, [f64::NEG_INFINITY, least]);
             self.bounds.enqueue(lemma as u32);
+            let most = add_up(least * unit, offset);
+            self.relaxer.objective.insert(0, ObjectiveFact { fact: lemma, ratio: unit, most });
         }
     }
 }

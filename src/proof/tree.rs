@@ -5,13 +5,14 @@ use std::rc::Rc;
 use super::bounds::{Bounds, Clash, Side};
 use super::facts::Facts;
 use super::guide::Guide;
+use super::guided_splits::SideRelation;
 use super::log::ProofLog;
 use super::relaxed::{FactRefutation, Relaxed, Relaxer};
 use super::tightened::{TightRowLemma, TightStep};
 use crate::search::{Decision, Fork, opposite};
 
 /// The distance from a whole number from which a column can be split there (no unit).
-const FRACTIONAL: f64 = 1e-7;
+pub(super) const FRACTIONAL: f64 = 1e-7;
 
 /// Columns in a row that are probed in vain.
 const MOST_FAILURES: usize = 100;
@@ -164,7 +165,16 @@ impl ProofWriter<'_, '_> {
                         continue;
                     };
                     match decision.and_then(|decision| self.usable(decision)) {
-                        None => ProofPart::End(guide),
+                        None => {
+                            let split = decision.and_then(|d| self.deciding_split(d.column));
+                            let Some(split) = split.filter(|_| self.splits_left > 0) else {
+                                part = ProofPart::End(guide);
+                                continue;
+                            };
+                            self.splits_left -= 1;
+                            let again = ProofPart::Splits(guide, node, place);
+                            return Ok(Some((split, again.clone(), again)));
+                        }
                         Some(SideRelation::Holds) => guide.part(child),
                         Some(SideRelation::Fails) => ProofPart::Splits(guide, node, place + 1),
                         Some(SideRelation::Open(decision)) => {
@@ -179,25 +189,6 @@ impl ProofWriter<'_, '_> {
                 }
             };
         }
-    }
-
-    /// The relation of a decision to the bounds; `None` if its column cannot be split there.
-    fn usable(&self, decision: Decision) -> Option<SideRelation> {
-        let Decision { column, is_upper, value } = decision;
-        let program = &self.relaxer.program;
-        if column >= program.column_count() || !program.integral[column] || value != value.round() {
-            return None;
-        }
-        let [lower, upper] = self.bounds.of(column);
-        let (holds, fails) = match is_upper {
-            true => (upper <= value, lower > value),
-            false => (lower >= value, upper < value),
-        };
-        Some(match (holds, fails) {
-            (true, _) => SideRelation::Holds,
-            (_, true) => SideRelation::Fails,
-            _ => SideRelation::Open(decision),
-        })
     }
 
     /// Closes the context by its relaxation, or goes on with a probing of its columns.
@@ -305,7 +296,9 @@ impl ProofWriter<'_, '_> {
             let distance = |j: &usize| (point[*j] - point[*j].round()).abs();
             let best = free.clone().max_by(|a, b| distance(a).total_cmp(&distance(b)));
             if let Some(&column) = best.filter(|j| distance(j) > FRACTIONAL) {
-                let value = point[column].floor();
+                // A relaxed point may be slightly beyond a bound.
+                let [lower, upper] = self.bounds.of(column);
+                let value = point[column].floor().max(lower).min(upper - 1.0);
                 return Some(Decision { column, is_upper: true, value });
             }
         }
@@ -385,10 +378,4 @@ enum Step {
     /// A split, and how both sides go on.
     Split(Decision, ProofPart),
     Again(ProofPart),
-}
-
-enum SideRelation {
-    Holds,
-    Fails,
-    Open(Decision),
 }

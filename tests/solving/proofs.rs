@@ -123,6 +123,149 @@ fn logs_of_each_kind_of_program_are_accepted() -> Result<(), Error> {
     Ok(())
 }
 
+/// A linear program whose multipliers cancel exactly where a column has no bound, although those of its
+/// relaxation leave rounding there.
+#[test]
+fn sums_without_bounds_cancel_exactly() -> Result<(), Error> {
+    let mut model = Model::new("without bounds");
+    let x: Vec<Variable> = (1..8)
+        .map(|k| match k {
+            3 => model.continuous("x[3]", 1.0, 2.0),
+            k => model.continuous(format!("x[{k}]"), 0.0, f64::INFINITY),
+        })
+        .collect::<Result<_, _>>()?;
+    model.add("r1", (x[4] * 1.0).ge(1.0))?;
+    model.add("r2", (x[4] * 1.0).le(3.0))?;
+    model.add("r3", (x[2] * 2.0 + x[6]).within(4.0, 10.0))?;
+    model.add("r4", (x[0] + x[1] * 2.0 - x[2] * 2.0 - x[3] * 2.0 + x[5]).ge(1.5))?;
+    model.add("r5", (-x[2] - x[3]).le(1.0))?;
+    model.add("r6", (x[0] + x[5]).equals(1.0))?;
+    model.add("r7", (x[1] - x[2] + x[3]).ge(1.0))?;
+    model.minimize(x[0] + x[1] - x[3] + x[4] + x[5] * 3.0 - x[6])?;
+    let solution = is_proved(&model, "without bounds");
+    assert!((solution.objective().unwrap_or(0.0) + 4.75).abs() < 1e-6);
+    Ok(())
+}
+
+/// A temporal formula in which a few binaries decide about many continuous truth values: always beside a box,
+/// and at some time in one of two others. The search splits truth values, and the proof the binaries behind
+/// them, so that it is not larger than the tree by much.
+#[test]
+fn truth_values_are_split_by_the_binaries_behind_them() -> Result<(), Error> {
+    for (k, goals) in [[(8, 5), (5, 0)], [(5, -6), (5, 3)], [(6, 1), (5, 4)]].iter().enumerate() {
+        let model = Formula::of(goals, 13);
+        let solution = is_proved(&model, &format!("formula_{k}"));
+        let commands = solution.proof().map_or(0, |proof| proof.commands);
+        assert!(commands < 2000, "{k}: {commands} commands");
+    }
+    Ok(())
+}
+
+/// The text of a program of a temporal formula.
+#[derive(Default)]
+struct Formula {
+    rows: Vec<String>,
+    truths: Vec<String>,
+    bits: Vec<String>,
+}
+
+impl Formula {
+    /// A point that moves by at most 3 a step, and comes into a unit square at the corner of one of `goals`,
+    /// around a square.
+    fn of(goals: &[(i32, i32)], steps: usize) -> Model {
+        let mut formula = Formula::default();
+        let top = formula.truth();
+        let mut either = Vec::new();
+        for &(x, y) in goals {
+            let goal = formula.truth();
+            let mut times = Vec::new();
+            for t in 3..=steps {
+                let time = formula.truth();
+                formula.all_hold(
+                    &time,
+                    [
+                        (format!("x{t}"), x),
+                        (format!("- x{t}"), -x - 1),
+                        (format!("y{t}"), y),
+                        (format!("- y{t}"), -y - 1),
+                    ],
+                );
+                times.push(time);
+            }
+            formula.one_holds(&goal, &times);
+            either.push(goal);
+        }
+        formula.one_holds(&top, &either);
+        formula.rows.push(format!("{top} = 1"));
+        for t in 1..=steps {
+            let around = formula.truth();
+            let sides = [("x", 4), ("- x", -2), ("y", 2), ("- y", 2)].map(|(side, from)| {
+                let beside = formula.truth();
+                formula.all_hold(&beside, [(format!("{side}{t}"), from)]);
+                beside
+            });
+            formula.rows.push(format!("{around} = 1"));
+            formula.one_holds(&around, &sides);
+        }
+        formula.model(steps)
+    }
+
+    fn truth(&mut self) -> String {
+        let name = format!("z{}", self.truths.len());
+        self.truths.push(name.clone());
+        name
+    }
+
+    /// A truth value for which terms are at least some numbers.
+    fn all_hold(&mut self, truth: &str, least: impl IntoIterator<Item = (String, i32)>) {
+        for (terms, least) in least {
+            let own = self.truth();
+            self.rows.push(format!("{terms} - 1000 {own} >= {}", least - 1000));
+            self.rows.push(format!("{truth} - {own} <= 0"));
+        }
+    }
+
+    /// A truth value of which one part holds if it does; binaries are the code of the part, 0 for none.
+    fn one_holds(&mut self, truth: &str, parts: &[String]) {
+        self.rows.push(format!("{} - {truth} = 0", parts.join(" + ")));
+        let bits = usize::BITS - parts.len().leading_zeros();
+        for bit in 0..bits {
+            let name = format!("b{}", self.bits.len());
+            let (one, zero): (Vec<_>, Vec<_>) =
+                parts.iter().cloned().enumerate().partition(|(k, _)| ((k + 1) >> bit) & 1 == 1);
+            let sum = |of: Vec<(usize, String)>| {
+                of.into_iter().map(|(_, part)| format!(" + {part}")).collect::<String>()
+            };
+            self.rows.push(format!("- {name}{} <= 0", sum(one)));
+            self.rows.push(format!("{name}{} - {truth} <= 0", sum(zero)));
+            self.bits.push(name);
+        }
+    }
+
+    fn model(mut self, steps: usize) -> Model {
+        let (mut costs, mut bounds) = (Vec::new(), Vec::new());
+        for axis in ["x", "y"] {
+            self.rows.push(format!("{axis}0 = 0"));
+            bounds.extend((0..=steps).map(|t| format!("-10 <= {axis}{t} <= 10")));
+            for t in 0..steps {
+                let next = t + 1;
+                self.rows.push(format!("{axis}{next} - {axis}{t} - u{axis}{t} = 0"));
+                self.rows.push(format!("u{axis}{t} - a{axis}{t} <= 0"));
+                self.rows.push(format!("- u{axis}{t} - a{axis}{t} <= 0"));
+                bounds.push(format!("-3 <= u{axis}{t} <= 3"));
+                bounds.push(format!("0 <= a{axis}{t} <= 3"));
+                costs.push(format!("a{axis}{t}"));
+            }
+        }
+        bounds.extend(self.truths.iter().map(|truth| format!("0 <= {truth} <= 1")));
+        let (costs, rows) = (costs.join(" + "), self.rows.join("\n"));
+        let (bounds, bits) = (bounds.join("\n"), self.bits.join(" "));
+        let text =
+            format!("min\n{costs}\nsubject to\n{rows}\nbounds\n{bounds}\nbinaries\n{bits}\nend\n");
+        carom::model::lp::read(&text).expect("a program").model
+    }
+}
+
 /// A claim that is a little too good has no proof: the log ends, and the checker rejects a step of it.
 #[test]
 fn false_claims_have_no_proof() {
