@@ -4,6 +4,9 @@
 //! With a slip brought back, the answer is wrong and called optimal, and its log says where; or the search
 //! notices by itself.
 
+// Other builds have no slips.
+#![cfg_attr(not(debug_assertions), allow(unused_imports, dead_code))]
+
 use carom::internals::proof::write_proof_of;
 use carom::internals::slips::{Slip, with_slip};
 use carom::model::Model;
