@@ -136,6 +136,10 @@ pub mod scene {
     pub use crate::hybrid::scene::samples::{Samples, advance_line, replay_line};
 }
 
+pub mod slips {
+    pub use crate::slips::{Slip, with_slip};
+}
+
 pub mod sum {
     pub use crate::sum::Sum;
 }

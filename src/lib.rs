@@ -27,6 +27,7 @@ mod relaxation;
 mod search;
 mod semidefinite;
 mod setters;
+mod slips;
 pub mod solution;
 pub mod solver;
 mod sum;

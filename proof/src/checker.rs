@@ -24,7 +24,7 @@ pub(crate) struct Checker {
     pub(crate) program: Program,
     pub(crate) facts: Vec<Row>,
     pub(crate) sums: Sums,
-    objective: Quadratic,
+    pub(crate) objective: Quadratic,
     pub(crate) bounds: Bounds,
     /// Empty once the claim is proved.
     pub(crate) contexts: Vec<Context>,
@@ -72,8 +72,6 @@ impl Checker {
             "k" => self.combination(words)?,
             "t" => self.tangent(words)?,
             "q" => self.cone(words)?,
-            "y" => self.define(words)?,
-            "z" => self.square(words)?,
             "p" => self.deficits(words)?,
             "l" => self.factor(words)?,
             "w" => self.curvature_bounds(words)?,
@@ -182,28 +180,9 @@ impl Checker {
         Ok(())
     }
 
-    fn define(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
-        let column = words.index("column", self.bounds.len())?;
-        let weight = words.number("the weight")?;
-        if !self.is_root() || self.objective.is_proved() {
-            return rejected("`y` must stand in context 0, before `p`");
-        }
-        self.objective.define(self.bounds.len(), column, weight)?;
-        self.bounds.push(0.0, f64::INFINITY);
-        Ok(())
-    }
-
-    fn square(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
-        let column = words.index("column", self.bounds.len())?;
-        let point = words.number("the point")?;
-        let row = self.objective.square_tangent(column, point, &mut self.sums.column)?;
-        self.facts.push(row);
-        Ok(())
-    }
-
     fn deficits(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let deficits = words.entries(self.bounds.len())?;
-        if !self.is_root() || self.objective.is_proved() {
+        if !self.is_root() || self.objective.deficits().is_some() {
             return rejected("`p` must stand in context 0, once");
         }
         self.convexity = Some((deficits, Vec::new()));
@@ -259,7 +238,6 @@ impl Checker {
         self.contexts.len() == 1
     }
 
-    /// Defined columns are not integral.
     pub(crate) fn is_integral(&self, column: usize) -> bool {
         self.program.columns.get(column).is_some_and(|column| column.is_integral)
     }

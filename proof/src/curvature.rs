@@ -8,7 +8,7 @@
 use crate::bounds::{Bounds, Side};
 use crate::exact::{Dyadic, Number};
 use crate::linear_rules::Sums;
-use crate::quadratic_rules::{Entries, Quadratic, farthest_square};
+use crate::quadratic_rules::{Entries, Quadratic, farthest_square, value_at};
 use crate::rows::Row;
 use crate::text::{Refusal, rejected};
 use std::cmp::Ordering;
@@ -21,11 +21,6 @@ pub(crate) struct Around {
     /// By how much the terms of steep columns can fall.
     falls: Entries,
     least: Dyadic,
-}
-
-fn entry(entries: &Entries, column: u32) -> f64 {
-    let place = entries.binary_search_by_key(&column, |entry| entry.0);
-    place.ok().and_then(|k| entries.get(k)).map_or(0.0, |entry| entry.1)
 }
 
 impl Quadratic {
@@ -47,10 +42,10 @@ impl Quadratic {
         columns.dedup();
         self.add_value(&gradient, &point, sums)?;
         for column in columns {
-            let deficit = entry(deficits, column);
+            let deficit = value_at(deficits, column);
             let slope = gradient.coefficient(column as usize);
             if deficit < 0.0 {
-                let fall = entry(&falls, column);
+                let fall = value_at(&falls, column);
                 if let Some(slope) = slope {
                     sums.column.add(slope, slope);
                 }
@@ -64,7 +59,7 @@ impl Quadratic {
                 continue;
             }
             let (lower, upper) = bounds.of(column as usize);
-            let at = entry(&point, column);
+            let at = value_at(&point, column);
             if let Some(slope) = slope {
                 let worst = bounds.smallest(column, slope);
                 if !worst.is_finite() {
@@ -95,8 +90,8 @@ impl Quadratic {
         (limit, bounds): (f64, &Bounds),
         sums: &mut Sums,
     ) -> Result<bool, Refusal> {
-        let deficit = self.deficits().map_or(0.0, |deficits| entry(deficits, column as u32));
-        let at = entry(&around.point, column as u32);
+        let deficit = self.deficits().map_or(0.0, |deficits| value_at(deficits, column as u32));
+        let at = value_at(&around.point, column as u32);
         let is_outside = if side == Side::Upper { value >= at } else { value <= at };
         let zero = Number::Float(0.0);
         let slope = around.gradient.coefficient(column).unwrap_or(zero);
@@ -120,7 +115,7 @@ impl Quadratic {
         // The least of the others, and the term at the value.
         sums.total.add(&around.least, 1.0);
         if deficit < 0.0 {
-            sums.total.add(entry(&around.falls, column as u32), 1.0);
+            sums.total.add(value_at(&around.falls, column as u32), 1.0);
         } else {
             sums.total.subtract(slope, worst);
             sums.total.add(slope, at);

@@ -83,9 +83,7 @@ fn check_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Proved, Refusal> {
             checker.count_point();
             let entries = words.entries(checker.program.columns.len())?;
             words.end()?;
-            let rows = checker.facts.get(..rows).unwrap_or_default();
-            let sum = &mut checker.sums.column;
-            points.push(Point::judge(&entries, &checker.program, rows, sum)?);
+            points.push(Point::judge(&entries, rows, &mut checker)?);
         } else if let Some(steps) = checker.step(&mut words)? {
             if lines.next()?.is_some() {
                 return unreadable("the log goes on behind `end`");

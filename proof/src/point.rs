@@ -1,10 +1,16 @@
 //! Points of a log: their objectives, and how far they violate the program.
 
-use crate::exact::{Dyadic, Number, OutOfRange, Plain, Sum};
-use crate::program::Program;
-use crate::rows::Row;
+use crate::checker::Checker;
+use crate::exact::{Dyadic, Number, Plain};
+use crate::quadratic_rules::value_at;
+use crate::text::{Refusal, rejected};
 use std::cmp::Ordering;
 use std::fmt;
+
+/// The largest violation of a bound, a row or integrality with which a point is one of the program: the
+/// largest tolerance that a search can be asked for, and the rounding of its terms.
+const TOLERANCE: f64 = 1e-3;
+const ROUNDING: f64 = 1e-12;
 
 /// A point, judged by the program of the log.
 #[derive(Debug, Clone)]
@@ -23,40 +29,50 @@ impl fmt::Display for Point {
 }
 
 impl Point {
-    /// `entries` are sorted by column; `rows` are those of the program.
+    /// Judges a point, whose entries are sorted by column. `rows` is how many facts are rows of the program.
     pub(crate) fn judge(
         entries: &[(u32, f64)],
-        program: &Program,
-        rows: &[Row],
-        sum: &mut Sum,
-    ) -> Result<Self, OutOfRange> {
-        let mut x = vec![0.0; program.columns.len()];
-        for &(column, value) in entries {
-            if let Some(own) = x.get_mut(column as usize) {
-                *own = value;
+        rows: usize,
+        checker: &mut Checker,
+    ) -> Result<Self, Refusal> {
+        let objective = checker.objective.value(entries, &mut checker.sums)?;
+        let Checker { program, facts, sums, .. } = checker;
+        let sum = &mut sums.column;
+        let at = |column: u32| value_at(entries, column);
+        let (mut violation, has_cones) = (0.0_f64, !program.cones.is_empty());
+        let mut judged = |miss: f64, size: f64, what: &dyn Fn() -> String| {
+            violation = violation.max(miss);
+            if !has_cones && miss > TOLERANCE + ROUNDING * size {
+                return rejected(format!("the point misses {} by {}", what(), Plain(miss)));
             }
-        }
-        let at = |column: u32| x.get(column as usize).copied().unwrap_or(0.0);
-        let mut violation = 0.0_f64;
-        for (column, &value) in program.columns.iter().zip(&x) {
-            let below = column.lower - value;
-            let above = value - column.upper;
-            violation = violation.max(below).max(above);
+            Ok(())
+        };
+        for (column, own) in program.columns.iter().zip(0..) {
+            let value = at(own);
+            let miss = (column.lower - value).max(value - column.upper);
+            judged(miss, value.abs(), &|| format!("a bound of column {own} ({})", column.name))?;
             if column.is_integral {
-                violation = violation.max((value - value.round()).abs());
+                let miss = (value - value.round()).abs();
+                judged(miss, 0.0, &|| format!("a whole number of column {own} ({})", column.name))?;
             }
         }
-        for row in rows {
+        for (index, row) in facts.iter().take(rows).enumerate() {
+            let name = program.row_names.get(index).map_or("", String::as_str);
+            let what = || format!("row {index} ({name})");
             let sides = [(&row.lower, false), (&row.upper, true)];
             for (side, is_upper) in sides {
                 let Some(side) = side else { continue };
+                let mut size = side.nearest().abs();
                 for (column, value) in row.entries() {
                     sum.add(value, at(column));
+                    if let Number::Float(value) = value {
+                        size += (value * at(column)).abs();
+                    }
                 }
                 sum.subtract(side, 1.0);
                 let beyond = sum.take()?;
                 let beyond = if is_upper { beyond } else { beyond.negated() };
-                violation = violation.max(beyond.nearest());
+                judged(beyond.nearest(), size, &what)?;
             }
         }
         for cone in &program.cones {
@@ -74,32 +90,7 @@ impl Point {
                 violation = violation.max(if missing.is_nan() { f64::INFINITY } else { missing });
             }
         }
-        let objective = objective(&at, program, sum)?;
+        let objective = if program.is_maximisation { objective.negated() } else { objective };
         Ok(Point { objective, violation })
     }
-}
-
-fn objective(
-    at: &impl Fn(u32) -> f64,
-    program: &Program,
-    sum: &mut Sum,
-) -> Result<Dyadic, OutOfRange> {
-    let mut total = Sum::default();
-    let objective = &program.objective;
-    for &(row, column, value) in &objective.triangle {
-        sum.add(value, at(row));
-        let product = sum.take()?;
-        total.add(&product, at(column));
-        if row != column {
-            total.add(&product, at(column));
-        }
-    }
-    let half = total.take()?.half();
-    total.add(&half, 1.0);
-    for &(column, value) in &objective.linear {
-        total.add(value, at(column));
-    }
-    total.add(objective.constant, Number::Float(1.0));
-    let value = total.take()?;
-    Ok(if program.is_maximisation { value.negated() } else { value })
 }

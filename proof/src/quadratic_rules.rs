@@ -1,7 +1,7 @@
-//! The rules for the objective and for cones: squares on their own, convexity, tangents.
+//! The rules for the objective and for cones: convexity, tangents.
 
 use crate::bounds::Bounds;
-use crate::exact::{Dyadic, Number, OutOfRange, Plain, Sum};
+use crate::exact::{Dyadic, Number, OutOfRange, Sum};
 use crate::linear_rules::Sums;
 use crate::program::{Cone, Objective};
 use crate::rows::{Row, Term};
@@ -11,24 +11,15 @@ use std::cmp::Ordering;
 /// Entries of a column of a matrix.
 pub(crate) type Entries = Vec<(u32, f64)>;
 
-/// The objective `1/2 x'Px + linear x + constant`, plus the defined columns.
+/// The objective `1/2 x'Px + linear x + constant`.
 #[derive(Debug)]
 pub(crate) struct Quadratic {
     constant: f64,
     linear: Entries,
     /// The rows of `P`. Entries of the same column are added.
     rows: Vec<Entries>,
-    squares: Vec<Square>,
     /// `d` with `P + diag(d)` positive semidefinite, once that is proved.
     deficits: Option<Entries>,
-}
-
-/// A defined column, `weight * column^2`.
-#[derive(Debug, Clone, Copy)]
-struct Square {
-    own: u32,
-    column: u32,
-    weight: f64,
 }
 
 const ONE: Number<'static> = Number::Float(1.0);
@@ -43,46 +34,7 @@ impl Quadratic {
             }
         }
         let (constant, linear) = (objective.constant, objective.linear.clone());
-        Quadratic { constant, linear, rows, squares: Vec::new(), deficits: None }
-    }
-
-    /// Whether convexity is proved.
-    pub(crate) fn is_proved(&self) -> bool {
-        self.deficits.is_some()
-    }
-
-    /// Takes `weight * column^2` out of `P`, as column `own`.
-    pub(crate) fn define(&mut self, own: usize, column: usize, weight: f64) -> Result<(), Refusal> {
-        if !(weight > 0.0 && (2.0 * weight).is_finite()) {
-            return rejected(format!(
-                "the weight {} of a square is not positive, or too large",
-                Plain(weight)
-            ));
-        }
-        let (own, column) = (own as u32, column as u32);
-        push(&mut self.rows, column, (column, -2.0 * weight));
-        self.rows.push(Vec::new());
-        self.squares.push(Square { own, column, weight });
-        Ok(())
-    }
-
-    /// The tangent of a defined column at `column = point`.
-    pub(crate) fn square_tangent(
-        &self,
-        own: usize,
-        point: f64,
-        sum: &mut Sum,
-    ) -> Result<Row, Refusal> {
-        let Some(square) = self.squares.iter().find(|square| square.own as usize == own) else {
-            return rejected(format!("column {own} is not defined as a square"));
-        };
-        let slope = (square.column, -2.0 * square.weight, Number::Float(point));
-        let mut row = Row::combination(&mut [(square.own, 1.0, ONE), slope], sum)?;
-        sum.subtract(square.weight, point);
-        let product = sum.take()?;
-        sum.add(&product, point);
-        row.lower = Some(sum.take()?);
-        Ok(row)
+        Quadratic { constant, linear, rows, deficits: None }
     }
 
     /// Accepts deficits `d`: `P + diag(d) - LL'` must be diagonally dominant.
@@ -148,7 +100,6 @@ impl Quadratic {
     /// The gradient at a point, as a row without limits.
     pub(crate) fn gradient(&self, point: &[(u32, f64)], sums: &mut Sums) -> Result<Row, Refusal> {
         let mut terms: Vec<Term<'_>> = as_terms(&self.linear).collect();
-        terms.extend(self.squares.iter().map(|square| (square.own, 1.0, ONE)));
         for &(column, value) in point.iter().filter(|entry| entry.1 != 0.0) {
             for &(other, entry) in self.rows.get(column as usize).into_iter().flatten() {
                 terms.push((other, entry, Number::Float(value)));
@@ -165,9 +116,13 @@ impl Quadratic {
         for &(column, coefficient) in &self.linear {
             sums.total.subtract(coefficient, value_at(point, column));
         }
-        for square in &self.squares {
-            sums.total.subtract(1.0, value_at(point, square.own));
-        }
+    }
+
+    /// The objective at a point.
+    pub(crate) fn value(&self, point: &[(u32, f64)], sums: &mut Sums) -> Result<Dyadic, Refusal> {
+        let gradient = self.gradient(point, sums)?;
+        self.add_value(&gradient, point, sums)?;
+        Ok(sums.total.take()?)
     }
 
     /// Adds the objective at a point to the total, which is 0 before.
@@ -183,9 +138,6 @@ impl Quadratic {
         sums.total.add(self.constant, 1.0);
         for &(column, coefficient) in &self.linear {
             sums.total.add(coefficient, value_at(point, column));
-        }
-        for square in &self.squares {
-            sums.total.add(1.0, value_at(point, square.own));
         }
         Ok(())
     }
@@ -227,7 +179,7 @@ impl Quadratic {
     }
 }
 
-fn value_at(point: &[(u32, f64)], column: u32) -> f64 {
+pub(crate) fn value_at(point: &[(u32, f64)], column: u32) -> f64 {
     let place = point.binary_search_by_key(&column, |entry| entry.0);
     place.ok().and_then(|k| point.get(k)).map_or(0.0, |entry| entry.1)
 }

@@ -23,6 +23,7 @@ use super::verify::ModelJudge;
 use crate::error::Error;
 use crate::presolve::root::PresolveRule;
 use crate::search::{SearchResult, SolveTask};
+use crate::slips;
 use crate::solution::Termination;
 use crate::solver::{Control, Event, Progress};
 
@@ -45,11 +46,9 @@ impl Solve<'_> {
             },
         };
         let mut solved = self.run_lowered(lowered, known, control)?;
-        let path = self.options.proof.as_deref().filter(|_| known.lowered.is_none());
-        // WebAssembly has no files.
-        if cfg!(not(target_family = "wasm"))
-            && let Some(path) = path
-        {
+        // Rows that are found while the program is searched belong to the proof of the last round.
+        let is_whole = known.lowered.is_none() && self.rows.is_none();
+        if let Some(path) = self.options.proof_path().filter(|_| is_whole) {
             solved.proof = self.write_proof(path, lowered, &mut solved, control.interrupt())?;
         }
         Ok(solved)
@@ -65,7 +64,11 @@ impl Solve<'_> {
         let rules = rules(self, known);
         let solved = self.run_by_rules(lowered, rules, known, control)?;
         let contradicted = solved.found.contradiction.is_some();
-        debug_assert!(!contradicted, "presolve has changed the objective of {:?}", solved.point);
+        debug_assert!(
+            !contradicted || slips::has_any(),
+            "presolve has changed the objective of {:?}",
+            solved.point
+        );
         // A search that has found rows is repeated with them.
         let is_over = self.token.is_over() || self.rows.is_some_and(RowJudge::has_new_rows);
         let is_doubtful =

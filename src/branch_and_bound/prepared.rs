@@ -117,6 +117,10 @@ impl Prepared for PreparedProgram<'_> {
         let is_about_columns = options.pool > 1 || options.keep_leaves;
         let values = values_of(model, &self.parameters)?;
         let solved = match &mut self.reduction {
+            // A proof is about the model with these values.
+            _ if options.proof_path().is_some() => {
+                solve.run(&EarlierResults { start, ..EarlierResults::default() }, control)?
+            }
             Reduction::Infeasible if options.reductions => {
                 SolveResult::without_point(SearchResult::infeasible())
             }

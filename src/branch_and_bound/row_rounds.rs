@@ -10,6 +10,7 @@
 use super::answer::answer;
 use super::events::{PartOfSolve, Told};
 use super::far::{DISTANCES, boxed};
+use super::lower::lower;
 use super::mip_start::GivenStart;
 use super::refusals::Refusals;
 use super::row_judge::RowJudge;
@@ -19,8 +20,9 @@ use crate::error::Error;
 use crate::model::{Model, StoredRow};
 use crate::relaxation::LadderPool;
 use crate::search::{Completion, SearchResult, Start};
-use crate::solution::{Point, Solution, Statistics, Termination};
-use crate::solver::{Control, Options, PoolMode, Progress, StopToken};
+use crate::solution::{Point, ProofReport, Solution, Statistics, Termination};
+use crate::solver::{Control, Interrupt, Options, PoolMode, Progress, StopToken};
+use std::path::Path;
 
 /// Nodes of the search without cuts before cuts are asked for, and of one for a point far out.
 const FIRST_NODES: u64 = 50;
@@ -60,6 +62,9 @@ pub(super) fn solve_in_rounds(
         told: Told::nothing(model.sense().sign()),
     };
     let mut solved = rounds.run(control)?;
+    if let Some(path) = options.proof_path() {
+        solved.proof = rounds.write_proof(path, &mut solved, control.interrupt())?;
+    }
     let RowRounds { ladders, refusals, given, completion, .. } = &mut rounds;
     solved.found.completion = completion.take();
     let (ladders, token) = (&*ladders, &token);
@@ -274,7 +279,11 @@ impl RowRounds<'_> {
 
     /// The answer.
     fn conclude(&mut self, round: Round) -> SolveResult {
-        let SolveResult { mut found, derivatives, .. } = round.solved;
+        let SolveResult { mut found, derivatives, columns, mut lowered_point, .. } = round.solved;
+        let is_own = self.best.as_ref().map(|(_, values)| values) == found.points.first();
+        if round.new > 0 || !is_own {
+            lowered_point = None;
+        }
         if let Some((value, values)) = &self.best {
             if found.points.first() != Some(values) {
                 found.points.retain(|point| point != values);
@@ -294,7 +303,24 @@ impl RowRounds<'_> {
             found.bound = self.bound;
         }
         found.statistics = self.statistics;
-        SolveResult { derivatives, ..SolveResult::without_point(found) }
+        SolveResult { derivatives, columns, lowered_point, ..SolveResult::without_point(found) }
+    }
+
+    /// Writes the proof of the answer, with the rows that were found as rows of its program.
+    fn write_proof(
+        &self,
+        path: &Path,
+        solved: &mut SolveResult,
+        interrupt: &Interrupt,
+    ) -> Result<Option<ProofReport>, Error> {
+        let model = &with_rows(&with_rows(self.model, LAZY, &self.lazy)?, CUT, &self.cuts)?;
+        let token = &StopToken::new(None, interrupt);
+        let RowRounds { options, ladders, refusals, .. } = self;
+        let solve = Solve { model, options, token, ladders, refusals, rows: None };
+        match lower(model, token, true)? {
+            Some(lowered) => solve.write_proof(path, &lowered, solved, interrupt),
+            None => Ok(None),
+        }
     }
 
     /// Runs a search whose events and points the user sees as those of one solve.

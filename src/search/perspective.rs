@@ -21,6 +21,7 @@ use super::root_point::{RootPoint, Strengthened};
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::Ladder;
+use crate::slips::{self, Slip};
 use crate::solver::{Options, StopToken};
 
 /// Longest rows that are looked at (columns).
@@ -133,7 +134,8 @@ fn tighten_by_row(
 /// The only value that is left of a column that was not fixed before: 0 or a bound.
 fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
     // A side without an end says nothing: its width and the room would both be infinite.
-    if own[0] == own[1] || !lower.is_finite() || !upper.is_finite() {
+    let is_open = !lower.is_finite() || !upper.is_finite();
+    if own[0] == own[1] || (is_open && !slips::has(Slip::OpenSquare)) {
         return None;
     }
     let room = FIXED_WIDTH * lower.abs().max(upper.abs()).max(1.0);

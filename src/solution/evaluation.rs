@@ -2,6 +2,7 @@
 
 use crate::interval::Interval;
 use crate::model::{Affine, Function, Model, Quadratic, StoredConic, Variable};
+use crate::slips::{self, Slip};
 use crate::sum::Sum;
 use crate::tolerance;
 
@@ -82,11 +83,12 @@ impl<'a> Evaluation<'a> {
         let limit = if below > above { limits.lower } else { limits.upper };
         let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
         let rounded = if value.whole { 0.0 } else { value.magnitude + limit };
-        Miss {
-            amount: below.max(above).max(0.0),
-            size: value.largest.max(limit),
-            allowed: tolerance::allowed_miss(self.feasibility, rounded),
-        }
+        let allowed = if slips::has(Slip::ScaledTolerance) {
+            self.feasibility * tolerance::margin_scale(value.largest, limit)
+        } else {
+            tolerance::allowed_miss(self.feasibility, rounded)
+        };
+        Miss { amount: below.max(above).max(0.0), size: value.largest.max(limit), allowed }
     }
 
     /// By how much a norm exceeds its bound, or a quadratic expression exceeds 0.

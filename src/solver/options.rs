@@ -1,6 +1,6 @@
 //! Options that every backend understands.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use web_time::Duration;
 
@@ -256,16 +256,19 @@ impl Options {
 
     /// Has each solve write a proof of its bound, or of its infeasibility, that another program can check: to
     /// this file, or, if the path is a folder, to a new file in it. What a proof says, and who checks it, is on
-    /// the page [Proofs](crate::guide::proofs). Solves of prepared models, with lazy constraints, and on
-    /// WebAssembly write none.
+    /// the page [Proofs](crate::guide::proofs). [`Solution::proof`](crate::solution::Solution::proof) reports on
+    /// it, and is `None` where none was written: of an answer without a bound, by other backends than
+    /// [`BranchAndBound`](crate::BranchAndBound), and on WebAssembly.
     ///
     /// A search for a shortest horizon takes the path as a folder, makes it if it is missing, and writes a log for
     /// each horizon instead, see [`Shortest::proofs`](crate::hybrid::Shortest::proofs). Plans over a fixed
     /// horizon take nothing from reach sets then, except in the bounds of a program that was tightened by them
     /// already.
     ///
-    /// The search is the same, except that it does not fall into blocks. The proof comes after it, and may
-    /// take as long again: a time limit holds for each of the two.
+    /// The search is the same, except that it does not fall into blocks, and that a prepared model is solved
+    /// as if it were not prepared. The proof comes after it, and may take as long again: a time limit holds
+    /// for each of the two. Lazy constraints and user cuts that were found are rows of the program in the
+    /// proof. Of a pool, the proof is about the best point.
     #[must_use]
     pub fn with_proof(mut self, path: impl Into<PathBuf>) -> Self {
         self.proof = Some(path.into());
@@ -281,6 +284,11 @@ impl Options {
         self.disjunctive_tightening = presolve;
         self.big_m_tightening = presolve;
         self
+    }
+
+    /// Where to write proofs; none on WebAssembly, which has no files.
+    pub(crate) fn proof_path(&self) -> Option<&Path> {
+        self.proof.as_deref().filter(|_| cfg!(not(target_family = "wasm")))
     }
 
     /// How far the bound may be from an objective, in the objective's unit.

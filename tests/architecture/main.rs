@@ -13,8 +13,9 @@ use std::path::{Path, PathBuf};
 use circles::{File, circles};
 
 /// What everything stands on, from the bottom up; each module sees those before it.
-const GROUND: [&str; 12] = [
+const GROUND: [&str; 13] = [
     "setters",
+    "slips",
     "number",
     "error",
     "tolerance",

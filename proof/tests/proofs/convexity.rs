@@ -1,4 +1,4 @@
-//! Tangents of the objective and of cones, squares of their own, and the proof of convexity.
+//! Tangents of the objective and of cones, and the proof of convexity.
 
 use crate::log::{Header, broken, verdict};
 
@@ -110,35 +110,6 @@ fn a_factor_proves_convexity() {
     );
     let inside = square.log("m U 5 1 0 1\n p 0");
     assert_eq!(verdict(&inside), "rejected: `p` must stand in context 0, once");
-}
-
-#[test]
-fn squares_of_their_own() {
-    // The whole of P goes into x² and y², so that no proof of convexity is left to do.
-    let steps = "y 0 1\n y 1 1\n t 0\n z 2 1\n z 3 1\n x 3 0 -1 1 1 2 1";
-    broken(
-        &BOWL.log(steps),
-        &[
-            ("y 0 1", "y 0 0.5", NOT_PROVED),
-            ("y 0 1", "y 0 2", NOT_PROVED),
-            ("y 0 1", "y 0 -1", {
-                "rejected: the weight -1 of a square is not positive, or too large"
-            }),
-            ("y 0 1", "y 0 1e308", {
-                "rejected: the weight 1e308 of a square is not positive, or too large"
-            }),
-            ("y 0 1", "y 2 1", "rejected: there is no column 2; their number is 2"),
-            ("z 2 1", "z 1 1", "rejected: column 1 is not defined as a square"),
-            ("z 2 1", "z 2 0.5", {
-                "rejected: the combination is no contradiction: it holds with 2.125 to spare"
-            }),
-            ("y 1 1\nt 0", "p 0\nl 0\ny 1 1\nt 0", {
-                "rejected: `y` must stand in context 0, before `p`"
-            }),
-        ],
-    );
-    let inside = BOWL.log("m U 5 1 0 1\n y 0 1");
-    assert_eq!(verdict(&inside), "rejected: `y` must stand in context 0, before `p`");
 }
 
 #[test]

@@ -122,15 +122,13 @@ pub(crate) struct Writer<'a> {
     choices: &'a [u8],
     used: usize,
     facts: usize,
-    has_own_squares: bool,
     pub(crate) lines: Vec<String>,
 }
 
 impl<'a> Writer<'a> {
     pub(crate) fn new(small: &'a Small, choices: &'a [u8]) -> Self {
         let facts = small.rows.len();
-        let mut writer =
-            Writer { small, choices, used: 0, facts, has_own_squares: false, lines: Vec::new() };
+        let mut writer = Writer { small, choices, used: 0, facts, lines: Vec::new() };
         writer.write();
         writer
     }
@@ -151,14 +149,7 @@ impl<'a> Writer<'a> {
     }
 
     fn write(&mut self) {
-        self.has_own_squares = self.choice(2) == 0;
-        if self.has_own_squares {
-            for (j, &square) in self.small.squares.iter().enumerate().filter(|(_, s)| **s != 0) {
-                self.line(format!("y {j} {square}"));
-            }
-        } else {
-            self.convexity();
-        }
+        self.convexity();
         let mut bounds = self.small.bounds.clone();
         self.tree(&mut bounds);
         let steps = self.lines.len();
@@ -251,27 +242,13 @@ impl<'a> Writer<'a> {
         if let Some((a, b, tail)) = self.small.violated_cone(x) {
             return self.cone(a as f64, b as f64, &tail);
         }
-        let mut point: Vec<String> =
+        let point: Vec<String> =
             x.iter().enumerate().map(|(j, value)| format!(" {j} {value}")).collect();
-        let mut tangents = Vec::new();
-        if self.has_own_squares {
-            let squares = self.small.squares.iter().enumerate().filter(|(_, square)| **square != 0);
-            for (own, (j, &square)) in (x.len()..).zip(squares) {
-                point.push(format!(" {own} {}", square * x[j] * x[j]));
-                tangents.push((own, x[j]));
-            }
-        }
         let tangent = self.fact(format!("t {}{}", point.len(), point.concat()));
-        let mut multipliers = vec![format!(" {tangent} -1")];
-        for (own, value) in tangents {
-            let fact = self.fact(format!("z {own} {value}"));
-            multipliers.push(format!(" {fact} 1"));
-        }
-        let multipliers = format!("{}{}", multipliers.len(), multipliers.concat());
         if self.choice(2) == 0 {
-            self.line(format!("x {multipliers}"));
+            self.line(format!("x 1 {tangent} -1"));
         } else {
-            let fact = self.fact(format!("k {multipliers}"));
+            let fact = self.fact(format!("k 1 {tangent} -1"));
             self.line(format!("x 1 {fact} 1.5"));
         }
     }

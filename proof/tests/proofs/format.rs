@@ -82,6 +82,32 @@ fn points_are_judged() {
 }
 
 #[test]
+fn a_point_that_is_far_from_the_program_is_rejected() {
+    let header = Header { cones: &[], ..BOX };
+    let said = |point: &str| verdict(&header.log(&STEPS.replace("a 2 0 0.5 1 2", point)));
+    assert_eq!(said("a 2 0 0.5 1 1.0009"), "proved: objective >= -0.5 (5 steps)");
+    assert_eq!(said("a 2 0 0.5 1 2"), "rejected: the point misses row 0 () by 1");
+    assert_eq!(
+        said("a 2 0 0 1 0.5"),
+        "rejected: the point misses a whole number of column 1 (n) by 0.5"
+    );
+    assert_eq!(said("a 1 0 -0.25"), {
+        "rejected: the point misses a bound of column 0 (a name of words) by 0.25"
+    });
+    // Of large terms, the rounding is allowed.
+    let large =
+        Header { columns: &["c 0 1e13 a", "c 0 1e13 b"], rows: &["0 0 2 0 1 1 -1"], ..header };
+    let large = Header { linear: "1 0 1", squares: "", claim: "bound -1", ..large };
+    let said = |point: &str| verdict(&large.log(&format!("t 0\n {point}\n x 1 1 -1")));
+    assert_eq!(said("a 2 0 1e13 1 10000000000010"), "proved: objective >= -1 (3 steps)");
+    assert_eq!(
+        said("a 2 0 1e13 1 10000000000030"),
+        "rejected: the point misses a bound of column 1 (b) by 30"
+    );
+    assert_eq!(said("a 2 0 1e13 1 9999999999970"), "rejected: the point misses row 0 () by 30");
+}
+
+#[test]
 fn numbers_without_end_are_refused() {
     // Each combination is 2^1000 times the one before.
     let header = Header { columns: &["c 1 1 x"], rows: &["1 1 1 0 1"], ..BOX };
