@@ -3,6 +3,7 @@
 use std::ops::{BitAnd, BitOr, Not};
 
 use super::window::{IntoWindow, Window};
+use crate::error::Error;
 use crate::hybrid::system::SystemRow;
 
 /// Formulas nested deeper than this are refused.
@@ -213,6 +214,17 @@ impl Mission {
             | MissionNode::Release(window, ..) => Some(window),
             _ => None,
         }
+    }
+
+    /// Refuses windows without samples, also those that are never read.
+    pub(super) fn check_windows(&self, time_step: f64) -> Result<(), Error> {
+        let mut checked = Ok(());
+        self.visit(&mut |part| {
+            if let (Some(window), true) = (part.window(), checked.is_ok()) {
+                checked = window.steps(time_step).map(drop);
+            }
+        });
+        checked
     }
 
     pub(super) fn visit<'a>(&'a self, visit: &mut dyn FnMut(&'a Mission)) {

@@ -2,4 +2,6 @@
 
 mod random;
 mod scenarios;
+mod sketch;
 mod statements;
+mod systems;
