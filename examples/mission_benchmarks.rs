@@ -68,8 +68,9 @@ fn solve(scenario: &Scenario) -> Done<()> {
     let solution = BranchAndBound::default().solve(program.model())?;
     let solved = begin.elapsed();
     println!(
-        "{:<20} {:>14.9} {:>8} {:>9.4} {:>9.4}   robustness {:.6}",
+        "{:<20} {:>14.9} {:>14.9} {:>8} {:>9.4} {:>9.4} {:>11.6}",
         scenario.name,
+        scenario.optimum,
         solution.objective().unwrap_or(f64::NAN),
         solution.statistics().nodes,
         built.as_secs_f64(),
@@ -89,8 +90,8 @@ fn main() -> Done<()> {
         return counts.into_iter().try_for_each(robots);
     }
     println!(
-        "{:<20} {:>14} {:>8} {:>9} {:>9}",
-        "scenario", "objective", "nodes", "build/s", "solve/s"
+        "{:<20} {:>14} {:>14} {:>8} {:>9} {:>9} {:>11}",
+        "scenario", "others", "objective", "nodes", "build/s", "solve/s", "robustness"
     );
     SCENARIOS.iter().filter(|own| own.name.contains(&wanted)).try_for_each(solve)
 }

@@ -104,6 +104,13 @@ impl Predicate {
 
 impl From<MissionNode> for Mission {
     fn from(node: MissionNode) -> Self {
+        let node = match node {
+            // One part alone is that part.
+            MissionNode::And(mut of) | MissionNode::Or(mut of) if of.len() == 1 => {
+                return of.remove(0);
+            }
+            node => node,
+        };
         let mission = Mission { node, depth: 0 };
         let depth = 1 + mission.parts().iter().map(|part| part.depth).max().unwrap_or(0);
         match depth <= MAX_DEPTH {

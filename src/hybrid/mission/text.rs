@@ -28,7 +28,6 @@ impl fmt::Display for Mission {
                 write!(f, "`{}`", name.replace('`', "``"))
             }
             MissionNode::Not(of) => write!(f, "!{}", Operand(of)),
-            MissionNode::And(of) | MissionNode::Or(of) if of.len() == 1 => of[0].fmt(f),
             MissionNode::And(of) => list(f, of, " & ", "true"),
             MissionNode::Or(of) => list(f, of, " | ", "false"),
             MissionNode::Always(Window::Steps(1, Some(1)), of) => write!(f, "X {}", Operand(of)),
@@ -64,7 +63,6 @@ struct Operand<'a>(&'a Mission);
 impl fmt::Display for Operand<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.0.node {
-            MissionNode::And(of) | MissionNode::Or(of) if of.len() == 1 => Operand(&of[0]).fmt(f),
             MissionNode::And(of) | MissionNode::Or(of) if !of.is_empty() => {
                 write!(f, "({})", self.0)
             }

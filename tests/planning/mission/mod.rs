@@ -1,5 +1,6 @@
 //! Missions in signal temporal logic.
 
+mod choices;
 mod random;
 mod scenarios;
 mod sketch;

@@ -24,9 +24,9 @@ pub(super) enum Quantity {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SketchRow {
-    of: Quantity,
-    lower: f64,
-    upper: f64,
+    pub(super) of: Quantity,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
 }
 
 /// Steps, or quarters of a step that are stated in seconds; no end is the end of the run.
@@ -168,6 +168,23 @@ impl SketchWindow {
         })
     }
 
+    /// The samples of the window at a sample of a run, and whether there is more of it after the last one.
+    pub(super) fn samples(
+        self,
+        k: usize,
+        run: &[Sample],
+        of: &[&Sketch],
+    ) -> (std::ops::Range<usize>, bool) {
+        let (first, last) = self.steps();
+        let count = match last {
+            Some(_) => run.len(),
+            None => of.iter().map(|part| part.valued(run)).min().unwrap_or(run.len()),
+        };
+        let stop = last.map_or(count, |last| (k + last + 1).min(count));
+        let is_cut = last.map_or(k + first >= count, |last| k + last >= count);
+        (k + first..stop, is_cut)
+    }
+
     /// The first and the last sample, counted from the operator; quarters are rounded inwards.
     fn steps(self) -> (usize, Option<usize>) {
         match self {
@@ -280,17 +297,7 @@ impl Sketch {
                 (false, false) => -least,
             }
         };
-        // The samples of a window, and whether there is more of it after the last one.
-        let window = |w: SketchWindow, of: &[&Sketch]| {
-            let (first, last) = w.steps();
-            let count = match last {
-                Some(_) => run.len(),
-                None => of.iter().map(|part| part.valued(run)).min().unwrap_or(run.len()),
-            };
-            let stop = last.map_or(count, |last| (k + last + 1).min(count));
-            let is_cut = last.map_or(k + first >= count, |last| k + last >= count);
-            (k + first..stop, is_cut)
-        };
+        let window = |w: SketchWindow, of: &[&Sketch]| w.samples(k, run, of);
         match self {
             Sketch::Rows(rows) => leaf(rows),
             Sketch::Early(rows) => rows.get(k).map_or(NEVER, |row| leaf(&[*row])),
