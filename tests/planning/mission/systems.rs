@@ -157,8 +157,8 @@ impl SketchSystem {
                 }
                 match mode.reset {
                     Reset::None => {}
-                    Reset::Mirror => drop(stated.reset([x.is(-x.predicted())])?),
-                    Reset::Zero => drop(stated.reset([x.is(0.0)])?),
+                    Reset::Mirror => _ = stated.reset([x.is(-x.predicted())])?,
+                    Reset::Zero => _ = stated.reset([x.is(0.0)])?,
                 }
             }
         }
