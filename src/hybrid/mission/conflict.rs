@@ -30,8 +30,8 @@ impl HybridProgram {
     /// mission.
     ///
     /// The parts are missions themselves, and all are needed: without any of them there is a plan. Windows of
-    /// *always* are as short as that allows. Without a single part, the program has no plan even without the
-    /// mission.
+    /// *always* are as short as that allows. A part for which the run is too short is a reason by itself. Without
+    /// a single part, the program has no plan even without the mission.
     ///
     /// ```
     /// use carom::hybrid::Mission;
@@ -66,13 +66,13 @@ impl HybridProgram {
         solver: &mut dyn Solver,
     ) -> Result<Option<Vec<Mission>>, Error> {
         let mut parts = conjuncts(mission);
-        if !self.refutes(&parts, solver)? {
+        if !self.refutes(&parts, true, solver)? {
             return Ok(None);
         }
         // From the last part to the first, so that those named first stay where there is a choice.
         for k in (0..parts.len()).rev() {
             let without = [&parts[..k], &parts[k + 1..]].concat();
-            if self.refutes(&without, solver)? {
+            if self.refutes(&without, true, solver)? {
                 parts = without;
             }
         }
@@ -84,7 +84,7 @@ impl HybridProgram {
                     let window = window.narrowed(self.system().time_step(), first, last);
                     let mut parts = parts.clone();
                     parts[k] = of.clone().always(window);
-                    Ok::<_, Error>(self.refutes(&parts, solver)?.then_some(parts))
+                    Ok::<_, Error>(self.refutes(&parts, false, solver)?.then_some(parts))
                 };
                 // The latest beginning, and then the earliest end, that still leave no plan.
                 let (mut begin, mut known, mut found) = (longest + 1, first, None);
@@ -110,14 +110,27 @@ impl HybridProgram {
     }
 
     /// Whether it is proved that no plan does what all of these say.
-    fn refutes(&self, parts: &[Mission], solver: &mut dyn Solver) -> Result<bool, Error> {
+    ///
+    /// # Arguments
+    ///
+    /// * `counts_late`: whether it is a proof, too, that the run ends before a window. It is none for a window
+    ///   that has been moved.
+    fn refutes(
+        &self,
+        parts: &[Mission],
+        counts_late: bool,
+        solver: &mut dyn Solver,
+    ) -> Result<bool, Error> {
         let mut program = self.clone();
         program.minimize(Affine::zero())?;
         for (k, part) in parts.iter().enumerate() {
             let name = format!("part {} of the mission", k + 1);
-            match program.require_mission(&name, part) {
-                // A window that has been moved beyond what has values.
-                Err(error) if parts.len() > 1 && is_late(&error) => return Ok(false),
+            let stated = match counts_late {
+                true => program.require_mission_if_in_time(&name, part),
+                false => program.require_mission(&name, part),
+            };
+            match stated {
+                Err(error) if !counts_late && is_late(&error) => return Ok(false),
                 other => other?,
             }
         }

@@ -3,6 +3,7 @@
 use std::ops::{BitAnd, BitOr, Not};
 
 use super::window::{IntoWindow, Window};
+use crate::error::Error;
 use crate::hybrid::system::SystemRow;
 
 /// Formulas nested deeper than this are refused.
@@ -103,6 +104,13 @@ impl Predicate {
 
 impl From<MissionNode> for Mission {
     fn from(node: MissionNode) -> Self {
+        let node = match node {
+            // One part alone is that part.
+            MissionNode::And(mut of) | MissionNode::Or(mut of) if of.len() == 1 => {
+                return of.remove(0);
+            }
+            node => node,
+        };
         let mission = Mission { node, depth: 0 };
         let depth = 1 + mission.parts().iter().map(|part| part.depth).max().unwrap_or(0);
         match depth <= MAX_DEPTH {
@@ -213,6 +221,17 @@ impl Mission {
             | MissionNode::Release(window, ..) => Some(window),
             _ => None,
         }
+    }
+
+    /// Refuses windows without samples, also those that are never read.
+    pub(super) fn check_windows(&self, time_step: f64) -> Result<(), Error> {
+        let mut checked = Ok(());
+        self.visit(&mut |part| {
+            if let (Some(window), true) = (part.window(), checked.is_ok()) {
+                checked = window.steps(time_step).map(drop);
+            }
+        });
+        checked
     }
 
     pub(super) fn visit<'a>(&'a self, visit: &mut dyn FnMut(&'a Mission)) {

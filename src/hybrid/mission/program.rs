@@ -49,6 +49,7 @@ fn state(
     }
     let separated = at_least.is_none();
     let (samples, time_step) = (place.samples, place.time_step);
+    mission.check_windows(time_step)?;
     let mut unrolled =
         Unrolled::new(model, place.row_at, place.is_binary, samples, time_step, separated);
     let root = unrolled.at(mission, true, 0)?;
@@ -123,7 +124,7 @@ impl HybridProgram {
     }
 
     /// The same, but a run that ends too early for the mission is no error: there is no plan.
-    pub(crate) fn require_mission_if_in_time(
+    pub(in crate::hybrid) fn require_mission_if_in_time(
         &mut self,
         name: &str,
         mission: &Mission,

@@ -131,7 +131,6 @@ impl<'a> Unrolled<'a> {
                 let (samples, is_cut) = self.window(of, window, sample)?;
                 let (mut before, mut next) = (if is_until { TRUE } else { FALSE }, sample);
                 let mut terms = Vec::new();
-                let end = *samples.end();
                 for j in samples {
                     while next < j {
                         let here = self.at(a, positive, next)?;
@@ -142,7 +141,7 @@ impl<'a> Unrolled<'a> {
                     terms.push(self.join(vec![before, here], is_until));
                 }
                 if !is_until && is_cut {
-                    for j in next.min(end.saturating_add(1))..self.samples {
+                    for j in next..self.samples {
                         let here = self.at(a, positive, j)?;
                         before = self.join(vec![before, here], false);
                     }

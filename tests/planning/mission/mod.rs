@@ -1,5 +1,8 @@
 //! Missions in signal temporal logic.
 
+mod choices;
 mod random;
 mod scenarios;
+mod sketch;
 mod statements;
+mod systems;

@@ -1,231 +1,204 @@
-//! Random missions on systems without continuous inputs, compared with all sequences of modes.
+//! Random missions on random systems, compared with all sequences of modes.
 
 use carom::hybrid::Mission;
+use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::prelude::*;
-use proptest::prelude::{Just, Strategy, any, prop_oneof};
-use proptest::{prop_assert, prop_assert_eq, proptest};
+use proptest::prelude::any;
+use proptest::test_runner::TestCaseError;
+use proptest::{prop_assert, prop_assert_eq, prop_assume, proptest};
 
-/// A mission before it has a system: its predicates compare the position with a number.
-#[derive(Debug, Clone)]
-enum Sketch {
-    AtLeast(f64),
-    Within(f64, f64),
-    Resting,
-    Not(Box<Sketch>),
-    And(Box<Sketch>, Box<Sketch>),
-    Or(Box<Sketch>, Box<Sketch>),
-    Always(usize, usize, Box<Sketch>),
-    Eventually(usize, usize, Box<Sketch>),
-    Until(usize, usize, Box<Sketch>, Box<Sketch>),
-    Release(usize, usize, Box<Sketch>, Box<Sketch>),
+use crate::common::config;
+
+use super::sketch::{Sketch, sketches};
+use super::systems::{Handles, Sample, SketchSystem, systems};
+
+const MOST_RUNS: usize = 600;
+const NEVER: f64 = f64::NEG_INFINITY;
+
+/// The runs of as many steps as wanted, or of fewer if they are too many.
+fn runs(system: &SketchSystem, wanted: usize) -> (usize, Vec<Vec<Sample>>) {
+    let mut lengths = (1..=wanted).rev();
+    lengths
+        .find_map(|steps| Some((steps, system.runs(steps, MOST_RUNS)?)))
+        .expect("a step has few runs")
 }
 
-fn sketches() -> impl Strategy<Value = Sketch> {
-    // Thresholds between the positions that there are.
-    let threshold = || (-4_i32..=4).prop_map(|k| f64::from(k) + 0.25);
-    let leaf = prop_oneof![
-        threshold().prop_map(Sketch::AtLeast),
-        (threshold(), 1_u8..4).prop_map(|(a, b)| Sketch::Within(a, a + f64::from(b))),
-        Just(Sketch::Resting),
-    ];
-    leaf.prop_recursive(3, 12, 2, |inner| {
-        let one = || inner.clone().prop_map(Box::new);
-        let window = || (0_usize..4, 0_usize..4).prop_map(|(a, b)| (a, a + b));
-        prop_oneof![
-            one().prop_map(Sketch::Not),
-            (one(), one()).prop_map(|(a, b)| Sketch::And(a, b)),
-            (one(), one()).prop_map(|(a, b)| Sketch::Or(a, b)),
-            (window(), one()).prop_map(|((i, j), a)| Sketch::Always(i, j, a)),
-            (window(), one()).prop_map(|((i, j), a)| Sketch::Eventually(i, j, a)),
-            (window(), one(), one()).prop_map(|((i, j), a, b)| Sketch::Until(i, j, a, b)),
-            (window(), one(), one()).prop_map(|((i, j), a, b)| Sketch::Release(i, j, a, b)),
-        ]
-    })
+fn greatest(sketch: &Sketch, runs: &[Vec<Sample>], strict: bool) -> f64 {
+    runs.iter().map(|run| sketch.value(run, 0, true, strict)).fold(NEVER, f64::max)
 }
 
-impl Sketch {
-    fn mission(&self, x: State, rest: Variable) -> Mission {
-        let of = |inner: &Sketch| inner.mission(x, rest);
-        match self {
-            Sketch::AtLeast(a) => Mission::holds(format!("from {a}"), [x.ge(*a)]),
-            Sketch::Within(a, b) => Mission::holds(format!("{a} to {b}"), [x.within(*a, *b)]),
-            Sketch::Resting => Mission::holds("resting", [rest.equals(1.0)]),
-            Sketch::Not(a) => !of(a),
-            Sketch::And(a, b) => of(a) & of(b),
-            Sketch::Or(a, b) => of(a) | of(b),
-            Sketch::Always(i, j, a) => of(a).always(*i..=*j),
-            Sketch::Eventually(i, j, a) => of(a).eventually(*i..=*j),
-            Sketch::Until(i, j, a, b) => of(a).until(*i..=*j, of(b)),
-            Sketch::Release(i, j, a, b) => of(a).release(*i..=*j, of(b)),
+fn is_late(error: &Error) -> bool {
+    error.to_string().contains("late enough")
+}
+
+/// A program with the start, and with reach sets if wanted.
+fn program(
+    system: &SketchSystem,
+    hybrid: &HybridSystem,
+    handles: &Handles,
+    steps: usize,
+    tightened: bool,
+) -> Result<HybridProgram, Error> {
+    let mut program = hybrid.program(steps)?;
+    program.start(system.starts(handles))?;
+    if tightened {
+        let start = hybrid.region(system.starts(handles))?;
+        let anywhere = hybrid.region([handles.x.within(-50.0, 50.0)])?;
+        let mut sets = ReachSets::new(hybrid, start, anywhere, SetOptions::default())?;
+        let tube = sets.tube(steps)?;
+        let _ = program.tighten(&tube)?;
+    }
+    Ok(program)
+}
+
+fn compare(
+    system: &SketchSystem,
+    sketch: &Sketch,
+    wanted: usize,
+    tightened: bool,
+) -> Result<(), TestCaseError> {
+    let (steps, runs) = runs(system, wanted);
+    let (hybrid, handles) = system.build().unwrap();
+    let mission = sketch.mission(&handles, system.time_step);
+    let negation = !&mission;
+    let solver = &mut BranchAndBound::default();
+    let mut required = program(system, &hybrid, &handles, steps, tightened).unwrap();
+    if sketch.has_empty_window() {
+        let error = required.require_mission("mission", &mission).unwrap_err();
+        prop_assert!(error.to_string().contains("no sample is in the window"), "{error}");
+        return Ok(());
+    }
+
+    // Required: a negated row fails by itself.
+    let is_true = greatest(sketch, &runs, true) > 0.0;
+    match required.require_mission("mission", &mission) {
+        Ok(()) => {
+            let solution = solver.solve(required.model()).unwrap();
+            prop_assert_eq!(!solution.is_infeasible(), is_true, "{}", mission);
+            if is_true {
+                let plan = required.plan(&solution).unwrap();
+                prop_assert!(plan.robustness(&mission).unwrap() >= -1e-6);
+                let own = plan.robustness(&mission).unwrap();
+                prop_assert_eq!(hybrid.robustness(&mission, &plan.run).unwrap(), own);
+                // With its negation there is no plan.
+                match required.require_mission("negation", &negation) {
+                    Ok(()) => prop_assert!(solver.solve(required.model()).unwrap().is_infeasible()),
+                    Err(error) => prop_assert!(is_late(&error), "{error}"),
+                }
+            }
+        }
+        Err(error) => {
+            prop_assert!(is_late(&error), "{error}");
+            prop_assert!(!is_true, "{mission} is late, but true");
         }
     }
 
-    /// The robustness by the definition, a sample at a time; what is beyond the end is not true.
-    fn robustness(&self, run: &[(f64, Option<bool>)], k: usize, positive: bool) -> f64 {
-        let never = f64::NEG_INFINITY;
-        let Some(&(x, rest)) = run.get(k) else { return never };
-        let signed = |value: f64| if positive { value } else { -value };
-        let truth = |is: bool| if is { f64::INFINITY } else { f64::NEG_INFINITY };
-        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = |values: &[f64]| values.iter().copied().fold(never, f64::max);
-        let pick = |all: bool, values: &[f64]| if all { least(values) } else { most(values) };
-        let at = |of: &Sketch, k: usize| of.robustness(run, k, positive);
-        match self {
-            Sketch::AtLeast(a) => signed(x - a),
-            Sketch::Within(a, b) => signed((x - a).min(b - x)),
-            Sketch::Resting => rest.map_or(never, |rest| signed(truth(rest))),
-            Sketch::Not(a) => a.robustness(run, k, !positive),
-            Sketch::And(a, b) => pick(positive, &[at(a, k), at(b, k)]),
-            Sketch::Or(a, b) => pick(!positive, &[at(a, k), at(b, k)]),
-            Sketch::Always(i, j, a) | Sketch::Eventually(i, j, a) => {
-                let values: Vec<f64> = (k + i..=k + j).map(|t| at(a, t)).collect();
-                pick(matches!(self, Sketch::Always(..)) == positive, &values)
+    // With a margin.
+    let best = greatest(sketch, &runs, false);
+    for least in [-90.0, 0.0] {
+        let mut program = program(system, &hybrid, &handles, steps, tightened).unwrap();
+        let margin = match program.mission_margin("margin", &mission, least) {
+            Ok(margin) => margin,
+            Err(error) => {
+                prop_assert!(is_late(&error), "{error}");
+                prop_assert_eq!(best, NEVER);
+                continue;
             }
-            Sketch::Until(i, j, a, b) | Sketch::Release(i, j, a, b) => {
-                let is_until = matches!(self, Sketch::Until(..)) == positive;
-                let values = (k + i..=k + j).map(|t| {
-                    let before: Vec<f64> = (k..t).map(|s| at(a, s)).collect();
-                    pick(is_until, &[at(b, t), pick(is_until, &before)])
-                });
-                pick(!is_until, &values.collect::<Vec<f64>>())
-            }
+        };
+        program.maximize(margin).unwrap();
+        let solution = solver.solve(program.model()).unwrap();
+        prop_assert_eq!(solution.is_infeasible(), best < least, "{} is {}", mission, best);
+        if best >= least && best.is_finite() {
+            let found = solution.objective().unwrap();
+            prop_assert!((found - best).abs() < 1e-5, "{mission}: {found}, not {best}");
+            program.plan(&solution).unwrap();
         }
     }
-}
-
-/// A cart that goes a step to the left, rests, or goes two steps to the right.
-fn cart() -> Result<(HybridSystem, State, Variable), Error> {
-    let mut cart = HybridSystem::new(1.0);
-    let x = cart.state("x", -20.0, 30.0)?;
-    cart.mode("left")?.next([x.is(x - 1.0)])?;
-    cart.mode("rest")?.next([x.is(x)])?;
-    cart.mode("right")?.next([x.is(x + 2.0)])?;
-    let rest = cart.transition_named("mode", "rest")?;
-    Ok((cart, x, rest))
-}
-
-/// The samples of a sequence of moves: the position, and whether the step that begins there is a rest.
-fn run(start: f64, moves: &[usize]) -> Vec<(f64, Option<bool>)> {
-    let mut x = start;
-    let mut run = Vec::new();
-    for &chosen in moves {
-        run.push((x, Some(chosen == 1)));
-        x += [-1.0, 0.0, 2.0][chosen];
-    }
-    run.push((x, None));
-    run
-}
-
-fn moves(steps: usize) -> impl Iterator<Item = Vec<usize>> {
-    (0..3_usize.pow(steps as u32))
-        .map(move |code| (0..steps).map(|k| code / 3_usize.pow(k as u32) % 3).collect())
+    Ok(())
 }
 
 proptest! {
-    #![proptest_config(proptest::test_runner::Config::with_cases(60))]
+    #![proptest_config(config(250, "tests/regressions/mission.txt"))]
 
     #[test]
     fn optimum_and_status_are_those_of_all_sequences(
-        sketch in sketches(), steps in 2_usize..6, start in -3_i32..=3,
+        system in systems(), sketch in sketches(true), wanted in 1_usize..=12, tightened in any::<bool>(),
     ) {
-        let start = f64::from(start);
-        let (cart, x, rest) = cart().unwrap();
-        let mission = sketch.mission(x, rest);
-        let best = moves(steps)
-            .map(|moves| sketch.robustness(&run(start, &moves), 0, true))
-            .fold(f64::NEG_INFINITY, f64::max);
-        let solver = &mut BranchAndBound::default();
-
-        let mut program = cart.program(steps).unwrap();
-        program.start([x.equals(start)]).unwrap();
-        let plan = match program.require_mission("mission", &mission) {
-            Ok(()) => solver.solve(program.model()).unwrap(),
-            Err(error) => {
-                prop_assert!(error.to_string().contains("late enough"), "{error}");
-                prop_assert_eq!(best, f64::NEG_INFINITY);
-                return Ok(());
-            }
-        };
-        prop_assert_eq!(plan.is_infeasible(), best < 0.0, "{} is {}", mission, best);
-        if !plan.is_infeasible() {
-            let plan = program.plan(&plan).unwrap();
-            prop_assert!(plan.robustness(&mission).unwrap() >= 0.0);
-            // With its negation there is no plan.
-            match program.require_mission("negation", &!&mission) {
-                Ok(()) => prop_assert!(solver.solve(program.model()).unwrap().is_infeasible()),
-                Err(error) => prop_assert!(error.to_string().contains("late enough"), "{error}"),
-            }
-        }
-
-        let mut program = cart.program(steps).unwrap();
-        program.start([x.equals(start)]).unwrap();
-        let margin = program.mission_margin("margin", &mission, -50.0).unwrap();
-        program.maximize(margin).unwrap();
-        let solution = solver.solve(program.model()).unwrap();
-        match best {
-            f64::INFINITY => prop_assert!(!solution.is_infeasible()),
-            f64::NEG_INFINITY => prop_assert!(solution.is_infeasible()),
-            best => {
-                let found = solution.objective().unwrap();
-                prop_assert!((found - best).abs() < 1e-5, "{mission}: {found}, not {best}");
-            }
-        }
+        compare(&system, &sketch, wanted, tightened)?;
     }
 
     #[test]
     fn rows_have_the_robustness_of_the_evaluator_at_each_sequence(
-        sketch in sketches(), choices in proptest::collection::vec(0_usize..3, 12), start in -3_i32..=3,
-        steps in 4_usize..=12, with_rest in any::<bool>(),
+        system in systems(), sketch in sketches(true), wanted in 1_usize..=12, chosen in any::<proptest::sample::Index>(),
     ) {
-        let moves = &choices[..steps];
-        let start = f64::from(start);
-        let (cart, x, rest) = cart().unwrap();
-        let mission = sketch.mission(x, rest);
-        let expected = sketch.robustness(&run(start, moves), 0, true);
-        let mut program = cart.program(steps).unwrap();
-        program.start([x.equals(start)]).unwrap();
-        for (k, chosen) in moves.iter().enumerate() {
-            let taken = cart.transition_named("mode", ["left", "rest", "right"][*chosen]).unwrap();
-            if with_rest || *chosen != 1 {
-                let row = program.at(Affine::from(taken).equals(1.0), k).unwrap();
-                program.add(("moves", k), row).unwrap();
-            } else {
-                let row = program.at(Affine::from(rest).ge(1.0), k).unwrap();
-                program.add(("moves", k), row).unwrap();
-            }
+        prop_assume!(!sketch.has_empty_window());
+        let (steps, runs) = runs(&system, wanted);
+        prop_assume!(!runs.is_empty());
+        let run = chosen.get(&runs);
+        let (hybrid, handles) = system.build().unwrap();
+        let mut program = program(&system, &hybrid, &handles, steps, false).unwrap();
+        let mission = sketch.mission(&handles, system.time_step);
+        let expected = sketch.value(run, 0, true, false);
+        let is_free = handles.taken.len() > 1;
+        for (k, sample) in run.iter().enumerate().take(if is_free { steps } else { 0 }) {
+            let taken = Affine::from(handles.taken[sample.taken.unwrap()]);
+            program.add(("moves", k), program.at(taken.equals(1.0), k).unwrap()).unwrap();
         }
-        let Ok(margin) = program.mission_margin("margin", &mission, -50.0) else {
-            prop_assert_eq!(expected, f64::NEG_INFINITY);
+        let Ok(margin) = program.mission_margin("margin", &mission, -90.0) else {
+            prop_assert_eq!(expected, NEVER);
             return Ok(());
         };
         program.maximize(margin).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();
-        match expected {
-            f64::INFINITY => prop_assert!(!solution.is_infeasible()),
-            f64::NEG_INFINITY => prop_assert!(solution.is_infeasible()),
-            expected => {
-                let plan = program.plan(&solution).unwrap();
-                let found = solution.objective().unwrap();
-                prop_assert!((found - expected).abs() < 1e-5, "{mission}: {found}, not {expected}");
-                prop_assert!((plan.robustness(&mission).unwrap() - expected).abs() < 1e-6);
-            }
+        prop_assert_eq!(solution.is_infeasible(), expected == NEVER);
+        if expected.is_finite() {
+            let found = solution.objective().unwrap();
+            prop_assert!((found - expected).abs() < 1e-5, "{mission}: {found}, not {expected}");
+            let plan = program.plan(&solution).unwrap();
+            prop_assert!((plan.robustness(&mission).unwrap() - expected).abs() < 1e-6);
+            prop_assert!((hybrid.robustness(&mission, &plan.run).unwrap() - expected).abs() < 1e-6);
         }
     }
 
     #[test]
-    fn a_text_that_is_read_says_the_same(sketch in sketches()) {
-        let (_, x, rest) = cart().unwrap();
-        let mission = sketch.mission(x, rest);
+    fn the_evaluator_follows_the_definition(
+        system in systems(), sketch in sketches(false), wanted in 1_usize..=12,
+        shifts in proptest::collection::vec(-2.0..2.0, 13), chosen in any::<proptest::sample::Index>(),
+    ) {
+        prop_assume!(!sketch.has_empty_window());
+        let (_, runs) = runs(&system, wanted);
+        prop_assume!(!runs.is_empty());
+        // Any numbers, also such as no run has.
+        let mut run = chosen.get(&runs).clone();
+        for (sample, shift) in run.iter_mut().zip(shifts) {
+            (sample.x, sample.y) = (sample.x + shift, sample.y - 0.7 * shift);
+        }
+        let (_hybrid, handles) = system.build().unwrap();
+        if handles.y.is_none() {
+            run.iter_mut().for_each(|sample| sample.y = sample.x);
+        }
+        let value = |handle: Variable, k: usize| {
+            let sample = run.get(k)?;
+            match handle {
+                h if h == Variable::from(handles.x) => Some(sample.x),
+                h if h == handles.input => sample.input,
+                _ => Some(sample.y),
+            }
+        };
+        let mission = sketch.mission(&handles, system.time_step);
+        for (mission, positive) in [(!&mission, false), (mission, true)] {
+            let found = mission.robustness(run.len(), system.time_step, value).unwrap();
+            let expected = sketch.value(&run, 0, positive, false);
+            prop_assert!(found == expected || (found - expected).abs() < 1e-9, "{mission}: {found}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn a_text_that_is_read_says_the_same(system in systems(), sketch in sketches(true)) {
+        let (hybrid, handles) = system.build().unwrap();
+        let mission = sketch.mission(&handles, system.time_step);
         let read = Mission::parse(&mission.to_string(), [mission.clone()]).unwrap();
         prop_assert_eq!(read.to_string(), mission.to_string());
-        for moves in moves(4).step_by(7) {
-            let run = run(0.0, &moves);
-            let value = |handle: Variable, k: usize| match handle == Variable::from(x) {
-                true => run.get(k).map(|sample| sample.0),
-                false => run.get(k).and_then(|sample| sample.1).map(|rest| f64::from(u8::from(rest))),
-            };
-            let both = [&mission, &read].map(|one| one.robustness(run.len(), 1.0, value).unwrap());
-            prop_assert_eq!(both[0], both[1]);
-        }
+        let _ = hybrid;
     }
 }

@@ -26,6 +26,10 @@ fn texts() -> Result<(), Error> {
         assert_eq!(mission.to_string(), written);
         assert_eq!(Mission::parse(written, places())?.to_string(), written);
     }
+    // One part alone is written as itself.
+    let [a, _] = places();
+    let alone = !Mission::any([Mission::all([a])]) & Mission::all([]);
+    assert_eq!(alone.to_string(), "!in A & true");
     for (text, error) in [
         ("F[0,5 in A", "line 1, column 7: found `i` in the mission, where `]` was expected"),
         (
@@ -83,6 +87,12 @@ fn what_is_refused() -> Result<(), Error> {
             rows.clone().eventually(-1.0..=2.0),
             "the beginning of the window [-1,2s] is -1; it must be finite and at least 0 s",
         ),
+        (
+            // Also where it is never read.
+            rows.clone() | rows.clone().always(0.6..=0.9).eventually(7..=8),
+            "the last step of the window [0.6,0.9s] is 1; it must be at least step 2, its first one with 0.5 s \
+             a step; no sample is in the window",
+        ),
     ] {
         assert_eq!(program.require_mission("m", &mission).unwrap_err().to_string(), error);
         assert_eq!(program.model().constraint_count(), count);
@@ -110,6 +120,21 @@ fn a_mission_and_its_negation_never_both_hold_where_rows_touch() -> Result<(), E
         program.require_mission("no", &!&mission)?;
         assert!(BranchAndBound::default().solve(program.model())?.is_infeasible());
     }
+    Ok(())
+}
+
+/// The window of the release has no sample, and only what comes after the sample at which it is read counts.
+#[test]
+fn a_release_looks_at_no_earlier_sample() -> Result<(), Error> {
+    let (cart, x, _) = cart()?;
+    let near = Mission::holds("near", [x.within(-9.0, 9.0)]).always(2..);
+    let nothing = Mission::holds_by_sample("nothing", [] as [[Row; 1]; 0]);
+    let mission = near.release(0.., nothing).eventually(2..=2);
+    assert_eq!(mission.robustness(4, 0.5, |_, _| Some(0.0))?, f64::NEG_INFINITY);
+    let mut program = cart.program(3)?;
+    program.start([x.equals(0.0)])?;
+    let error = program.require_mission("m", &mission).unwrap_err();
+    assert!(error.to_string().contains("late enough"), "{error}");
     Ok(())
 }
 
@@ -154,6 +179,11 @@ fn reasons_in_words_of_the_mission() -> Result<(), Error> {
     assert_eq!(words("F[0,1.5s] in A & F[0,1.5s] in B")?.unwrap().len(), 2);
     assert_eq!(words("F[0,2s] in B & F[0,0.5s] in A")?.unwrap(), ["F[0,0.5s] in A"]);
     assert_eq!(words("F[0,4s] in B & G[0,8] in A")?.unwrap(), ["X in A"]);
+    // What the run is too short for is a reason by itself, and a window without samples an error.
+    assert_eq!(words("F[0,4s] in A & F[5s,6s] in B")?.unwrap(), ["F[5,6s] in B"]);
+    assert_eq!(words("F[5s,6s] in B")?.unwrap(), ["F[5,6s] in B"]);
+    assert_eq!(words("G[0,6s] !in B & F in A")?.unwrap(), ["G[0,6s] !in B"]);
+    assert!(words("F in A & F[0.6s,0.9s] in B").is_err());
     program.goal([x.ge(9.0)])?;
     assert_eq!(program.mission_conflict(&places[0], solver)?.unwrap(), []);
     Ok(())
