@@ -93,7 +93,8 @@ impl<'a> RecedingHorizon<'a> {
     /// A controller with the horizon of a program, of a system or of a scene, which moves along with it.
     ///
     /// The state at the first sample becomes a parameter within the domains of the states. Nothing
-    /// else in the model may fix it.
+    /// else in the model may fix it. [Cases](HybridProgram::add_case) begin in the same state, as far as their
+    /// states have the same names, and fallbacks are simulated by the first system.
     ///
     /// The program is the same in every step of the loop, so nothing in it may depend on the step: a
     /// limit "x <= 1 from step 4 on" would be four steps ahead for ever. Prices and right-hand sides that
@@ -103,7 +104,8 @@ impl<'a> RecedingHorizon<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Solver::prepare`]; [`ErrorKind::DuplicateName`] if the model has a variable
+    /// Those of [`Solver::prepare`]; [`ErrorKind::OutOfRange`] for a
+    /// [case](HybridProgram::add_case) that does not share the first step; [`ErrorKind::DuplicateName`] if the model has a variable
     /// `measured_x` for a state `x`; [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of
     /// the system, or a [series](HybridSystem::series), depends on the step, and for systems with modes
     /// that last, because nothing measures in which mode a step begins.

@@ -46,6 +46,9 @@ impl fmt::Display for MoveSource {
 }
 
 /// A move of a [`RecedingHorizon`](super::RecedingHorizon): what to do now, and what is known of it.
+///
+/// Its plan is nominal: it promises nothing under disturbances, unless the controller's program is a
+/// [robust](crate::hybrid::HybridProgram::robust) one, whose plans leave room for them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

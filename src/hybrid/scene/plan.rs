@@ -147,7 +147,8 @@ impl ScenePlan {
 impl Scene {
     /// Replays a plan, such as one that was stored, or one of a scene with other rules. Returns it
     /// with the hits and the certificate that it has in this scene. What is read of the plan are its
-    /// samples and inputs, and which faces its hits are at.
+    /// samples and inputs, and which faces its hits are at. Cases are left out, because they are plans of other
+    /// scenes.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
@@ -178,6 +179,7 @@ impl Scene {
         let mut plan = plan.clone();
         scene.check_paths(&plan.bodies)?;
         plan.time_step = scene.time_step;
+        plan.cases.clear();
         plan.certificate = replay::certify(&scene, &plan.bodies, &mut plan.hits)?;
         Ok(plan)
     }

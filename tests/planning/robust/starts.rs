@@ -94,16 +94,16 @@ fn a_box_at_the_start_takes_room_at_once() -> Result<(), Error> {
     }
     let kind = |start: &[(State, Interval)]| {
         let made = program.robust_from(&feedback, start.iter().copied());
-        made.map(drop).map_err(|error| error.kind().clone())
+        made.err().map(|error| error.kind().clone())
     };
     let range = Interval::new(-0.1, 0.1);
-    assert!(matches!(kind(&[(x, range), (x, range)]), Err(ErrorKind::DuplicateName { .. })));
-    assert!(kind(&[(x, Interval::new(0.1, -0.1))]).is_err());
-    assert!(kind(&[(x, Interval::new(f64::NAN, 0.1))]).is_err());
-    assert!(kind(&[(x, Interval::new(0.0, f64::INFINITY))]).is_err());
+    assert!(matches!(kind(&[(x, range), (x, range)]), Some(ErrorKind::DuplicateName { .. })));
+    assert!(kind(&[(x, Interval::new(0.1, -0.1))]).is_some());
+    assert!(kind(&[(x, Interval::new(f64::NAN, 0.1))]).is_some());
+    assert!(kind(&[(x, Interval::new(0.0, f64::INFINITY))]).is_some());
     let mut other = HybridSystem::new(1.0);
     let y = other.state("y", 0.0, 1.0)?;
-    assert!(matches!(kind(&[(y, range)]), Err(ErrorKind::ForeignHandle { .. })));
+    assert!(matches!(kind(&[(y, range)]), Some(ErrorKind::ForeignHandle { .. })));
     Ok(())
 }
 
@@ -162,7 +162,7 @@ fn scenes_and_the_papers_vehicle_have_shortest_robust_plans() -> Result<(), Erro
             .with_goal([2.2..=2.6, -0.5..=0.5])
     };
     let scene = |push: f64| {
-        let wall = Solid::halfspace("wall", [-1.0], -2.8, surface.clone());
+        let wall = Solid::halfspace("wall", [-1.0], -2.8, surface);
         Scene::new(0.25).with_body(puck(push)).with_obstacle(wall)
     };
     let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
