@@ -50,6 +50,16 @@ fn a_row_beside_a_free_direction() {
     }
 }
 
+/// An integer that nothing holds was once set to 1.6e13 by a heuristic, and that was called optimal.
+#[test]
+fn an_integer_far_out_is_no_optimum() {
+    let text = "Minimize\n obj: - 2.2 z + [ 0.5 x ^2 ] / 2\nSubject To\n a: x + 7 u <= 1.75\n\
+                b: 6 u + 4.6 z >= -28.8\n q: - 0.3 v + [ 2 w ^2 ] <= 85.6\n\
+                Bounds\n z free\n -100 <= v <= -95\nGeneral\n z\nEnd\n";
+    let endings = endings(text);
+    assert!(endings.iter().all(|&e| e == Termination::Unbounded), "{endings:?}");
+}
+
 /// A number and its sign, as LP files want them.
 fn term(value: i32, name: &str) -> String {
     let sign = if value < 0 { '-' } else { '+' };
