@@ -31,7 +31,7 @@ struct Part<'a> {
 }
 
 impl TreeExchange for Part<'_> {
-    fn begin(&mut self, program: u64) -> bool {
+    fn begin(&mut self, program: u64, _: bool) -> bool {
         let mut store = self.store.lock().unwrap();
         assert_eq!(*store.program.get_or_insert(program), program, "all parts have one program");
         self.own == 0
@@ -99,7 +99,9 @@ fn solve(model: &Model, parts: usize) -> (Solution, usize) {
         let interrupt = Interrupt::new();
         let mut part = Part { store, own, interrupt: interrupt.clone(), over: false };
         let mut control = Control::default().with_interrupt(&interrupt).with_exchange(&mut part);
-        BranchAndBound::default().solve_with(model, &mut control).unwrap()
+        // The store holds one tree; blocks would be trees of their own.
+        let options = Options::default().with_blocks(false);
+        BranchAndBound::new(options).solve_with(model, &mut control).unwrap()
     };
     let solution = thread::scope(|scope| {
         for own in 1..parts {
@@ -136,7 +138,7 @@ fn parts_come_to_the_answer_of_the_whole() {
 fn nodes_and_points_of_other_programs_are_refused() {
     struct Liar(usize);
     impl TreeExchange for Liar {
-        fn begin(&mut self, _: u64) -> bool {
+        fn begin(&mut self, _: u64, _: bool) -> bool {
             true
         }
 
