@@ -243,6 +243,7 @@ fn programs_of_ones_own_are_logged() -> Result<(), Error> {
 fn fixed_horizons_are_logged_without_sets() -> Result<(), Error> {
     let scenario = Scenario::paper().with_time_step(0.1);
     let path = folder("fixed").with_extension("proof");
+    fs::remove_file(&path).ok();
     let error = scenario.plan(20, Objective::Effort, &mut logging(&path)).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::NoPoint { .. }), "{error}");
     let log = fs::read_to_string(&path).unwrap();
