@@ -84,6 +84,22 @@ impl FactSum {
         self.terms.get(column).map_or(0.0, |term| term.value)
     }
 
+    /// The columns that keep the sum from being a contradiction because they have no bound on one side, and how
+    /// far their coefficients are beyond 0, with rounding.
+    pub(super) fn missing(&self, bounds: &dyn Fn(usize) -> [f64; 2]) -> Vec<(usize, f64)> {
+        let missing = |&column: &usize| {
+            let (term, error) = (self.terms[column], self.terms[column].error());
+            let [lower, upper] = bounds(column);
+            let excess = match (lower.is_infinite(), upper.is_infinite()) {
+                (false, true) => term.value + error,
+                (true, false) => error - term.value,
+                _ => return None,
+            };
+            (excess > 0.0).then_some((column, excess))
+        };
+        self.touched.iter().filter_map(missing).collect()
+    }
+
     /// The sides whose bounds make the sum a contradiction: the largest sum of the terms is below the
     /// limit. `None` if they leave room, or if a bound that the sum needs is missing.
     pub(super) fn contradiction(&self, bounds: &dyn Fn(usize) -> [f64; 2]) -> Option<Vec<Side>> {

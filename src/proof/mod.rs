@@ -14,6 +14,7 @@
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `root`, `curvature_bounds` - what holds everywhere
 //! * `simple_sums` - sums whose terms cancel exactly
+//! * `repaired_sums` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
 //! * `log` - the text
 
@@ -28,6 +29,7 @@ mod guide;
 mod guided_splits;
 mod log;
 mod relaxed;
+mod repaired_sums;
 mod root;
 mod search;
 mod simple_sums;

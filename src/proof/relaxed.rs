@@ -70,6 +70,37 @@ impl Relaxer<'_> {
         whole
     }
 
+    /// The program of some bounds, and its rows before big-Ms are made smaller.
+    fn reduced(
+        &mut self,
+        bounds: &Bounds,
+        [is_whole, is_tight, has_costs]: [bool; 3],
+    ) -> Option<(Reduced, RowsBefore)> {
+        let mut domain = Domain::new(&self.program);
+        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
+            domain.apply(j, false, *lower);
+            domain.apply(j, true, *upper);
+        }
+        let mut reduced = match is_whole {
+            true => self.whole(bounds),
+            false => self.ladder.reducer().reduce(&self.program, &domain)?,
+        };
+        let before = RowsBefore::of(&reduced);
+        if is_tight {
+            tighten_coefficients(&mut reduced, &self.program.integral);
+        }
+        if has_costs {
+            let limits = reduced.lower.iter().zip(&reduced.upper);
+            let cost = |(lower, upper): (&f64, &f64)| match (lower.is_finite(), upper.is_finite()) {
+                (true, _) => 1.0,
+                (false, true) => -1.0,
+                (false, false) => 0.0,
+            };
+            reduced.linear = limits.map(cost).collect();
+        }
+        Some((reduced, before))
+    }
+
     /// Relaxes the context of some bounds.
     ///
     /// # Arguments
@@ -81,22 +112,21 @@ impl Relaxer<'_> {
         bounds: &Bounds,
         [is_whole, is_tight]: [bool; 2],
     ) -> Relaxed {
-        let mut domain = Domain::new(&self.program);
-        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
-            domain.apply(j, false, *lower);
-            domain.apply(j, true, *upper);
-        }
-        let reduced = match is_whole {
-            true => Some(self.whole(bounds)),
-            false => self.ladder.reducer().reduce(&self.program, &domain),
-        };
-        let Some(mut reduced) = reduced else {
+        self.relax_with(facts, bounds, [is_whole, is_tight, false])
+    }
+
+    /// As [`relax`](Self::relax); `has_costs`: whether a program without an objective gets one, so that the dual
+    /// simplex method solves it, whose multipliers have fewer wrong digits.
+    fn relax_with(
+        &mut self,
+        facts: &Facts,
+        bounds: &Bounds,
+        [is_whole, is_tight, has_costs]: [bool; 3],
+    ) -> Relaxed {
+        let Some((mut reduced, before)) = self.reduced(bounds, [is_whole, is_tight, has_costs])
+        else {
             return Relaxed::Open(None);
         };
-        let before = RowsBefore::of(&reduced);
-        if is_tight {
-            tighten_coefficients(&mut reduced, &self.program.integral);
-        }
         let cutoff = match (self.claim, self.objective.first()) {
             (Claim::Bound(_), Some(objective)) => objective.most,
             (Claim::Bound(bound), None) => bound,
@@ -124,6 +154,9 @@ impl Relaxer<'_> {
                 if checked.is_none() {
                     checked = self.check_simpler(facts, bounds, &mut found);
                 }
+                if checked.is_none() && self.check(facts, bounds, &mut found).is_none() {
+                    checked = self.check_repaired(facts, bounds, &mut found);
+                }
                 is_short = checked.is_none();
                 if is_short { Relaxed::Open(None) } else { Relaxed::Refuted(found) }
             }
@@ -140,6 +173,9 @@ impl Relaxer<'_> {
                         if checked.is_none() && self.move_tangent(bounds, &mut found) {
                             checked = self.check(facts, bounds, &mut found);
                         }
+                        if checked.is_none() {
+                            checked = self.check_repaired(facts, bounds, &mut found);
+                        }
                     }
                     is_short = checked.is_none();
                     if !is_short {
@@ -152,9 +188,13 @@ impl Relaxer<'_> {
         self.ladder.reuse(verdict);
         self.ladder.reducer().reuse(reduced);
         // What has changed the rows may have no proof.
+        let may_have_costs = self.claim == Claim::Infeasible && self.program.cones.is_empty();
         match (is_short, is_whole, is_tight) {
             (true, _, true) => self.relax(facts, bounds, [is_whole, false]),
             (true, false, false) => self.relax(facts, bounds, [true, false]),
+            (true, true, false) if may_have_costs && !has_costs => {
+                self.relax_with(facts, bounds, [true, false, true])
+            }
             _ => relaxed,
         }
     }

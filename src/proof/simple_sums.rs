@@ -42,7 +42,12 @@ impl Relaxer<'_> {
                 return Some(());
             }
             found.facts = kept;
-            found.facts.pop();
+            if self.check(facts, bounds, found).is_none()
+                && self.check_repaired(facts, bounds, found).is_some()
+            {
+                return Some(());
+            }
+            found.facts.retain(|(own, _)| *own != fact);
         }
         None
     }

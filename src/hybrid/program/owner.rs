@@ -52,7 +52,7 @@ macro_rules! owns_program {
             ///
             /// # Errors
             ///
-            /// [`ErrorKind::UnknownName`]($crate::ErrorKind::UnknownName); those of `state`.
+            /// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName); those of `state`.
             pub fn in_case<T>(
                 &mut self,
                 name: &str,

@@ -151,6 +151,50 @@ fn sums_without_bounds_cancel_exactly() -> Result<(), Error> {
     Ok(())
 }
 
+/// Linear programs over columns without upper bounds, most of which have no point: each log is complete, although
+/// the multipliers of a relaxation are rounded and no bound makes up for a coefficient of the wrong sign.
+#[test]
+fn signs_that_rounding_has_turned_are_turned_back() -> Result<(), Error> {
+    let mut state = 7_u64;
+    let mut number = |most: u64| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % most) as f64
+    };
+    let mut refuted = 0;
+    for case in 0..250 {
+        let (columns, rows) = (4 + number(11) as usize, 3 + number(10) as usize);
+        let mut model = Model::new("columns without upper bounds");
+        let x = model.continuous_family("x", columns, 0.0, f64::INFINITY)?;
+        let place: Vec<f64> = x.iter().map(|_| 0.01 * number(500)).collect();
+        let mut sums = vec![0.0; columns];
+        for row in 0..rows {
+            let weight = 0.2 + 0.001 * number(1800);
+            let (mut form, mut at) = (Affine::from(0.0), 0.0);
+            for j in 0..columns {
+                if j == row % columns || number(5) < 3.0 {
+                    let a = 0.01 * number(1200) - 2.995;
+                    form += a * x[j];
+                    at += a * place[j];
+                    sums[j] += weight * a;
+                }
+            }
+            let room = 0.01 * number(200);
+            let row = ("row", row);
+            match number(2) < 1.0 {
+                true => model.add(row, form.ge(at - room))?,
+                false => model.add(row, form.le(at + room))?,
+            };
+        }
+        let sum: Affine = x.iter().zip(&sums).map(|(x, a)| (1e3 * a).round() / 1e3 * x).sum();
+        model.add("sum", sum.le(-0.5 - 0.01 * number(450)))?;
+        model.minimize(x.iter().map(|x| (0.1 + 0.01 * number(390)) * x).sum::<Affine>())?;
+        refuted += u32::from(is_proved(&model, &format!("unbounded_{case}")).is_infeasible());
+    }
+    assert!(refuted > 100, "{refuted}");
+    Ok(())
+}
+
 /// A temporal formula in which a few binaries decide about many continuous truth values: always beside a box,
 /// and at some time in one of two others. The search splits truth values, and the proof the binaries behind
 /// them, so that it is not larger than the tree by much.
