@@ -6,13 +6,13 @@ use super::facts::Facts;
 use super::relaxed::{FactRefutation, Relaxer};
 
 /// Most changes of the multipliers.
-const MOST_ROUNDS: usize = 6;
+const MOST_CHANGES: usize = 6;
 
 /// Steps of conjugate gradients of a change.
-const MOST_STEPS: usize = 200;
+const MOST_CHANGE_STEPS: usize = 200;
 
 /// By how much a sign is turned, as a multiple of the largest coefficient that is wrong (no unit).
-const MARGIN: f64 = 2.0;
+const TURNED_BY: f64 = 2.0;
 
 impl Relaxer<'_> {
     /// Whether a sum becomes a contradiction by a change of its multipliers, after [`check`](Self::check) has
@@ -25,7 +25,7 @@ impl Relaxer<'_> {
     ) -> Option<()> {
         let kept = found.facts.clone();
         let mut columns: Vec<usize> = Vec::new();
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MOST_CHANGES {
             let missing = self.sum.missing(&|j| bounds.of(j));
             let most = missing.iter().map(|(_, excess)| *excess).fold(0.0, f64::max);
             if missing.is_empty() || !most.is_finite() {
@@ -36,7 +36,7 @@ impl Relaxer<'_> {
             columns.dedup();
             let change = columns.iter().map(|&j| {
                 let sign = if bounds.of(j)[1].is_infinite() { 1.0 } else { -1.0 };
-                -sign * (sign * self.sum.coefficient(j) + MARGIN * most).max(0.0)
+                -sign * (sign * self.sum.coefficient(j) + TURNED_BY * most).max(0.0)
             });
             let change = change.collect();
             let steps = self.change(facts, &found.facts, &columns, change);
@@ -79,7 +79,7 @@ impl Relaxer<'_> {
         let (mut weights, mut direction) = (vec![0.0; columns.len()], rest.clone());
         let mut square = dot(&rest, &rest);
         let enough = 1e-24 * square;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_CHANGE_STEPS {
             if square.is_nan() || square <= enough {
                 break;
             }
