@@ -6,7 +6,7 @@
 //! `-g_j^2 / (2 s_j)`.
 
 use super::claim::Claim;
-use super::relaxed::conjugate_gradients;
+use super::conjugate_gradients::curved_solution;
 use super::tree::ProofWriter;
 
 /// Steps of the method of conjugate gradients, for each column with curvature.
@@ -148,7 +148,7 @@ impl ProofWriter<'_, '_> {
         let mut point: Vec<f64> = (0..program.column_count()).map(start).collect();
         let gradient = program.gradient(&point);
         let right: Vec<f64> = steep.iter().map(|&j| -gradient[j]).collect();
-        let moved = conjugate_gradients(program, steep, &right, STEPS_A_COLUMN * steep.len());
+        let moved = curved_solution(program, steep, &right, STEPS_A_COLUMN * steep.len());
         steep.iter().zip(moved).for_each(|(&j, step)| point[j] += step);
         point
     }

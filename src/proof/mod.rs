@@ -12,6 +12,7 @@
 //! * `convexity` - the proof that the objective is convex
 //! * `relaxed`, `cones` - multipliers of relaxations as sums of facts
 //! * `tightened` - rows with smaller big-Ms, as lemmas
+//! * `conjugate_gradients` - equations that need few digits
 //! * `root`, `curvature_bounds` - what holds everywhere
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums` - sums with signs that rounding has turned
@@ -21,6 +22,7 @@
 mod bounds;
 mod claim;
 mod cones;
+mod conjugate_gradients;
 mod convexity;
 mod curvature_bounds;
 mod fact_sum;

@@ -7,6 +7,7 @@
 use super::bounds::{Bounds, Side};
 use super::claim::Claim;
 use super::cones::ConeRow;
+use super::conjugate_gradients::curved_solution;
 use super::fact_sum::FactSum;
 use super::facts::Facts;
 use super::simple_sums::ObjectiveFact;
@@ -278,7 +279,7 @@ impl Relaxer<'_> {
         let mut point = vec![0.0; n];
         tangent.iter().for_each(|&(j, p)| point[j] = p);
         let left: Vec<f64> = curved.iter().map(|&j| self.sum.coefficient(j)).collect();
-        let moved = conjugate_gradients(program, &curved, &left, MOST_MOVES);
+        let moved = curved_solution(program, &curved, &left, MOST_MOVES);
         curved.iter().zip(&moved).for_each(|(&j, step)| point[j] += step);
         *tangent = self.tangent_point(&point);
         true
@@ -356,62 +357,3 @@ impl Relaxer<'_> {
 
 /// Steps of a move of a tangent's point.
 const MOST_MOVES: usize = 60;
-
-/// About the solution of `P x = right` over some columns, by conjugate gradients: the best of the steps.
-pub(super) fn conjugate_gradients(
-    program: &Program,
-    columns: &[usize],
-    right: &[f64],
-    steps: usize,
-) -> Vec<f64> {
-    let mut place = vec![usize::MAX; program.column_count()];
-    columns.iter().enumerate().for_each(|(k, &j)| place[j] = k);
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let diagonal = |j: &usize| {
-        let (rows, values) = program.quadratic_column(*j);
-        let own = rows.iter().zip(values).find(|(i, _)| *i == j);
-        own.map_or(1.0, |(_, a)| *a).max(f64::MIN_POSITIVE)
-    };
-    let scale: Vec<f64> = columns.iter().map(diagonal).collect();
-    let (mut x, mut rest) = (vec![0.0; columns.len()], right.to_vec());
-    let scaled =
-        |rest: &[f64]| -> Vec<f64> { rest.iter().zip(&scale).map(|(r, d)| r / d).collect() };
-    let mut direction = scaled(&rest);
-    let mut square = dot(&rest, &direction);
-    let enough = 1e-30 * square;
-    let mut best = (dot(&rest, &rest), x.clone());
-    for _ in 0..steps {
-        if square.is_nan() || square <= enough {
-            break;
-        }
-        let mut product = vec![0.0; columns.len()];
-        for (k, &j) in columns.iter().enumerate() {
-            let (rows, values) = program.quadratic_column(j);
-            for (&i, a) in rows.iter().zip(values) {
-                if let Some(entry) = product.get_mut(place[i]) {
-                    *entry += a * direction[k];
-                }
-            }
-        }
-        let along = dot(&direction, &product);
-        if along.is_nan() || along <= 0.0 {
-            break;
-        }
-        let step = square / along;
-        for k in 0..columns.len() {
-            x[k] += step * direction[k];
-            rest[k] -= step * product[k];
-        }
-        let length = dot(&rest, &rest);
-        if length < best.0 {
-            best = (length, x.clone());
-        }
-        let next_scaled = scaled(&rest);
-        let next = dot(&rest, &next_scaled);
-        for k in 0..columns.len() {
-            direction[k] = next_scaled[k] + next / square * direction[k];
-        }
-        square = next;
-    }
-    best.1
-}

@@ -2,6 +2,7 @@
 //! change of all multipliers turns the signs.
 
 use super::bounds::Bounds;
+use super::conjugate_gradients::conjugate_gradients;
 use super::facts::Facts;
 use super::relaxed::{FactRefutation, Relaxer};
 
@@ -38,8 +39,8 @@ impl Relaxer<'_> {
                 let sign = if bounds.of(j)[1].is_infinite() { 1.0 } else { -1.0 };
                 -sign * (sign * self.sum.coefficient(j) + TURNED_BY * most).max(0.0)
             });
-            let change = change.collect();
-            let steps = self.change(facts, &found.facts, &columns, change);
+            let change: Vec<f64> = change.collect();
+            let steps = self.change(facts, &found.facts, &columns, &change);
             for ((fact, y), step) in found.facts.iter_mut().zip(steps) {
                 let [lower, upper] = facts.limits(*fact);
                 let side = if *y + step > 0.0 { lower } else { upper };
@@ -62,11 +63,10 @@ impl Relaxer<'_> {
         facts: &Facts,
         multipliers: &[(usize, f64)],
         columns: &[usize],
-        mut rest: Vec<f64>,
+        change: &[f64],
     ) -> Vec<f64> {
         let mut place = vec![usize::MAX; self.program.column_count()];
         columns.iter().enumerate().for_each(|(k, &j)| place[j] = k);
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let largest = multipliers.iter().map(|(_, y)| y.abs()).fold(f64::MIN_POSITIVE, f64::max);
         // The steps of the multipliers that weights of the columns stand for.
         let steps = |weights: &[f64]| -> Vec<f64> {
@@ -76,36 +76,18 @@ impl Relaxer<'_> {
             };
             multipliers.iter().map(step).collect()
         };
-        let (mut weights, mut direction) = (vec![0.0; columns.len()], rest.clone());
-        let mut square = dot(&rest, &rest);
-        let enough = 1e-24 * square;
-        for _ in 0..MOST_CHANGE_STEPS {
-            if square.is_nan() || square <= enough {
-                break;
-            }
+        let product = |weights: &[f64]| {
             let mut product = vec![0.0; columns.len()];
-            for (&(fact, _), step) in multipliers.iter().zip(steps(&direction)) {
+            for (&(fact, _), step) in multipliers.iter().zip(steps(weights)) {
                 for (j, a) in facts.terms(fact) {
                     if let Some(entry) = product.get_mut(place[j]) {
                         *entry += a * step;
                     }
                 }
             }
-            let along = dot(&direction, &product);
-            if along.is_nan() || along <= 0.0 {
-                break;
-            }
-            let length = square / along;
-            for k in 0..columns.len() {
-                weights[k] += length * direction[k];
-                rest[k] -= length * product[k];
-            }
-            let next = dot(&rest, &rest);
-            for k in 0..columns.len() {
-                direction[k] = rest[k] + next / square * direction[k];
-            }
-            square = next;
-        }
-        steps(&weights)
+            product
+        };
+        let diagonal = vec![1.0; columns.len()];
+        steps(&conjugate_gradients(product, &diagonal, change, MOST_CHANGE_STEPS))
     }
 }

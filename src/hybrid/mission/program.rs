@@ -107,8 +107,8 @@ impl HybridProgram {
     ///
     /// Bounds and rows that the program has already, such as its start, decide parts of the mission
     /// beforehand: state the start and the goal first, and [`tighten`](HybridProgram::tighten) before this.
-    /// What changes these rows later must not make them wider, except for the value of a
-    /// [parameter](crate::model::Model::parameter) in its range.
+    /// Do not make these rows wider later, except by the value of a [parameter](crate::model::Model::parameter) in
+    /// its range.
     ///
     /// Plans are checked by the mission's [robustness](Mission::robustness), which knows nothing of the rows.
     /// The statements are `name_1`, `name_2`, ...

@@ -81,8 +81,8 @@ impl Attempt {
     }
 }
 
-/// What became of the log of a horizon, which [`Options::with_proof`](crate::solver::Options::with_proof) has
-/// asked for.
+/// The log of a horizon that [`Options::with_proof`](crate::solver::Options::with_proof) has asked for, with a report
+/// if there is one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct HorizonProof {

@@ -102,7 +102,7 @@ impl ShortestOptions {
     /// [`require_mission`](HybridProgram::require_mission) does: the shortest horizon is that at which the
     /// mission is true.
     ///
-    /// What is beyond the end of a run counts as not true there, so a horizon for which windows are too long is
+    /// Samples beyond the end of a run make nothing true, so a horizon for which windows are too long is
     /// refuted: an *eventually* must be true in time, and an *always* holds when its window is over, or at once
     /// if that is open, as in `always(0..)`. Waiting is not free, and every smaller horizon is refuted separately.
     ///
