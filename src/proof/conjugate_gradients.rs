@@ -3,7 +3,7 @@
 use crate::program::Program;
 
 /// The part of the first residual's square that ends the method (no unit).
-const ENOUGH: f64 = 1e-30;
+const CONVERGED_SHARE: f64 = 1e-30;
 
 /// About the solution of `A x = right` with a positive semidefinite A: the best of the steps.
 ///
@@ -23,7 +23,7 @@ pub(super) fn conjugate_gradients(
     let (mut x, mut rest) = (vec![0.0; right.len()], right.to_vec());
     let mut direction = scaled(&rest);
     let mut square = dot(&rest, &direction);
-    let enough = ENOUGH * square;
+    let enough = CONVERGED_SHARE * square;
     let mut best = (dot(&rest, &rest), x.clone());
     for _ in 0..steps {
         if square.is_nan() || square <= enough {
