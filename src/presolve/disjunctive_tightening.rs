@@ -59,7 +59,7 @@ pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<P
 
 /// Tightens the rows of a program to its bounds; `None` if no whole point satisfies one of them, or if
 /// they cannot be allocated.
-fn tighten_rows(program: &mut Program) -> Option<()> {
+pub(crate) fn tighten_rows(program: &mut Program) -> Option<()> {
     let columns =
         Columns { lower: &program.lower, upper: &program.upper, integral: &program.integral };
     let mut limits = Vec::with_capacity(program.row_count());

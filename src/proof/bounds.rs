@@ -72,6 +72,8 @@ struct FactActivity {
     /// Terms without an end.
     infinite: [u32; 2],
     error: f64,
+    /// The widest range of a term.
+    widest: f64,
 }
 
 impl Bounds {
@@ -175,6 +177,10 @@ impl Bounds {
                     activity.infinite[k] += 1;
                 }
             }
+            let range = ends[1] - ends[0];
+            if range > activity.widest {
+                activity.widest = range;
+            }
             count += 1.0;
         }
         // Twice what the sums, and the difference with one of their terms, can be off.
@@ -195,6 +201,11 @@ impl Bounds {
             }
             if activity.infinite[k] == 0 && sign * (activity.sum[k] - limit) > error {
                 return Err(Clash::Fact(fact, is_upper));
+            }
+            // No column can use up what the least sum leaves.
+            let left = sign * (limit - activity.sum[k]);
+            if activity.infinite[k] == 0 && left >= activity.widest {
+                continue;
             }
             for (j, a) in facts.terms(fact) {
                 let [lower, upper] = self.now[j];
@@ -242,6 +253,19 @@ impl Bounds {
         }
         self.apply(facts, (column, is_upper), value + 0.0, fact as u32);
         if crosses { Err(Clash::Column(column)) } else { Ok(()) }
+    }
+
+    /// The sides that have changed since a mark, with their values.
+    pub(super) fn changed_since(&self, mark: usize) -> impl Iterator<Item = (Side, f64)> + '_ {
+        // Later changes of a side replace earlier ones.
+        self.trail[mark..]
+            .iter()
+            .map(|change| ((change.column as usize, change.is_upper), change.value))
+    }
+
+    /// Marks the present bounds as known to the log, after [`reasons`](Self::reasons) of all sides were written.
+    pub(super) fn set_written(&mut self) {
+        self.trail.iter_mut().for_each(|change| change.fact = NOTHING);
     }
 
     /// The change that was in force for a side before some place of the trail.

@@ -45,6 +45,22 @@ impl Facts {
         number
     }
 
+    /// Forgets the facts from a number on.
+    pub(super) fn truncate(&mut self, count: usize) {
+        for number in count..self.len() {
+            for k in self.start[number]..self.start[number + 1] {
+                let of_column = &mut self.of_column[self.column[k] as usize];
+                of_column.retain(|&fact| (fact as usize) < count);
+            }
+        }
+        let entries = self.start[count];
+        self.start.truncate(count + 1);
+        self.column.truncate(entries);
+        self.value.truncate(entries);
+        self.lower.truncate(count);
+        self.upper.truncate(count);
+    }
+
     pub(super) fn len(&self) -> usize {
         self.lower.len()
     }

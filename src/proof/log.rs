@@ -28,8 +28,17 @@ pub(super) struct ProofLog<'a> {
     line: String,
     commands: u64,
     bytes: u64,
+    trial: Option<LogTrial>,
     /// The first failure to write; nothing is written after it.
     failure: Option<io::Error>,
+}
+
+/// Lines that may be dropped again, with the counts before them.
+#[derive(Debug, Default)]
+struct LogTrial {
+    lines: String,
+    commands: u64,
+    bytes: u64,
 }
 
 /// Terms of a line: how many there are, then columns and numbers.
@@ -55,8 +64,8 @@ impl<'a> ProofLog<'a> {
         names: &Names<'_>,
         claim: Claim,
     ) -> Self {
-        let (line, commands, bytes, failure) = Default::default();
-        let mut log = ProofLog { out, line, commands, bytes, failure };
+        let (line, commands, bytes, trial, failure) = Default::default();
+        let mut log = ProofLog { out, line, commands, bytes, trial, failure };
         let sense = if program.sign < 0.0 { "max" } else { "min" };
         log.put(format_args!("carom proof 1"));
         log.put(format_args!("sense {sense}"));
@@ -117,10 +126,39 @@ impl<'a> ProofLog<'a> {
         self.line.push('\n');
         self.commands += 1;
         self.bytes += self.line.len() as u64;
-        if self.failure.is_none() {
-            self.failure = self.out.write_all(self.line.as_bytes()).err();
+        match &mut self.trial {
+            Some(trial) => trial.lines.push_str(&self.line),
+            None if self.failure.is_none() => {
+                self.failure = self.out.write_all(self.line.as_bytes()).err();
+            }
+            None => {}
         }
         self.line.clear();
+    }
+
+    /// Keeps the lines that follow until it is known whether they lead anywhere.
+    pub(super) fn begin_trial(&mut self) {
+        let (commands, bytes) = (self.commands, self.bytes);
+        self.trial = Some(LogTrial { lines: String::new(), commands, bytes });
+    }
+
+    /// The bytes of the present trial.
+    pub(super) fn trial_size(&self) -> usize {
+        self.trial.as_ref().map_or(0, |trial| trial.lines.len())
+    }
+
+    /// Writes the lines of a trial.
+    pub(super) fn keep_trial(&mut self) {
+        if let Some(trial) = self.trial.take().filter(|_| self.failure.is_none()) {
+            self.failure = self.out.write_all(trial.lines.as_bytes()).err();
+        }
+    }
+
+    /// Forgets the lines of a trial.
+    pub(super) fn drop_trial(&mut self) {
+        if let Some(trial) = self.trial.take() {
+            (self.commands, self.bytes) = (trial.commands, trial.bytes);
+        }
     }
 
     /// A bound from a fact.
@@ -199,6 +237,13 @@ impl<'a> ProofLog<'a> {
     /// A split into two contexts.
     pub(super) fn split(&mut self, column: usize, value: f64) {
         self.put(format_args!("s {column} {}", Number(value)));
+    }
+
+    /// A split into two contexts by a form.
+    pub(super) fn split_form(&mut self, value: f64, terms: impl Iterator<Item = (usize, f64)>) {
+        let _ = write!(self.line, "f {}", Number(value));
+        write_terms(&mut self.line, terms);
+        self.end_line();
     }
 
     /// A row that the context behind it proves by contradiction.

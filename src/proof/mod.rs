@@ -14,12 +14,16 @@
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `conjugate_gradients` - equations that need few digits
 //! * `root`, `curvature_bounds` - what holds everywhere
+//! * `case_bounds` - bounds that hold in all cases of a disjunction
+//! * `lemma` - rows with proofs of a few splits
+//! * `strengthened` - smaller big-Ms, bounds and cuts of the root, as lemmas
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
 //! * `log` - the text
 
 mod bounds;
+mod case_bounds;
 mod claim;
 mod cones;
 mod conjugate_gradients;
@@ -29,12 +33,14 @@ mod fact_sum;
 mod facts;
 mod guide;
 mod guided_splits;
+mod lemma;
 mod log;
 mod relaxed;
 mod repaired_sums;
 mod root;
 mod search;
 mod simple_sums;
+mod strengthened;
 mod tightened;
 mod tree;
 
@@ -108,13 +114,16 @@ impl ProofRequest<'_> {
         }
         let relaxer = Relaxer {
             within: program.clone(),
+            fact_of_row: (0..program.row_count()).collect(),
             program,
             claim,
             options,
             token,
             ladder: ladders.take(),
             ladders,
+            warm: None,
             sum: FactSum::default(),
+            tight_sum: FactSum::default(),
             deficits: Vec::new(),
             objective: Vec::new(),
         };
@@ -124,6 +133,10 @@ impl ProofRequest<'_> {
             bounds,
             relaxer,
             splits_left: most_splits,
+            trial_left: None,
+            lemma_splits: 0,
+            lemma_fact: 0,
+            lemma_cases: Vec::new(),
             gaps: 0,
         };
         let result = writer.run(Rc::new(guide));

@@ -14,7 +14,9 @@ use super::simple_sums::ObjectiveFact;
 use super::tightened::{RowsBefore, TightRowLemma};
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
-use crate::relaxation::{Ladder, LadderPool, Purpose, RelaxationQuestion, RelaxationVerdict};
+use crate::relaxation::{
+    Ladder, LadderPool, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
+};
 use crate::solver::{Options, StopToken};
 
 /// A sum of facts that contradicts the bounds of a context.
@@ -45,8 +47,10 @@ pub(super) enum Relaxed {
 
 /// Relaxes contexts.
 pub(super) struct Relaxer<'a> {
-    /// The program with the claim's objective, its rows those of the facts.
+    /// The program with the claim's objective, its rows among the facts.
     pub(super) program: Program,
+    /// By row of the program, its fact.
+    pub(super) fact_of_row: Vec<usize>,
     pub(super) claim: Claim,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
@@ -55,6 +59,10 @@ pub(super) struct Relaxer<'a> {
     /// The same program, with the bounds of the context that is searched.
     pub(super) within: Program,
     pub(super) sum: FactSum,
+    /// The sum for the proofs of tightened rows.
+    pub(super) tight_sum: FactSum,
+    /// The state that the last relaxation has left: the next context is near.
+    pub(super) warm: Option<WarmState>,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
     /// The facts that a linear objective is, the strongest first.
@@ -133,16 +141,17 @@ impl Relaxer<'_> {
             (Claim::Bound(bound), None) => bound,
             (Claim::Infeasible, _) => f64::INFINITY,
         };
+        let warm = self.warm.take();
         let question = RelaxationQuestion {
-            purpose: Purpose::Root,
+            purpose: if warm.is_some() { Purpose::Node } else { Purpose::Root },
             cutoff,
             options: self.options,
             constant: self.program.constant,
             look_for_descent: false,
             token: self.token,
-            warm: None,
+            warm: warm.as_ref(),
         };
-        let verdict = self.ladder.solve(&mut reduced, &question);
+        let mut verdict = self.ladder.solve(&mut reduced, &question);
         let mut is_short = false;
         let cuts = self.ladder.take_cone_cuts();
         let relaxed = match &verdict {
@@ -186,6 +195,10 @@ impl Relaxer<'_> {
                 relaxed.unwrap_or(Relaxed::Open(Some(point)))
             }
         };
+        self.warm = match &mut verdict {
+            RelaxationVerdict::Relaxed { warm: state, .. } => state.take().or(warm),
+            _ => warm,
+        };
         self.ladder.reuse(verdict);
         self.ladder.reducer().reuse(reduced);
         // What has changed the rows may have no proof.
@@ -216,22 +229,25 @@ impl Relaxer<'_> {
         y: &[f64],
     ) -> FactRefutation {
         let mut found = FactRefutation::default();
+        let mut merged_rows: Vec<(usize, usize, f64)> = reduced.merged.clone();
+        merged_rows.sort_by_key(|row| row.0);
         for (k, &multiplier) in y.iter().enumerate() {
-            let Some(&row) = reduced.origin.get(k).filter(|row| **row < facts.len()) else {
-                continue;
-            };
+            let fact_of = |row: &usize| self.fact_of_row.get(*row).copied();
+            let Some(row) = reduced.origin.get(k).and_then(fact_of) else { continue };
             if multiplier == 0.0 {
                 continue;
             }
-            let merged = reduced.merged.iter().filter(|(kept, ..)| *kept == k);
-            let sources = std::iter::once((row, 1.0)).chain(merged.clone().map(|m| (m.1, m.2)));
+            let begin = merged_rows.partition_point(|row| row.0 < k);
+            let own = merged_rows[begin..].iter().take_while(|row| row.0 == k);
+            let merged = own.filter_map(|(_, row, ratio)| Some((fact_of(row)?, *ratio)));
+            let sources = std::iter::once((row, 1.0)).chain(merged.clone());
             if let Some(tight) = before.changed(reduced, k, sources.collect()) {
                 if (multiplier > 0.0) == tight.is_upper {
                     found.tight.push((tight, -multiplier));
                 }
                 continue;
             }
-            let candidates = std::iter::once((row, 1.0)).chain(merged.map(|&(_, row, r)| (row, r)));
+            let candidates = std::iter::once((row, 1.0)).chain(merged);
             // Of parallel rows, the one whose limit is the nearest in the direction of the multiplier.
             let limit = |&(row, ratio): &(usize, f64)| {
                 let fixed = |j: usize| {
@@ -300,11 +316,11 @@ impl Relaxer<'_> {
             sum.add_to_limit(y * if y > 0.0 { lower } else { upper });
             facts.terms(fact).for_each(|(j, a)| sum.add(j, a, y));
         }
+        let own = &mut self.tight_sum;
         for (row, y) in &mut found.tight {
             let columns = self.program.column_count();
-            let mut own = FactSum::default();
             row.steps.clear();
-            let needed = row.prove(facts, &|j| bounds.of(j), &mut own, columns);
+            let needed = row.prove(facts, &|j| bounds.of(j), own, columns);
             found.sides.extend(needed?);
             sum.add_to_limit(*y * row.limit);
             row.terms.iter().for_each(|&(j, a)| sum.add(j, a, *y));

@@ -41,7 +41,14 @@ impl ProofWriter<'_, '_> {
         }
         let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
         let begin = Probing::new(order, ProofPart::Node(guide, 0), None);
-        self.close(ProofPart::Probing(Box::new(begin)))
+        let begin = ProofPart::Probing(Box::new(begin));
+        if self.relaxer.program.integers.is_empty() {
+            return self.close(begin);
+        }
+        if self.closes_at_once(begin.clone())? || self.strengthen()? {
+            return Ok(());
+        }
+        self.close(begin)
     }
 
     /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`, or twice an

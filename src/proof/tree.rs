@@ -20,6 +20,12 @@ const MOST_FAILURES: usize = 100;
 /// Own splits below each other after which a search is asked again.
 const SPLITS_BETWEEN_SEARCHES: u32 = 6;
 
+/// The bytes from which on a trial is no longer one.
+const LARGEST_TRIAL: usize = 1 << 24;
+
+/// Own splits below each other before the first search.
+const SPLITS_BEFORE_A_SEARCH: u32 = 3;
+
 /// Where a part of the tree goes on.
 #[derive(Debug, Clone)]
 pub(super) enum ProofPart {
@@ -33,6 +39,8 @@ pub(super) enum ProofPart {
     Own(u32),
     /// Where integral columns are still to be probed.
     Probing(Box<Probing>),
+    /// In the proof of a lemma, with few splits.
+    Lemma,
 }
 
 /// A probing of integral columns: each is tried at both values, and what propagation refutes is split off.
@@ -75,6 +83,14 @@ pub(super) struct ProofWriter<'a, 'b> {
     pub(super) relaxer: Relaxer<'a>,
     /// Own splits that may still be made.
     pub(super) splits_left: u64,
+    /// Splits that a trial may still make; `None` outside of trials.
+    pub(super) trial_left: Option<u64>,
+    /// Splits that the proof of a lemma may still make.
+    pub(super) lemma_splits: u32,
+    /// The fact that is the negation of a lemma.
+    pub(super) lemma_fact: usize,
+    /// The binaries that the proof of a lemma splits first.
+    pub(super) lemma_cases: Vec<usize>,
     /// Contexts that no sum of facts has closed.
     pub(super) gaps: u64,
 }
@@ -86,6 +102,10 @@ impl ProofWriter<'_, '_> {
         let (mut open, mut next) = (Vec::new(), Some(part));
         let mut conflict = self.bounds.propagate(&self.facts).err();
         loop {
+            if self.trial_left.is_some() && self.log.trial_size() > LARGEST_TRIAL {
+                self.log.keep_trial();
+                self.trial_left = None;
+            }
             if let Some(what) = conflict.take() {
                 self.write_conflict(what);
             } else if let Some(part) = next.take()
@@ -113,7 +133,7 @@ impl ProofWriter<'_, '_> {
         Ok(())
     }
 
-    fn enter(&mut self, decision: Decision) -> Option<Clash> {
+    pub(super) fn enter(&mut self, decision: Decision) -> Option<Clash> {
         let Decision { column, is_upper, value } = decision;
         let [lower, upper] = self.bounds.of(column);
         if (is_upper && value < upper) || (!is_upper && value > lower) {
@@ -152,6 +172,10 @@ impl ProofWriter<'_, '_> {
                         }
                         then => then,
                     }
+                }
+                ProofPart::Lemma => {
+                    let split = self.split_lemma()?;
+                    return Ok(split.map(|split| (split, ProofPart::Lemma, ProofPart::Lemma)));
                 }
                 ProofPart::Node(guide, node) if guide.fork(node).is_some() => {
                     ProofPart::Splits(guide, node, 0)
@@ -228,21 +252,36 @@ impl ProofWriter<'_, '_> {
         }
         let depth = match part {
             ProofPart::End(guide) if guide.is_plain => 0,
+            // A search costs more than a few splits, which often suffice.
+            ProofPart::End(_) => SPLITS_BETWEEN_SEARCHES - SPLITS_BEFORE_A_SEARCH,
             ProofPart::Own(depth) if depth < SPLITS_BETWEEN_SEARCHES => depth,
             _ => match self.relaxer.search(&self.bounds)? {
-                Some(guide) => return Ok(Step::Again(ProofPart::Node(Rc::new(guide), 0))),
+                Some(guide) => {
+                    self.spend_trial(guide.forks.len() as u64)?;
+                    return Ok(Step::Again(ProofPart::Node(Rc::new(guide), 0)));
+                }
                 None => 0,
             },
         };
         let Some(decision) = self.own_split(point.as_deref()) else {
             // No checker accepts this step: what the search has closed here has a point.
+            self.spend_trial(u64::MAX)?;
             self.log.remark("no sum of facts closes this context");
             self.log.contradiction(std::iter::empty());
             self.gaps += 1;
             return Ok(Step::Closed);
         };
         self.splits_left = self.splits_left.checked_sub(1).ok_or(Limit)?;
+        self.spend_trial(1)?;
         Ok(Step::Split(decision, ProofPart::Own(depth + 1)))
+    }
+
+    /// Counts splits of a trial.
+    fn spend_trial(&mut self, splits: u64) -> Result<(), Limit> {
+        if let Some(left) = &mut self.trial_left {
+            *left = left.checked_sub(splits).ok_or(Limit)?;
+        }
+        Ok(())
     }
 
     /// The integral columns to probe: the fractional ones, the most fractional first, then some others.
@@ -285,7 +324,7 @@ impl ProofWriter<'_, '_> {
     }
 
     /// The integral column to split: the most fractional one, or any that is not fixed.
-    fn own_split(&self, point: Option<&[f64]>) -> Option<Decision> {
+    pub(super) fn own_split(&self, point: Option<&[f64]>) -> Option<Decision> {
         let program = &self.relaxer.program;
         let is_free = |j: &&usize| {
             let [lower, upper] = self.bounds.of(**j);

@@ -103,7 +103,7 @@ pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};
 pub(crate) use root::Root;
-pub(crate) use root_point::PilotResult;
+pub(crate) use root_point::{PilotResult, Strengthened};
 pub(crate) use start::Completion;
 pub use start::{Start, StartPoint};
 pub use task::{PointJudge, SolveTask};

@@ -170,9 +170,10 @@ pub(crate) fn with_perspective(
         tighter = found.filter(|(_, best)| point.is_lifted_by(TOTAL_LIFT, best.value));
     }
     let (tighter, point) = match tighter {
-        Some((program, best)) => {
-            (Some(Strengthened { program, values: [point.value, best.value] }), best)
-        }
+        Some((program, best)) => (
+            Some(Strengthened { program, values: [point.value, best.value], cuts: Vec::new() }),
+            best,
+        ),
         None => (None, point),
     };
     root.point = Some(point);

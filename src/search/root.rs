@@ -100,6 +100,11 @@ impl Root {
         root
     }
 
+    /// The bounds of a column; `None` if there is no point.
+    pub(crate) fn bounds(&self, column: usize) -> Option<[f64; 2]> {
+        self.conflict.is_none().then(|| self.domain.bounds(column))
+    }
+
     /// Carries the root over to a program over the same columns with another objective or further
     /// rows.
     pub(crate) fn carry_over(&mut self, program: &Program, token: &StopToken) {

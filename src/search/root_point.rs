@@ -1,6 +1,7 @@
 //! The relaxed point of a root, and its value: for what strengthens a program before the search, and
 //! for the search, which need not relax the same root again.
 
+use super::cuts::Cut;
 use crate::presolve::{Domain, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{Ladder, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
@@ -28,6 +29,9 @@ pub(crate) struct Strengthened {
     pub(crate) program: Program,
     /// The value of the relaxed root before and after.
     pub(crate) values: [f64; 2],
+    /// The cuts of all rounds, in their order: each follows from rows, bounds and those before it. The program has
+    /// some of them.
+    pub(crate) cuts: Vec<Cut>,
 }
 
 /// The result of a pilot search: a search of one node, which tells whether cuts are wanted.

@@ -5,6 +5,13 @@ use std::collections::BTreeMap;
 
 use crate::presolve::Domain;
 
+/// A sum of whole multiples of integral columns. No point has it strictly between `value` and `value + 1`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct WholeForm {
+    pub(crate) terms: Vec<(usize, f64)>,
+    pub(crate) value: f64,
+}
+
 /// A row `terms <= limit` that every whole point of a program satisfies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cut {
@@ -12,6 +19,9 @@ pub struct Cut {
     pub terms: Vec<(usize, f64)>,
     /// The limit.
     pub limit: f64,
+    /// The form that was rounded: where it is at most its value, and where it is at least the next one, the cut
+    /// follows from rows and bounds. `None` if it was found in another way.
+    pub(crate) form: Option<WholeForm>,
 }
 
 impl Cut {
@@ -47,7 +57,7 @@ impl Cut {
         }
         limit += CUTS.limit_margin * size;
         kept.iter_mut().for_each(|(_, a)| *a /= largest);
-        let cut = Cut { terms: kept, limit: limit / largest };
+        let cut = Cut { terms: kept, limit: limit / largest, form: None };
         (cut.depth(x) >= CUTS.least_depth && cut.limit.is_finite()).then_some(cut)
     }
 

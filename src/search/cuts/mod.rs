@@ -13,6 +13,7 @@ mod rounding;
 mod separated_point;
 
 pub use cut::Cut;
+pub(crate) use cut::WholeForm;
 pub use cut_sets::cut_set_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
 pub use polymatroid::polymatroid_cuts;
@@ -21,6 +22,7 @@ use parameters::CUTS;
 
 use super::root::Root;
 use super::root_point::{PilotResult, RootPoint, Strengthened};
+
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::Ladder;
@@ -68,6 +70,8 @@ pub(crate) fn strengthen(
         best,
         curved,
         cuts: Vec::new(),
+        found: Vec::new(),
+        keeps_found: options.proof.is_some(),
         ages: Vec::new(),
         sets: Sets::Untried,
     };
@@ -78,7 +82,8 @@ pub(crate) fn strengthen(
     let more = last.as_ref().and_then(|last| {
         rounds.drop_idle(&last.x, 0);
         let program = with_cuts(program, &rounds.cuts)?;
-        Some(Strengthened { program, values: [point.value, last.value] })
+        let cuts = std::mem::take(&mut rounds.found);
+        Some(Strengthened { program, values: [point.value, last.value], cuts })
     });
     let point = last.filter(|_| more.is_some()).unwrap_or(point);
     root.point = Some(point.with_bound(bound));
@@ -94,6 +99,9 @@ struct CutRounds<'a> {
     /// 1 for a curved objective, 0 for a linear one.
     curved: usize,
     cuts: Vec<Cut>,
+    /// The cuts of all rounds, if a proof wants to know them.
+    found: Vec<Cut>,
+    keeps_found: bool,
     /// By cut, the rounds since it was active.
     ages: Vec<u32>,
     sets: Sets,
@@ -175,6 +183,9 @@ impl CutRounds<'_> {
         };
         let some = !found.is_empty();
         self.ages.extend(found.iter().map(|_| 0));
+        if self.keeps_found {
+            self.found.extend(found.iter().cloned());
+        }
         self.cuts.extend(found);
         let mut best = if some { relax(&self.cuts) } else { None };
         if !sets.is_empty() {
@@ -188,6 +199,7 @@ impl CutRounds<'_> {
             self.sets = if both.is_some() { Sets::Help } else { Sets::Idle };
             if both.is_some() {
                 self.ages.extend(sets.iter().map(|_| 0));
+                self.found.extend(sets.iter().filter(|_| self.keeps_found).cloned());
                 self.cuts = all;
                 best = both;
             }

@@ -8,7 +8,7 @@
 use super::parameters::CUTS;
 use std::collections::BTreeMap;
 
-use super::cut::{Cut, reach};
+use super::cut::{Cut, WholeForm, reach};
 use super::separated_point::{From, SeparatedPoint};
 use crate::presolve::Domain;
 
@@ -411,5 +411,25 @@ fn write(point: &SeparatedPoint<'_>, base: &Base, divisor: f64, size: f64) -> Op
         }
     }
     let Total { terms, limit, size, .. } = total;
-    Cut::new(terms, limit, size, domain, x)
+    let mut cut = Cut::new(terms, limit, size, domain, x)?;
+    cut.form = Some(whole_form(base, divisor, f));
+    Some(cut)
+}
+
+/// The form whose rounding the cut is: in measured columns, the coefficients of the aggregate over the divisor,
+/// rounded down where their fraction is less than `f`, and else up.
+fn whole_form(base: &Base, divisor: f64, f: f64) -> WholeForm {
+    let mut form = WholeForm { terms: Vec::new(), value: (base.right / divisor).floor() };
+    for whole in &base.whole {
+        let a = rounded(whole.coefficient / divisor, f).ceil();
+        match whole.at_upper {
+            true => form.value -= a * whole.bounds[1],
+            false => form.value += a * whole.bounds[0],
+        }
+        let a = if whole.at_upper { -a } else { a };
+        if a != 0.0 {
+            form.terms.push((whole.column, a));
+        }
+    }
+    form
 }

@@ -1,0 +1,210 @@
+//! The root of a search as lemmas: smaller big-Ms, tighter bounds, cuts.
+//!
+//! They are found on the lowered program as a search finds them, and none of that is trusted: each is proved by
+//! a contradiction with a few splits, or left out.
+
+use super::claim::Claim;
+use super::lemma::Lemma;
+use super::tree::{Limit, ProofPart, ProofWriter};
+use crate::presolve::{tighten_big_ms, tighten_rows};
+use crate::program::{Addition, Program};
+use crate::search::cuts::strengthen;
+use crate::search::{PilotResult, Root, Strengthened};
+
+/// Splits besides those of the search after which a proof begins again with lemmas.
+const FEW_OWN_SPLITS: u64 = 30;
+
+/// Lemmas of a kind, in a row, that may have no proof.
+const MOST_UNPROVED: u32 = 25;
+
+/// The least change of a bound of a continuous column that is worth a lemma, relative to the width (no unit).
+const BOUND_GAIN: f64 = 1e-2;
+
+impl ProofWriter<'_, '_> {
+    /// Closes the program if few splits besides those of the search suffice.
+    pub(super) fn closes_at_once(&mut self, part: ProofPart) -> Result<bool, Limit> {
+        let (mark, splits) = (self.bounds.mark(), self.splits_left);
+        self.log.begin_trial();
+        self.trial_left = Some(FEW_OWN_SPLITS);
+        let closed = self.close(part);
+        let is_trial = self.trial_left.take().is_some();
+        if closed.is_ok() {
+            self.log.keep_trial();
+        } else if !is_trial || self.relaxer.token.is_over() {
+            self.log.keep_trial();
+            return Err(Limit);
+        } else {
+            self.log.drop_trial();
+            self.bounds.undo_to(mark);
+            self.splits_left = splits;
+        }
+        Ok(closed.is_ok())
+    }
+
+    /// Proves what the root of a search knows beyond the program. Returns whether that closes the program.
+    pub(super) fn strengthen(&mut self) -> Result<bool, Limit> {
+        let (options, token) = (self.relaxer.options, self.relaxer.token);
+        if self.bound_by_cases()? {
+            return Ok(true);
+        }
+        let mut tight = self.bounded();
+        if tighten_rows(&mut tight).is_none() {
+            tight = self.bounded();
+        }
+        let tight = tighten_big_ms(&tight, token).unwrap_or(tight);
+        if self.prove_rows(&tight)? {
+            return Ok(true);
+        }
+        let begun = self.bounded();
+        let mut root = Root::new(&begun, token, options.probing);
+        if self.prove_bounds(&|j| root.bounds(j))? {
+            return Ok(true);
+        }
+        if let Claim::Bound(bound) = self.relaxer.claim {
+            let begun = self.bounded();
+            let mut ladder = self.relaxer.ladders.take();
+            let mut known = |_: &Root| {
+                let (value, bound) = (Some(bound), f64::NEG_INFINITY);
+                Some(PilotResult { value, bound, is_closed: false })
+            };
+            let cut = strengthen(&begun, &mut root, options, token, &mut ladder, &mut known);
+            self.relaxer.ladders.give_back(ladder);
+            if let Some(cut) = cut
+                && self.prove_cuts(&cut)?
+            {
+                return Ok(true);
+            }
+        }
+        self.relaxer.within = self.relaxer.program.clone();
+        let all = 0..self.relaxer.program.column_count();
+        self.write_bounds(all.flat_map(|j| [(j, false), (j, true)]));
+        self.bounds.set_written();
+        Ok(false)
+    }
+
+    /// The program with the present bounds.
+    fn bounded(&self) -> Program {
+        let mut program = self.relaxer.program.clone();
+        for (j, [lower, upper]) in self.bounds.all().iter().enumerate() {
+            (program.lower[j], program.upper[j]) = (*lower, *upper);
+        }
+        program
+    }
+
+    /// Proves bounds of columns.
+    fn prove_bounds(&mut self, found: &dyn Fn(usize) -> Option<[f64; 2]>) -> Result<bool, Limit> {
+        let mut unproved = 0;
+        for j in 0..self.relaxer.program.column_count() {
+            let Some(limits) = found(j) else { break };
+            for (is_upper, limit) in [(false, limits[0]), (true, limits[1])] {
+                if unproved >= MOST_UNPROVED || !self.is_gain(j, is_upper, limit) {
+                    continue;
+                }
+                let is_integral = self.relaxer.program.integral[j];
+                let lemma = Lemma::bound(j, is_upper, limit, is_integral);
+                let is_proved = self.prove(&lemma)?.is_some();
+                unproved = if is_proved { 0 } else { unproved + 1 };
+                if is_proved && self.propagate_root() {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    /// Whether a bound changes the present one by enough.
+    pub(super) fn is_gain(&self, column: usize, is_upper: bool, limit: f64) -> bool {
+        let [lower, upper] = self.bounds.of(column);
+        let gain = if is_upper { upper - limit } else { limit - lower };
+        let is_integral = self.relaxer.program.integral[column];
+        let least = if is_integral { 0.5 } else { BOUND_GAIN * (upper - lower) };
+        limit.is_finite() && (gain == f64::INFINITY || gain > least)
+    }
+
+    /// Proves the rows of a program with smaller big-Ms, and puts them into the place of those that they were.
+    fn prove_rows(&mut self, tight: &Program) -> Result<bool, Limit> {
+        let before = self.relaxer.program.clone();
+        let facts = self.relaxer.fact_of_row.clone();
+        let (mut rows, mut unproved): (Vec<(usize, Addition)>, u32) = (Vec::new(), 0);
+        for (row, &fact) in facts.iter().enumerate() {
+            let terms = terms_of(tight, row);
+            let limits = [tight.row_lower[row], tight.row_upper[row]];
+            let old = (terms_of(&before, row), [before.row_lower[row], before.row_upper[row]]);
+            let is_same = old.0 == terms;
+            let mut is_replaced = false;
+            for (side, is_upper) in [(0, false), (1, true)] {
+                let is_old = limits[side].is_infinite() || (is_same && limits[side] == old.1[side]);
+                if is_old || unproved >= MOST_UNPROVED {
+                    continue;
+                }
+                let (terms, limit, form) = (terms.clone(), limits[side], None);
+                let mut lemma = Lemma { terms, is_upper, limit, form };
+                lemma.terms.retain(|(_, a)| *a != 0.0);
+                let spare = self.spare(&lemma);
+                lemma.limit += if is_upper { spare } else { -spare };
+                let proved = self.prove(&lemma)?;
+                unproved = if proved.is_some() { 0 } else { unproved + 1 };
+                let Some(fact) = proved else { continue };
+                if self.propagate_root() {
+                    return Ok(true);
+                }
+                let limits = lemma.limits();
+                is_replaced = true;
+                rows.push((fact, (lemma.terms, limits)));
+            }
+            // A row with two sides says more than one of them.
+            if !is_replaced || (limits[0].is_finite() && limits[1].is_finite()) {
+                rows.push((fact, old));
+            }
+        }
+        let entries = rows.iter().enumerate().flat_map(|(k, (_, row))| {
+            let terms = row.0.iter();
+            terms.map(move |&(j, a)| (k, j, a))
+        });
+        let limits: Vec<[f64; 2]> = rows.iter().map(|(_, row)| row.1).collect();
+        self.relaxer.program.replace_rows(entries, &limits).ok_or(Limit)?;
+        self.relaxer.fact_of_row = rows.iter().map(|(fact, _)| *fact).collect();
+        Ok(false)
+    }
+
+    /// Proves cuts, of which those of the strengthened program become rows.
+    fn prove_cuts(&mut self, cut: &Strengthened) -> Result<bool, Limit> {
+        let before = self.relaxer.program.clone();
+        let (mut kept, mut unproved) = (Vec::new(), 0);
+        for own in &cut.cuts {
+            let (terms, form) = (own.terms.clone(), own.form.clone());
+            let lemma = Lemma { terms, is_upper: true, limit: own.limit, form };
+            if unproved >= MOST_UNPROVED {
+                break;
+            }
+            let proved = self.prove(&lemma)?;
+            unproved = if proved.is_some() { 0 } else { unproved + 1 };
+            let Some(fact) = proved else { continue };
+            if self.propagate_root() {
+                return Ok(true);
+            }
+            let limits = lemma.limits();
+            let row = (lemma.terms, limits);
+            self.relaxer.program.append(&[], std::slice::from_ref(&row)).ok_or(Limit)?;
+            self.relaxer.fact_of_row.push(fact);
+            kept.push((fact, row));
+        }
+        // Rows that no point of the last round has made use of would be in the way.
+        self.relaxer.program = before;
+        let rows = self.relaxer.program.row_count();
+        self.relaxer.fact_of_row.truncate(rows);
+        let last: Vec<_> =
+            (rows..cut.program.row_count()).map(|k| terms_of(&cut.program, k)).collect();
+        let is_last = |row: &Addition| last.contains(&row.0);
+        kept.retain(|(_, row)| is_last(row));
+        self.relaxer.fact_of_row.extend(kept.iter().map(|(fact, _)| *fact));
+        let kept: Vec<Addition> = kept.into_iter().map(|(_, row)| row).collect();
+        self.relaxer.program.append(&[], &kept).ok_or(Limit)?;
+        Ok(false)
+    }
+}
+
+fn terms_of(program: &Program, row: usize) -> Vec<(usize, f64)> {
+    let (columns, values) = program.row(row);
+    columns.iter().copied().zip(values.iter().copied()).collect()
+}
