@@ -14,6 +14,7 @@
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `conjugate_gradients` - equations that need few digits
 //! * `root`, `curvature_bounds` - what holds everywhere
+//! * `switched` - products that make squares tighter, and are 0 at every point
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
@@ -35,6 +36,7 @@ mod repaired_sums;
 mod root;
 mod search;
 mod simple_sums;
+mod switched;
 mod tightened;
 mod tree;
 
@@ -52,6 +54,7 @@ use facts::Facts;
 pub(crate) use guide::Guide;
 use log::{Names, ProofLog};
 use relaxed::Relaxer;
+use switched::ObjectiveTerms;
 use tree::ProofWriter;
 
 /// A proof that is asked for.
@@ -107,6 +110,7 @@ impl ProofRequest<'_> {
             program.make_feasibility_problem();
         }
         let relaxer = Relaxer {
+            terms: ObjectiveTerms::of(&program),
             within: program.clone(),
             program,
             claim,

@@ -99,7 +99,7 @@ pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
 pub use found::SearchResult;
 pub(crate) use outer_approximation::{ConeApproximation, approximate_cones};
-pub(crate) use perspective::with_perspective;
+pub(crate) use perspective::{lifting_slopes, with_perspective};
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};
 pub(crate) use root::Root;
