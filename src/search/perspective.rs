@@ -160,8 +160,7 @@ pub(crate) fn with_perspective(
     if all.is_empty() || root.conflict.is_some() {
         return None;
     }
-    let (best, point) =
-        best_perspective(program, &root.domain, all, (options, token, ladder))?;
+    let (best, point) = best_perspective(program, &root.domain, all, (options, token, ladder))?;
     let (tighter, point) = match best {
         Some(Perspective { program, point: best, .. }) => {
             (Some(Strengthened { program, values: [point.value, best.value] }), best)
