@@ -127,9 +127,20 @@ pub(crate) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     pub(crate) fn new(small: &'a Small, choices: &'a [u8]) -> Self {
-        let facts = small.rows.len();
-        let mut writer = Writer { small, choices, used: 0, facts, lines: Vec::new() };
-        writer.write();
+        let mut writer =
+            Writer { small, choices, used: 0, facts: small.rows.len(), lines: Vec::new() };
+        let products = if writer.choice(2) == 0 { zero_products(small) } else { Vec::new() };
+        let products: Vec<Product> =
+            products.into_iter().filter(|_| writer.choice(2) == 0).collect();
+        writer.write(&products);
+        writer
+    }
+
+    /// A proof that adds these products to the objective, whether they are 0 or not.
+    pub(crate) fn with_products(small: &'a Small, choices: &'a [u8], products: &[Product]) -> Self {
+        let mut writer =
+            Writer { small, choices, used: 0, facts: small.rows.len(), lines: Vec::new() };
+        writer.write(products);
         writer
     }
 
@@ -148,12 +159,10 @@ impl<'a> Writer<'a> {
         self.facts - 1
     }
 
-    fn write(&mut self) {
-        let products = if self.choice(2) == 0 { zero_products(self.small) } else { Vec::new() };
-        let chosen: Vec<_> = products.into_iter().filter(|_| self.choice(2) == 0).collect();
-        match chosen.is_empty() {
+    fn write(&mut self, products: &[Product]) {
+        match products.is_empty() {
             true => self.convexity(),
-            false => self.products(&chosen),
+            false => self.products(products),
         }
         let mut bounds = self.small.bounds.clone();
         self.tree(&mut bounds);
@@ -323,7 +332,7 @@ impl<'a> Writer<'a> {
 }
 
 /// A column, its value while a binary is off, the binary, where that is, and the bounds that say so.
-type Product = (usize, i64, usize, i64, Vec<String>);
+pub(crate) type Product = (usize, i64, usize, i64, Vec<String>);
 
 /// All products that are 0 by the bounds and one row for each side of the column.
 fn zero_products(small: &Small) -> Vec<Product> {
