@@ -5,7 +5,7 @@
 //! `q/2 (x - v)^2 + q r (x - v) (1 - w) - q r^2/2 w (1 - w)` in its place. Both products are 0 at every point:
 //! one of their factors is, in either case of the binary. So the log adds them to the objective.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::bounds::{Bounds, Side};
 use super::fact_sum::FactSum;
@@ -165,7 +165,7 @@ impl ProofWriter<'_, '_> {
         };
         // By binary: its products, and half of the square that they need.
         let mut of_binary: BTreeMap<usize, (Vec<ZeroProduct>, f64)> = BTreeMap::new();
-        let mut taken: Vec<[usize; 2]> = Vec::new();
+        let mut taken = BTreeSet::new();
         for &(square, slope) in slopes {
             let Switched { column, curvature, binary, off_at_one, value } = square;
             let pair = [column.min(binary), column.max(binary)];
@@ -175,10 +175,16 @@ impl ProofWriter<'_, '_> {
                 continue;
             }
             let Some(facts) = self.off_facts(&square) else { continue };
-            taken.push(pair);
+            taken.insert(pair);
             let (products, half) = of_binary.entry(binary).or_default();
-            let is_off_at_one = off_at_one;
-            products.push(ZeroProduct { column, value, binary, is_off_at_one, factor, facts });
+            products.push(ZeroProduct {
+                column,
+                value,
+                binary,
+                is_off_at_one: off_at_one,
+                factor,
+                facts,
+            });
             *half += 0.5 * factor * slope;
         }
         let mut all = Vec::new();
