@@ -11,7 +11,7 @@ use crate::cases::{Context, Kind};
 use crate::exact::Plain;
 use crate::linear_rules::{self, Sums};
 use crate::program::{Claim, Program};
-use crate::quadratic_rules::{self, Quadratic};
+use crate::quadratic_rules::{self, Quadratic, ZeroProduct};
 use crate::rows::Row;
 use crate::text::{Refusal, Words, rejected, unreadable};
 
@@ -66,12 +66,13 @@ impl Checker {
             return rejected("`p` and its columns, up to `l 0`, must not be interrupted");
         }
         match command {
-            "b" => self.bound(words)?,
+            "b" => self.bound(words, self.is_root())?,
             "d" => self.empty_domain(words)?,
             "x" => self.contradiction(words)?,
             "k" => self.combination(words)?,
             "t" => self.tangent(words)?,
             "q" => self.cone(words)?,
+            "e" => self.zero_products(words)?,
             "p" => self.deficits(words)?,
             "l" => self.factor(words)?,
             "w" => self.curvature_bounds(words)?,
@@ -106,7 +107,7 @@ impl Checker {
         self.steps += 1;
     }
 
-    fn bound(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+    fn bound(&mut self, words: &mut Words<'_>, is_lasting: bool) -> Result<(), Refusal> {
         let column = words.index("column", self.bounds.len())?;
         let side = side(words)?;
         let value = words.number("the bound")?;
@@ -118,7 +119,7 @@ impl Checker {
         let Some(row) = self.facts.get(fact) else { return Ok(()) };
         let bound = (column, side, value);
         linear_rules::bound(row, bound, is_integral, &self.bounds, &mut self.sums)?;
-        self.tighten(column, side, value);
+        self.bounds.tighten(column, side, value, is_lasting);
         Ok(())
     }
 
@@ -178,6 +179,42 @@ impl Checker {
         let sum = &mut self.sums.column;
         self.facts.push(quadratic_rules::cone_tangent(cone, (first, second), &weights, sum)?);
         Ok(())
+    }
+
+    /// Products of which one factor is 0 if a binary is off, by the bounds that follow, and the other if not.
+    fn zero_products(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        if !self.is_root() || self.objective.deficits().is_some() {
+            return rejected("`e` must stand in context 0, before `p`");
+        }
+        let mut products = Vec::new();
+        for _ in 0..words.count("the number of products")? {
+            let column = words.index("column", self.bounds.len())?;
+            let value = words.number("the value")?;
+            let binary = words.index("column", self.bounds.len())?;
+            let off = words.index("side of a binary", 2)?;
+            let factor = words.number("the factor")?;
+            let (lower, upper) = self.bounds.of(binary);
+            if !self.is_integral(binary) || lower < 0.0 || upper > 1.0 {
+                return rejected(format!("column {} is no binary", self.name(binary)));
+            }
+            let mark = self.bounds.mark();
+            self.bounds.tighten(binary, Side::Lower, off as f64, false);
+            self.bounds.tighten(binary, Side::Upper, off as f64, false);
+            for _ in 0..words.count("the number of bounds")? {
+                self.bound(words, false)?;
+            }
+            if self.bounds.of(column) != (value, value) {
+                let (name, binary) = (self.name(column), self.name(binary));
+                return rejected(format!(
+                    "column {name} may be other than {} while column {binary} is {off}",
+                    Plain(value)
+                ));
+            }
+            self.bounds.undo(mark);
+            let (column, binary, is_off_at_one) = (column as u32, binary as u32, off == 1);
+            products.push(ZeroProduct { column, value, binary, is_off_at_one, factor });
+        }
+        self.objective.add_zero(&products, &mut self.sums)
     }
 
     fn deficits(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {

@@ -2,7 +2,7 @@
 
 use crate::checker::Checker;
 use crate::exact::{Dyadic, Number, Plain};
-use crate::quadratic_rules::value_at;
+use crate::quadratic_rules::{Quadratic, value_at};
 use crate::text::{Refusal, rejected};
 use std::cmp::Ordering;
 use std::fmt;
@@ -35,8 +35,10 @@ impl Point {
         rows: usize,
         checker: &mut Checker,
     ) -> Result<Self, Refusal> {
-        let objective = checker.objective.value(entries, &mut checker.sums)?;
         let Checker { program, facts, sums, .. } = checker;
+        // As the header states it: what is added to it is 0 only where integral columns are whole.
+        let stated = Quadratic::new(&program.objective, program.columns.len());
+        let objective = stated.value(entries, sums)?;
         let sum = &mut sums.column;
         let at = |column: u32| value_at(entries, column);
         let (mut violation, has_cones) = (0.0_f64, !program.cones.is_empty());

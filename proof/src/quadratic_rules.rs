@@ -14,12 +14,23 @@ pub(crate) type Entries = Vec<(u32, f64)>;
 /// The objective `1/2 x'Px + linear x + constant`.
 #[derive(Debug)]
 pub(crate) struct Quadratic {
-    constant: f64,
-    linear: Entries,
+    constant: Dyadic,
+    linear: Row,
     /// The rows of `P`. Entries of the same column are added.
     rows: Vec<Entries>,
     /// `d` with `P + diag(d)` positive semidefinite, once that is proved.
     deficits: Option<Entries>,
+}
+
+/// `factor (x_column - value) z`, or `factor (x_column - value) (1 - z)` if it is off at 0: a product that
+/// is 0 at every point, because the binary `z` is either off, with `x_column = value`, or not.
+#[derive(Debug)]
+pub(crate) struct ZeroProduct {
+    pub(crate) column: u32,
+    pub(crate) value: f64,
+    pub(crate) binary: u32,
+    pub(crate) is_off_at_one: bool,
+    pub(crate) factor: f64,
 }
 
 const ONE: Number<'static> = Number::Float(1.0);
@@ -33,8 +44,33 @@ impl Quadratic {
                 push(&mut rows, column, (row, value));
             }
         }
-        let (constant, linear) = (objective.constant, objective.linear.clone());
+        let constant = Dyadic::from_f64(objective.constant);
+        let linear = Row::new(objective.linear.clone(), None, None);
         Quadratic { constant, linear, rows, deficits: None }
+    }
+
+    /// Adds products that are 0 at every point.
+    pub(crate) fn add_zero(
+        &mut self,
+        products: &[ZeroProduct],
+        sums: &mut Sums,
+    ) -> Result<(), Refusal> {
+        let mut terms = linear_terms(&self.linear);
+        sums.total.add(&self.constant, 1.0);
+        for &ZeroProduct { column, value, binary, is_off_at_one, factor } in products {
+            // factor (x - value) (1 - z) is -factor (x - value) z + factor (x - value).
+            let of_binary = if is_off_at_one { factor } else { -factor };
+            push(&mut self.rows, column, (binary, of_binary));
+            push(&mut self.rows, binary, (column, of_binary));
+            terms.push((binary, -of_binary, Number::Float(value)));
+            if !is_off_at_one {
+                terms.push((column, factor, ONE));
+                sums.total.subtract(factor, value);
+            }
+        }
+        let linear = Row::combination(&mut terms, &mut sums.column)?;
+        (self.linear, self.constant) = (linear, sums.total.take()?);
+        Ok(())
     }
 
     /// Accepts deficits `d`: `P + diag(d) - LL'` must be diagonally dominant.
@@ -99,7 +135,7 @@ impl Quadratic {
 
     /// The gradient at a point, as a row without limits.
     pub(crate) fn gradient(&self, point: &[(u32, f64)], sums: &mut Sums) -> Result<Row, Refusal> {
-        let mut terms: Vec<Term<'_>> = as_terms(&self.linear).collect();
+        let mut terms = linear_terms(&self.linear);
         for &(column, value) in point.iter().filter(|entry| entry.1 != 0.0) {
             for &(other, entry) in self.rows.get(column as usize).into_iter().flatten() {
                 terms.push((other, entry, Number::Float(value)));
@@ -113,7 +149,7 @@ impl Quadratic {
         for (column, coefficient) in gradient.entries() {
             sums.total.add(coefficient, value_at(point, column));
         }
-        for &(column, coefficient) in &self.linear {
+        for (column, coefficient) in self.linear.entries() {
             sums.total.subtract(coefficient, value_at(point, column));
         }
     }
@@ -135,8 +171,8 @@ impl Quadratic {
         self.add_curvature(gradient, point, sums);
         let half = sums.total.take()?.half();
         sums.total.add(&half, 1.0);
-        sums.total.add(self.constant, 1.0);
-        for &(column, coefficient) in &self.linear {
+        sums.total.add(&self.constant, 1.0);
+        for (column, coefficient) in self.linear.entries() {
             sums.total.add(coefficient, value_at(point, column));
         }
         Ok(())
@@ -172,7 +208,7 @@ impl Quadratic {
         }
         let half = sums.total.take()?.half();
         sums.total.add(&half, 1.0);
-        sums.total.subtract(self.constant, 1.0);
+        sums.total.subtract(&self.constant, 1.0);
         sums.total.add(limit, 1.0);
         row.upper = Some(sums.total.take()?);
         Ok(row)
@@ -241,6 +277,10 @@ pub(crate) fn cone_tangent(
 
 fn as_terms(entries: &Entries) -> impl Iterator<Item = Term<'_>> {
     entries.iter().map(|&(column, value)| (column, value, ONE))
+}
+
+fn linear_terms(linear: &Row) -> Vec<Term<'_>> {
+    linear.entries().map(|(column, value)| (column, 1.0, value)).collect()
 }
 
 fn push(rows: &mut [Entries], row: u32, entry: (u32, f64)) {

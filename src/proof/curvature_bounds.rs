@@ -36,7 +36,7 @@ impl ProofWriter<'_, '_> {
         }
         let point = self.least_point(&steep);
         let gradient = program.gradient(&point);
-        let mut sizes: Vec<f64> = program.linear.iter().map(|cost| cost.abs()).collect();
+        let (mut sizes, constant) = self.relaxer.terms.sizes(program.column_count());
         for (j, &p) in point.iter().enumerate().filter(|(_, p)| **p != 0.0) {
             let (rows, values) = program.quadratic_column(j);
             rows.iter().zip(values).for_each(|(&i, a)| sizes[i] += (a * p).abs());
@@ -44,7 +44,7 @@ impl ProofWriter<'_, '_> {
         // By how much each column can lower the objective.
         let (mut falls, mut sloped) = (Vec::new(), Vec::new());
         let mut least = program.objective(&point);
-        let mut size = least.abs() + limit.abs();
+        let mut size = least.abs() + limit.abs() + constant;
         for (j, &g) in gradient.iter().enumerate() {
             let (surplus, [lower, upper]) = (-deficits[j], self.bounds.of(j));
             let rounding = f64::EPSILON * program.column_count() as f64 * sizes[j];

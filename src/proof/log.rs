@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use super::bounds::{BoundChange, Clash};
 use super::claim::Claim;
+use super::switched::ZeroProduct;
 use crate::program::{ConeShape, Program};
 
 /// A number as the log has it: the shortest text that is read as the same float.
@@ -196,6 +197,23 @@ impl<'a> ProofLog<'a> {
         head.iter().for_each(|p| write_word(&mut self.line, Number(*p)));
         let _ = write!(self.line, " {}", tail.len());
         tail.iter().for_each(|w| write_word(&mut self.line, Number(*w)));
+        self.end_line();
+    }
+
+    /// Products that are 0 at every point, which are added to the objective.
+    pub(super) fn zero_products(&mut self, products: &[ZeroProduct]) {
+        self.line.push('e');
+        write_word(&mut self.line, products.len());
+        for product in products {
+            let &ZeroProduct { column, value, binary, is_off_at_one, factor, ref facts } = product;
+            let (value, factor, off) = (Number(value), Number(factor), u8::from(is_off_at_one));
+            let count = facts.len();
+            let _ = write!(self.line, " {column} {value} {binary} {off} {factor} {count}");
+            for &(is_upper, fact) in facts {
+                let side = if is_upper { 'U' } else { 'L' };
+                let _ = write!(self.line, " {column} {side} {value} {fact}");
+            }
+        }
         self.end_line();
     }
 

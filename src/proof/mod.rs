@@ -17,6 +17,7 @@
 //! * `case_bounds` - bounds that hold in all cases of a disjunction
 //! * `lemma` - rows with proofs of a few splits
 //! * `strengthened` - smaller big-Ms, bounds and cuts of the root, as lemmas
+//! * `switched` - products that make squares tighter, and are 0 at every point
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
@@ -41,6 +42,7 @@ mod root;
 mod search;
 mod simple_sums;
 mod strengthened;
+mod switched;
 mod tightened;
 mod tree;
 
@@ -58,6 +60,7 @@ use facts::Facts;
 pub(crate) use guide::Guide;
 use log::{Names, ProofLog};
 use relaxed::Relaxer;
+use switched::ObjectiveTerms;
 use tree::ProofWriter;
 
 /// A proof that is asked for.
@@ -113,6 +116,7 @@ impl ProofRequest<'_> {
             program.make_feasibility_problem();
         }
         let relaxer = Relaxer {
+            terms: ObjectiveTerms::of(&program),
             within: program.clone(),
             fact_of_row: (0..program.row_count()).collect(),
             program,

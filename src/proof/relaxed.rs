@@ -11,6 +11,7 @@ use super::conjugate_gradients::curved_solution;
 use super::fact_sum::FactSum;
 use super::facts::Facts;
 use super::simple_sums::ObjectiveFact;
+use super::switched::ObjectiveTerms;
 use super::tightened::{RowsBefore, TightRowLemma};
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
@@ -65,6 +66,8 @@ pub(super) struct Relaxer<'a> {
     pub(super) warm: Option<WarmState>,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
+    /// The linear part of the objective and its constant, without rounding.
+    pub(super) terms: ObjectiveTerms,
     /// The facts that a linear objective is, the strongest first.
     pub(super) objective: Vec<ObjectiveFact>,
 }
@@ -332,10 +335,8 @@ impl Relaxer<'_> {
             let program = &self.program;
             // -(gradient) x >= -(bound - f(p) + gradient p + slack)
             sum.add_to_limit(-bound);
-            sum.add_to_limit(program.offset);
-            for (j, &cost) in program.linear.iter().enumerate() {
-                sum.add(j, -cost, 1.0);
-            }
+            self.terms.constant.iter().for_each(|&(a, b)| sum.add_to_limit(a * b));
+            self.terms.linear.iter().for_each(|&(j, a, b)| sum.add(j, -a, b));
             for &(j, p) in point {
                 let (rows, values) = program.quadratic_column(j);
                 for (&i, &a) in rows.iter().zip(values) {

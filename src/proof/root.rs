@@ -33,6 +33,7 @@ impl ProofWriter<'_, '_> {
             return Ok(());
         }
         if self.relaxer.program.quadratic.compute_nnz() > 0 {
+            self.add_zero_products();
             let ConvexityProof { factor, deficits } = ConvexityProof::of(&self.relaxer.program);
             let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
             self.log.convexity(lacking, &factor);

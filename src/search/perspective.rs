@@ -160,17 +160,9 @@ pub(crate) fn with_perspective(
     if all.is_empty() || root.conflict.is_some() {
         return None;
     }
-    let point = RootPoint::new(program, &root.domain, ladder, options, token, None)?;
-    let squares = one_each(all, &point.x);
-    // No function lifts the bound beyond its own value at this point.
-    let most: f64 = squares.iter().map(|square| excess(square, &point.x)).sum();
-    let mut tighter = None;
-    if point.is_lifted_by(TOTAL_LIFT, point.value + most) {
-        let found = best_slopes(program, &root.domain, &point, &squares, (options, token, ladder));
-        tighter = found.filter(|(_, best)| point.is_lifted_by(TOTAL_LIFT, best.value));
-    }
-    let (tighter, point) = match tighter {
-        Some((program, best)) => (
+    let (best, point) = best_perspective(program, &root.domain, all, (options, token, ladder))?;
+    let (tighter, point) = match best {
+        Some(Perspective { program, point: best, .. }) => (
             Some(Strengthened { program, values: [point.value, best.value], cuts: Vec::new() }),
             best,
         ),
@@ -180,31 +172,76 @@ pub(crate) fn with_perspective(
     tighter
 }
 
-/// Looks for the slopes with the best bound: the program with them, and its relaxed point.
+/// Slopes of squares of a program, with which the bound of its root is lifted enough; none if there are none.
+pub(crate) fn lifting_slopes(
+    program: &Program,
+    squares: Vec<Switched>,
+    options: &Options,
+    token: &StopToken,
+    ladder: &mut Ladder,
+) -> Vec<(Switched, f64)> {
+    let domain = Domain::new(program);
+    match best_perspective(program, &domain, squares, (options, token, ladder)) {
+        Some((Some(best), _)) => best.squares.into_iter().zip(best.slopes).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// A program with tighter functions in place of squares, and its relaxed point.
+struct Perspective {
+    squares: Vec<Switched>,
+    slopes: Vec<f64>,
+    program: Program,
+    point: RootPoint,
+}
+
+/// The perspective with the best bound, if that is lifted enough, and the relaxed point without it, if there is
+/// one.
+fn best_perspective(
+    program: &Program,
+    domain: &Domain,
+    all: Vec<Switched>,
+    (options, token, ladder): (&Options, &StopToken, &mut Ladder),
+) -> Option<(Option<Perspective>, RootPoint)> {
+    let point = RootPoint::new(program, domain, ladder, options, token, None)?;
+    let squares = one_each(all, &point.x);
+    // No function lifts the bound beyond its own value at this point.
+    let most: f64 = squares.iter().map(|square| excess(square, &point.x)).sum();
+    if !point.is_lifted_by(TOTAL_LIFT, point.value + most) {
+        return Some((None, point));
+    }
+    let found = best_slopes(program, domain, &point, &squares, (options, token, ladder));
+    let found = found.filter(|best| point.is_lifted_by(TOTAL_LIFT, best.point.value));
+    Some((found, point))
+}
+
+/// Looks for the slopes with the best bound.
 fn best_slopes(
     program: &Program,
     domain: &Domain,
     root: &RootPoint,
     squares: &[Switched],
     (options, token, ladder): (&Options, &StopToken, &mut Ladder),
-) -> Option<(Program, RootPoint)> {
+) -> Option<Perspective> {
     let at_root = |square: &Switched| slope(square, &root.x).unwrap_or(0.0);
     let mut slopes: Vec<f64> = squares.iter().map(at_root).collect();
-    let mut best: Option<(Program, RootPoint)> = None;
+    let mut best: Option<Perspective> = None;
     let mut idle = 0;
     for _ in 0..MOST_ROUNDS {
         let tighter = with_slopes(program, squares, &slopes)?;
-        let warm = best.as_ref().map_or(root, |(_, point)| point).warm.as_ref();
+        let warm = best.as_ref().map_or(root, |best| &best.point).warm.as_ref();
         let point = RootPoint::new(&tighter, domain, ladder, options, token, warm);
         let Some(point) = point else { break };
+        let tried = slopes.clone();
         for (r, square) in slopes.iter_mut().zip(squares) {
             let wanted = slope(square, &point.x).unwrap_or(*r);
             *r += SLOPE_STEP * (wanted - *r);
         }
-        let (last, value) = (best.as_ref().map_or(root, |(_, point)| point), point.value);
+        let (last, value) = (best.as_ref().map_or(root, |best| &best.point), point.value);
         idle = if last.is_lifted_by(IDLE_LIFT, value) { 0 } else { idle + 1 };
         if value > last.value {
-            best = Some((tighter, point));
+            let squares = squares.to_vec();
+            best = Some(Perspective { squares, slopes: tried, program: tighter, point });
         }
         // The first slopes are the largest: where they go too far, the bound falls.
         let hopeless = value >= root.value && !root.is_lifted_by(FIRST_LIFT, value);

@@ -127,9 +127,20 @@ pub(crate) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     pub(crate) fn new(small: &'a Small, choices: &'a [u8]) -> Self {
-        let facts = small.rows.len();
-        let mut writer = Writer { small, choices, used: 0, facts, lines: Vec::new() };
-        writer.write();
+        let mut writer =
+            Writer { small, choices, used: 0, facts: small.rows.len(), lines: Vec::new() };
+        let products = if writer.choice(2) == 0 { zero_products(small) } else { Vec::new() };
+        let products: Vec<Product> =
+            products.into_iter().filter(|_| writer.choice(2) == 0).collect();
+        writer.write(&products);
+        writer
+    }
+
+    /// A proof that adds these products to the objective, whether they are 0 or not.
+    pub(crate) fn with_products(small: &'a Small, choices: &'a [u8], products: &[Product]) -> Self {
+        let mut writer =
+            Writer { small, choices, used: 0, facts: small.rows.len(), lines: Vec::new() };
+        writer.write(products);
         writer
     }
 
@@ -148,12 +159,33 @@ impl<'a> Writer<'a> {
         self.facts - 1
     }
 
-    fn write(&mut self) {
-        self.convexity();
+    fn write(&mut self, products: &[Product]) {
+        match products.is_empty() {
+            true => self.convexity(),
+            false => self.products(products),
+        }
         let mut bounds = self.small.bounds.clone();
         self.tree(&mut bounds);
         let steps = self.lines.len();
         self.line(format!("end {steps}"));
+    }
+
+    /// Adds products to the objective, and proves that it is convex up to what they take from it.
+    fn products(&mut self, products: &[Product]) {
+        let mut deficits = vec![0.0; self.small.bounds.len()];
+        let mut line = format!("e {}", products.len());
+        for (column, value, binary, off, bounds) in products {
+            let factor = f64::from(self.choice(9)) / 2.0 - 2.0;
+            deficits[*column] += 2.0 * factor.abs();
+            deficits[*binary] += 2.0 * factor.abs();
+            let _ = write!(line, " {column} {value} {binary} {off} {factor} {}", bounds.len());
+            bounds.iter().for_each(|bound| line.push_str(bound));
+        }
+        self.line(line);
+        let deficits: Vec<String> =
+            deficits.iter().enumerate().map(|(j, d)| format!(" {j} {d}")).collect();
+        self.line(format!("p {}{}", deficits.len(), deficits.concat()));
+        self.line("l 0".into());
     }
 
     /// Proves convexity, and bounds from it around a point.
@@ -297,4 +329,49 @@ impl<'a> Writer<'a> {
             }
         }
     }
+}
+
+/// A column, its value while a binary is off, the binary, where that is, and the bounds that say so.
+pub(crate) type Product = (usize, i64, usize, i64, Vec<String>);
+
+/// All products that are 0 by the bounds and one row for each side of the column.
+fn zero_products(small: &Small) -> Vec<Product> {
+    let mut all = Vec::new();
+    let binaries = (0..small.bounds.len())
+        .filter(|&j| small.bounds[j].0 >= 0 && small.bounds[j].1 <= 1)
+        .flat_map(|j| [(j, 0), (j, 1)]);
+    for (binary, off) in binaries {
+        let mut bounds = small.bounds.clone();
+        bounds[binary] = (bounds[binary].0.max(off), bounds[binary].1.min(off));
+        for column in 0..bounds.len() {
+            let (mut own, mut facts) = (bounds[column], [None, None]);
+            for (k, (lower, upper, row)) in small.rows.iter().enumerate() {
+                let a = row[column];
+                // Each side as an upper one.
+                for (sign, side) in [(1, *upper), (-1, lower.map(|lower| -lower))] {
+                    let (Some(side), true) = (side, a != 0) else { continue };
+                    let others = (0..row.len()).filter(|&j| j != column);
+                    let least = |j: usize| {
+                        let (lower, upper) = bounds[j];
+                        (sign * row[j] * lower).min(sign * row[j] * upper)
+                    };
+                    let (a, left) = (sign * a, side - others.map(least).sum::<i64>());
+                    if a > 0 && left.div_euclid(a) < own.1 {
+                        (own.1, facts[1]) = (left.div_euclid(a), Some(k));
+                    }
+                    if a < 0 && -left.div_euclid(-a) > own.0 {
+                        (own.0, facts[0]) = (-left.div_euclid(-a), Some(k));
+                    }
+                }
+            }
+            if own.0 == own.1 {
+                let sides = facts.iter().zip([("L", own.0), ("U", own.1)]);
+                let bound = |(fact, (side, value)): (&Option<usize>, _)| {
+                    fact.map(|fact| format!(" {column} {side} {value} {fact}"))
+                };
+                all.push((column, own.0, binary, off, sides.filter_map(bound).collect()));
+            }
+        }
+    }
+    all
 }

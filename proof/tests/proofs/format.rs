@@ -46,7 +46,7 @@ fn texts_that_are_no_logs() {
                 "unreadable: the claim is neither `bound` nor `infeasible`"
             }),
             ("bound -0.5", "bound -inf", "unreadable: the bound is infinite"),
-            ("x 1 1 -1", "e", "unreadable: there is no command `e`"),
+            ("x 1 1 -1", "g", "unreadable: there is no command `g`"),
             ("a 2 0 0.5 1 2", "a 2 0 0.5 2 2", "rejected: there is no column 2; their number is 2"),
             ("end 5", "end 4", "rejected: there are 5 commands, other than `end` says"),
             ("end 5", "end 5\nd 0", "unreadable: the log goes on behind `end`"),

@@ -10,4 +10,5 @@ mod exact;
 mod format;
 mod linear;
 mod log;
+mod products;
 mod soundness;

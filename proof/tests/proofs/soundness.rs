@@ -1,6 +1,6 @@
 //! Proofs of true claims are accepted. Whatever is done to a log: what is accepted is true.
 
-use crate::enumeration::{Row, Small, Writer};
+use crate::enumeration::{Product, Row, Small, Writer};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
@@ -36,9 +36,9 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
 
 /// Makes one change in the lines of a proof.
 fn change(lines: &mut Vec<String>, (line, word, other, what): &Change) {
-    const WORDS: [&str; 20] = [
+    const WORDS: [&str; 21] = [
         "0", "1", "-1", "2", "-2", "3", "0.5", "-0.5", "1e-9", "L", "U", "b", "d", "x", "k", "m",
-        "s", "f", "t", "inf",
+        "s", "f", "t", "e", "inf",
     ];
     if lines.is_empty() {
         return;
@@ -152,4 +152,30 @@ proptest! {
             prop_assert!(!is_proved(&proof) || other.is_true(), "{proof}");
         }
     }
+
+    /// Products of any columns, values and sides, most of which are not 0.
+    #[test]
+    fn products_that_are_not_zero_prove_nothing_false(
+        mut small in small(),
+        choices in prop::collection::vec(any::<u8>(), 1..20),
+        wild in prop::collection::vec(prop::collection::vec(wild_product(), 1..3), 20),
+    ) {
+        let Some(best) = small.best() else { return Ok(()) };
+        small.claim = Some(best as f64 + 0.5);
+        let many = small.bounds.len();
+        for wild in &wild {
+            let products: Vec<Product> = wild
+                .iter()
+                .map(|&(column, value, binary, off)| {
+                    (column % many, value, binary % many, off, Vec::new())
+                })
+                .collect();
+            let proof = log(&small, &Writer::with_products(&small, &choices, &products).lines);
+            prop_assert!(!is_proved(&proof), "{proof}");
+        }
+    }
+}
+
+fn wild_product() -> impl Strategy<Value = (usize, i64, usize, i64)> {
+    (0_usize..3, -2_i64..3, 0_usize..3, 0_i64..2)
 }

@@ -2,6 +2,7 @@
 
 mod damaged;
 mod past_slips;
+mod switched;
 mod ways_of_solving;
 
 use std::fs;
