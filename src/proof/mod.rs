@@ -14,6 +14,7 @@
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `conjugate_gradients` - equations that need few digits
 //! * `root`, `curvature_bounds` - what holds everywhere
+//! * `declarations`, `implied_integers` - columns that may be taken as whole, or as 0
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
@@ -25,10 +26,12 @@ mod cones;
 mod conjugate_gradients;
 mod convexity;
 mod curvature_bounds;
+mod declarations;
 mod fact_sum;
 mod facts;
 mod guide;
 mod guided_splits;
+mod implied_integers;
 mod log;
 mod relaxed;
 mod repaired_sums;

@@ -113,7 +113,7 @@ impl ProofWriter<'_, '_> {
         Ok(())
     }
 
-    fn enter(&mut self, decision: Decision) -> Option<Clash> {
+    pub(super) fn enter(&mut self, decision: Decision) -> Option<Clash> {
         let Decision { column, is_upper, value } = decision;
         let [lower, upper] = self.bounds.of(column);
         if (is_upper && value < upper) || (!is_upper && value > lower) {
@@ -313,7 +313,7 @@ impl ProofWriter<'_, '_> {
         Some(Decision { column, is_upper: true, value })
     }
 
-    fn width(&self, column: usize) -> f64 {
+    pub(super) fn width(&self, column: usize) -> f64 {
         let [lower, upper] = self.bounds.of(column);
         upper - lower
     }

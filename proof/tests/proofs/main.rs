@@ -10,4 +10,6 @@ mod exact;
 mod format;
 mod linear;
 mod log;
+mod moves;
+mod rounding;
 mod soundness;
