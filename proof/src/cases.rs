@@ -133,7 +133,7 @@ impl Checker {
                     break;
                 }
                 Kind::Whole(column) => {
-                    self.moves.declare_whole(column);
+                    self.moves.whole.insert(column);
                     break;
                 }
             }

@@ -256,7 +256,7 @@ impl Checker {
     }
 
     pub(crate) fn is_integral(&self, column: usize) -> bool {
-        self.moves.is_whole(column)
+        self.moves.whole.contains(&column)
     }
 
     pub(crate) fn name(&self, column: usize) -> String {

@@ -13,54 +13,36 @@ use crate::program::{Claim, Program};
 use crate::quadratic_rules::value_at;
 use crate::text::{Refusal, Words, rejected};
 use std::cmp::Ordering;
+use std::collections::HashSet;
 
-/// By column, what says whether it may be moved.
+/// What says whether columns may be moved.
 #[derive(Debug)]
 pub(crate) struct Moves {
-    /// Whether it takes whole numbers at every point of S.
-    is_whole: Vec<bool>,
-    /// Whether it is in a cone or in a quadratic term, or was declared to be 0: it must not move.
-    is_held: Vec<bool>,
-    /// The rows of the program that it is in.
+    /// Columns that take whole numbers at every point of S.
+    pub(crate) whole: HashSet<usize>,
+    /// Columns in a cone or in a quadratic term, and those that were declared to be 0: they must not move.
+    held: HashSet<usize>,
+    /// By column, the rows of the program that it is in.
     rows: Vec<Vec<usize>>,
 }
 
 impl Moves {
     pub(crate) fn new(program: &Program) -> Self {
-        let many = program.columns.len();
-        let mut rows = vec![Vec::new(); many];
+        let mut rows = vec![Vec::new(); program.columns.len()];
         for (index, row) in program.rows.iter().enumerate() {
             for (column, _) in row.entries() {
                 rows.get_mut(column as usize).into_iter().for_each(|own| own.push(index));
             }
         }
-        let is_whole = program.columns.iter().map(|column| column.is_integral).collect();
-        let mut moves = Moves { is_whole, is_held: vec![false; many], rows };
-        for cone in &program.cones {
-            cone.tail.iter().chain([&cone.head]).chain(&cone.second).for_each(|&j| moves.hold(j));
-        }
+        let columns = program.columns.iter().enumerate();
+        let whole = columns.filter(|(_, own)| own.is_integral).map(|(column, _)| column).collect();
+        let conic =
+            program.cones.iter().flat_map(|c| c.tail.iter().chain([&c.head]).chain(&c.second));
         let has_costs = program.claim != Claim::Infeasible;
-        for &(row, column, _) in program.objective.triangle.iter().filter(|_| has_costs) {
-            moves.hold(row);
-            moves.hold(column);
-        }
-        moves
-    }
-
-    fn hold(&mut self, column: u32) {
-        self.is_held.get_mut(column as usize).into_iter().for_each(|held| *held = true);
-    }
-
-    fn is_held(&self, column: usize) -> bool {
-        self.is_held.get(column) != Some(&false)
-    }
-
-    pub(crate) fn is_whole(&self, column: usize) -> bool {
-        self.is_whole.get(column) == Some(&true)
-    }
-
-    pub(crate) fn declare_whole(&mut self, column: usize) {
-        self.is_whole.get_mut(column).into_iter().for_each(|whole| *whole = true);
+        let curved = program.objective.triangle.iter().filter(|_| has_costs);
+        let curved = curved.flat_map(|(row, column, _)| [row, column]);
+        let held = conic.chain(curved).map(|column| *column as usize).collect();
+        Moves { whole, held, rows }
     }
 }
 
@@ -75,7 +57,7 @@ impl Checker {
         let side = side(words)?;
         let is_upper = side == Side::Upper;
         let no = |why: &str| rejected(format!("column {} {why}", self.name(column)));
-        if !self.is_root() || self.moves.is_held(column) {
+        if !self.is_root() || self.moves.held.contains(&column) {
             return no("must not be moved, or not here");
         }
         let cost = value_at(&self.program.objective.linear, column as u32);
@@ -95,7 +77,7 @@ impl Checker {
             let Some(limit) = (if is_above { &row.upper } else { &row.lower }) else { continue };
             let mut is_fit = is_multiple(Number::Exact(limit), own, sum)?;
             for (other, value) in row.entries().filter(|entry| entry.0 as usize != column) {
-                let is_whole = self.moves.is_whole(other as usize);
+                let is_whole = self.moves.whole.contains(&(other as usize));
                 is_fit = is_fit && is_whole && is_multiple(value, own, sum)?;
             }
             if !is_fit {
@@ -104,7 +86,7 @@ impl Checker {
                 ));
             }
         }
-        self.moves.declare_whole(column);
+        self.moves.whole.insert(column);
         Ok(())
     }
 
@@ -117,7 +99,7 @@ impl Checker {
         if !self.is_plain {
             return rejected("`v` must stand before all that is derived");
         }
-        if direction.iter().any(|entry| self.moves.is_held(entry.0 as usize)) {
+        if direction.iter().any(|entry| self.moves.held.contains(&(entry.0 as usize))) {
             return rejected("a column of the direction must not be moved");
         }
         let step = value_at(&direction, first as u32);
@@ -151,7 +133,7 @@ impl Checker {
                 }
             }
         }
-        self.moves.hold(first as u32);
+        self.moves.held.insert(first);
         self.tighten(first, Side::Lower, 0.0);
         self.tighten(first, Side::Upper, 0.0);
         self.has_forgotten = true;
