@@ -65,6 +65,12 @@ impl Bounds {
         }
     }
 
+    /// Takes both bounds away from a column.
+    pub(crate) fn forget(&mut self, column: usize) {
+        let limits = self.limits.get_mut(column);
+        limits.into_iter().for_each(|own| *own = (f64::NEG_INFINITY, f64::INFINITY));
+    }
+
     /// How many changes can be taken back.
     pub(crate) fn mark(&self) -> usize {
         self.trail.len()

@@ -24,6 +24,8 @@ pub(crate) enum Kind {
     SecondSide,
     /// The row is a fact of the context around it.
     Lemma(Row),
+    /// The column is integral.
+    Whole(usize),
 }
 
 #[derive(Debug)]
@@ -101,7 +103,7 @@ impl Checker {
         Ok(())
     }
 
-    fn open(&mut self, kind: Kind) {
+    pub(crate) fn open(&mut self, kind: Kind) {
         let (facts, mark) = (self.facts.len(), self.bounds.mark());
         self.contexts.push(Context { kind, facts, mark });
     }
@@ -128,6 +130,10 @@ impl Checker {
                 }
                 Kind::Lemma(row) => {
                     self.facts.push(row);
+                    break;
+                }
+                Kind::Whole(column) => {
+                    self.moves.whole.insert(column);
                     break;
                 }
             }

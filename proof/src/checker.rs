@@ -1,4 +1,4 @@
-//! The commands of a proof; those that open and close contexts are in `cases`.
+//! The commands of a proof; those that open and close contexts are in `cases`, declarations in `moves`.
 //!
 //! Context 0 assumes a point of the program, with an objective less than b if that is the bound of the
 //! claim; most rules only use that it is at most b.
@@ -10,6 +10,7 @@ use crate::bounds::{Bounds, Side};
 use crate::cases::{Context, Kind};
 use crate::exact::Plain;
 use crate::linear_rules::{self, Sums};
+use crate::moves::Moves;
 use crate::program::{Claim, Program};
 use crate::quadratic_rules::{self, Quadratic, ZeroProduct};
 use crate::rows::Row;
@@ -26,6 +27,10 @@ pub(crate) struct Checker {
     pub(crate) sums: Sums,
     pub(crate) objective: Quadratic,
     pub(crate) bounds: Bounds,
+    pub(crate) moves: Moves,
+    /// Whether nothing was derived, and whether the program has forgotten a part of it.
+    pub(crate) is_plain: bool,
+    pub(crate) has_forgotten: bool,
     /// Empty once the claim is proved.
     pub(crate) contexts: Vec<Context>,
     convexity: Option<Convexity>,
@@ -38,6 +43,7 @@ impl Checker {
         for column in &program.columns {
             bounds.push(column.lower, column.upper);
         }
+        let moves = Moves::new(&program);
         let facts = std::mem::take(&mut program.rows);
         let root = Context { kind: Kind::Claim, facts: facts.len(), mark: 0 };
         Checker {
@@ -46,6 +52,9 @@ impl Checker {
             facts,
             sums: Sums::default(),
             bounds,
+            moves,
+            is_plain: true,
+            has_forgotten: false,
             contexts: vec![root],
             convexity: None,
             steps: 0,
@@ -65,6 +74,7 @@ impl Checker {
         if self.convexity.is_some() && command != "l" {
             return rejected("`p` and its columns, up to `l 0`, must not be interrupted");
         }
+        self.is_plain &= matches!(command, "p" | "l" | "u" | "v");
         match command {
             "b" => self.bound(words, self.is_root())?,
             "d" => self.empty_domain(words)?,
@@ -79,6 +89,9 @@ impl Checker {
             "s" => self.split_column(words)?,
             "f" => self.split_form(words)?,
             "m" => self.lemma(words)?,
+            "u" => self.round(words)?,
+            "v" => self.shift(words)?,
+            "i" => self.imply(words)?,
             _ => {
                 let begin: String = command.chars().take(10).collect();
                 return unreadable(format!("there is no command `{begin}`"));
@@ -102,9 +115,13 @@ impl Checker {
         Ok(steps)
     }
 
-    /// A point may stand at any place, also behind the proof.
-    pub(crate) fn count_point(&mut self) {
+    /// A point may stand at any place, also behind the proof, as long as the whole program is known.
+    pub(crate) fn count_point(&mut self) -> Result<(), Refusal> {
         self.steps += 1;
+        if self.has_forgotten {
+            return rejected("a point must stand before `v`");
+        }
+        Ok(())
     }
 
     fn bound(&mut self, words: &mut Words<'_>, is_lasting: bool) -> Result<(), Refusal> {
@@ -126,7 +143,7 @@ impl Checker {
     fn empty_domain(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let column = words.index("column", self.bounds.len())?;
         let (lower, upper) = self.bounds.of(column);
-        if lower <= upper {
+        if lower <= upper && !self.is_implied(column) {
             let name = self.name(column);
             return rejected(format!(
                 "column {name} may be from {} to {}",
@@ -276,7 +293,7 @@ impl Checker {
     }
 
     pub(crate) fn is_integral(&self, column: usize) -> bool {
-        self.program.columns.get(column).is_some_and(|column| column.is_integral)
+        self.moves.whole.contains(&column)
     }
 
     pub(crate) fn name(&self, column: usize) -> String {

@@ -4,7 +4,7 @@
 //! small steps. Rules and format are on the page "Proofs" of carom's guide (`docs/proofs.md`).
 //!
 //! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations), `linear_rules`,
-//! `quadratic_rules` and `curvature` (each rule with its reason), `bounds`, `cases` (contexts), `checker`
+//! `quadratic_rules`, `curvature` and `moves` (each rule with its reason), `bounds`, `cases` (contexts), `checker`
 //! (commands); `text`, `program` and `point` read and judge what is beside the proof. [`compare`] is
 //! another tool, which none of these knows.
 
@@ -15,6 +15,7 @@ pub mod compare;
 mod curvature;
 pub mod exact;
 mod linear_rules;
+mod moves;
 mod point;
 mod program;
 mod quadratic_rules;
@@ -80,7 +81,7 @@ fn check_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Proved, Refusal> {
         };
         if words.is_at("a") {
             words.word("a")?;
-            checker.count_point();
+            checker.count_point()?;
             let entries = words.entries(checker.program.columns.len())?;
             words.end()?;
             points.push(Point::judge(&entries, rows, &mut checker)?);

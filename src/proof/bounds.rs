@@ -6,7 +6,7 @@
 
 use std::collections::BinaryHeap;
 
-use super::facts::Facts;
+use super::facts::{Facts, LARGEST_EXACT};
 use crate::program::Program;
 
 /// The mark of a bound that was there from the start, and of a change without a fact.
@@ -74,6 +74,8 @@ struct FactActivity {
     error: f64,
     /// The widest range of a term.
     widest: f64,
+    /// Whether the finite part, and its difference with any of its terms, is whole and not rounded.
+    is_exact: [bool; 2],
 }
 
 impl Bounds {
@@ -85,6 +87,24 @@ impl Bounds {
         let integral = program.integral.clone();
         let (trail, queue, is_queued) = Default::default();
         Bounds { now, last, trail, integral, queue, is_queued, fineness: 1.0 }
+    }
+
+    /// Rounds the bounds of a column to whole numbers from here on. Returns whether one of them was not whole.
+    pub(super) fn take_as_integral(&mut self, facts: &Facts, column: usize) -> bool {
+        self.integral[column] = true;
+        let [lower, upper] = self.now[column];
+        let mut is_rounded = false;
+        for (is_upper, before, after) in
+            [(false, lower, lower.ceil()), (true, upper, upper.floor())]
+        {
+            let reason =
+                self.in_force((column, is_upper), NOTHING).map(|at| self.trail[at as usize]);
+            if let Some(change) = reason.filter(|_| before != after) {
+                self.apply(facts, (column, is_upper), after + 0.0, change.fact);
+                is_rounded = true;
+            }
+        }
+        is_rounded
     }
 
     /// The bounds of a column.
@@ -166,11 +186,14 @@ impl Bounds {
 
     fn activity(&self, facts: &Facts, fact: usize) -> FactActivity {
         let (mut activity, mut size, mut count) = (FactActivity::default(), 0.0, 0.0);
+        activity.is_exact = [facts.is_whole(fact); 2];
         for (j, a) in facts.terms(fact) {
             let [lower, upper] = self.now[j];
-            let ends = if a > 0.0 { [a * lower, a * upper] } else { [a * upper, a * lower] };
-            for (k, end) in ends.into_iter().enumerate() {
+            let ends = if a > 0.0 { [lower, upper] } else { [upper, lower] };
+            for (k, own) in ends.into_iter().enumerate() {
+                let end = a * own;
                 if end.is_finite() {
+                    activity.is_exact[k] &= is_whole(own);
                     activity.sum[k] += end;
                     size += end.abs();
                 } else {
@@ -185,6 +208,9 @@ impl Bounds {
         }
         // Twice what the sums, and the difference with one of their terms, can be off.
         activity.error = (count + 6.0) * f64::EPSILON * size;
+        if size >= LARGEST_EXACT {
+            activity.is_exact = [false; 2];
+        }
         activity
     }
 
@@ -195,7 +221,11 @@ impl Bounds {
             // The least sum against the upper limit, the largest one against the lower.
             let limit = limits[usize::from(is_upper)];
             let sign = if is_upper { 1.0 } else { -1.0 };
-            let error = activity.error + 4.0 * f64::EPSILON * limit.abs();
+            let is_exact = activity.is_exact[k];
+            let error = match is_exact {
+                true => 0.0,
+                false => activity.error + 4.0 * f64::EPSILON * limit.abs(),
+            };
             if limit.is_infinite() || activity.infinite[k] > 1 {
                 continue;
             }
@@ -217,7 +247,10 @@ impl Bounds {
                 };
                 let side = (a > 0.0) == is_upper;
                 let value = (limit - rest + sign * error) / a;
-                let spare = 4.0 * f64::EPSILON * value.abs() + f64::MIN_POSITIVE;
+                let spare = match is_exact && is_whole(value) && value * a == limit - rest {
+                    true => 0.0,
+                    false => 4.0 * f64::EPSILON * value.abs() + f64::MIN_POSITIVE,
+                };
                 let value = if side { value + spare } else { value - spare };
                 self.offer(facts, (j, side), value, fact)?;
             }
@@ -316,4 +349,9 @@ impl Bounds {
         found.reverse();
         found
     }
+}
+
+/// Whether a number is whole, and a float can count to it.
+fn is_whole(value: f64) -> bool {
+    value as i64 as f64 == value
 }

@@ -5,7 +5,7 @@ use super::bounds::Side;
 use crate::sum::{exact_product, exact_sum};
 
 /// Products above this have their errors as floats.
-const SMALLEST_EXACT: f64 = 1e-250;
+pub(super) const SMALLEST_EXACT: f64 = 1e-250;
 
 /// A sum of terms, what bounds its rounding error, and how many terms there are.
 #[derive(Debug, Clone, Copy, Default)]

@@ -2,6 +2,9 @@
 
 use crate::program::Program;
 
+/// Sums of whole numbers below this are exact (no unit).
+pub(super) const LARGEST_EXACT: f64 = (1_u64 << 50) as f64;
+
 /// Linear rows `lower <= terms <= upper`, numbered as in the log.
 #[derive(Debug, Default)]
 pub(super) struct Facts {
@@ -10,6 +13,8 @@ pub(super) struct Facts {
     value: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
+    /// Whether all numbers of a fact are whole, and not large.
+    is_whole: Vec<bool>,
     /// By column, the facts that it is in.
     of_column: Vec<Vec<u32>>,
 }
@@ -34,7 +39,10 @@ impl Facts {
         [lower, upper]: [f64; 2],
     ) -> usize {
         let number = self.len();
+        let is_small = |value: f64| value == value.round() && value.abs() < LARGEST_EXACT;
+        let mut is_whole = [lower, upper].iter().all(|v| v.is_infinite() || is_small(*v));
         for (column, value) in terms.filter(|(_, value)| *value != 0.0) {
+            is_whole &= is_small(value);
             self.column.push(column as u32);
             self.value.push(value);
             self.of_column[column].push(number as u32);
@@ -42,6 +50,7 @@ impl Facts {
         self.start.push(self.column.len());
         self.lower.push(lower);
         self.upper.push(upper);
+        self.is_whole.push(is_whole);
         number
     }
 
@@ -75,6 +84,16 @@ impl Facts {
     /// Its limits.
     pub(super) fn limits(&self, fact: usize) -> [f64; 2] {
         [self.lower[fact], self.upper[fact]]
+    }
+
+    /// Takes both limits from a fact.
+    pub(super) fn forget(&mut self, fact: usize) {
+        (self.lower[fact], self.upper[fact]) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+
+    /// Whether all its coefficients and limits are whole, and below [`LARGEST_EXACT`].
+    pub(super) fn is_whole(&self, fact: usize) -> bool {
+        self.is_whole[fact]
     }
 
     /// The facts that a column is in.

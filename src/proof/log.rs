@@ -264,6 +264,24 @@ impl<'a> ProofLog<'a> {
         self.end_line();
     }
 
+    /// A column that takes whole numbers without loss of optimality, if it is rounded to a side.
+    pub(super) fn round(&mut self, column: usize, is_upper: bool) {
+        let side = if is_upper { 'U' } else { 'L' };
+        self.put(format_args!("u {column} {side}"));
+    }
+
+    /// A column that is 0 without loss of optimality, and the direction that leads there.
+    pub(super) fn shift(&mut self, column: usize, terms: impl Iterator<Item = (usize, f64)>) {
+        let _ = write!(self.line, "v {column}");
+        write_terms(&mut self.line, terms);
+        self.end_line();
+    }
+
+    /// A column that is integral because the context behind it, in which it is not, contradicts itself.
+    pub(super) fn imply(&mut self, column: usize) {
+        self.put(format_args!("i {column}"));
+    }
+
     /// A row that the context behind it proves by contradiction.
     pub(super) fn lemma(
         &mut self,

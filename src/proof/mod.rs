@@ -18,6 +18,7 @@
 //! * `lemma` - rows with proofs of a few splits
 //! * `strengthened` - smaller big-Ms, bounds and cuts of the root, as lemmas
 //! * `switched` - products that make squares tighter, and are 0 at every point
+//! * `declarations`, `implied_integers` - columns that may be taken as whole, or as 0
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
@@ -30,10 +31,12 @@ mod cones;
 mod conjugate_gradients;
 mod convexity;
 mod curvature_bounds;
+mod declarations;
 mod fact_sum;
 mod facts;
 mod guide;
 mod guided_splits;
+mod implied_integers;
 mod lemma;
 mod log;
 mod relaxed;

@@ -15,6 +15,7 @@ use crate::search::granularity;
 impl ProofWriter<'_, '_> {
     /// Derives what holds everywhere, and closes the whole program.
     pub(super) fn run(&mut self, guide: Rc<Guide>) -> Result<(), Limit> {
+        self.declare()?;
         let is_empty = |j: &usize| {
             let [lower, upper] = self.bounds.of(*j);
             lower > upper

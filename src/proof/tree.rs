@@ -352,7 +352,7 @@ impl ProofWriter<'_, '_> {
         Some(Decision { column, is_upper: true, value })
     }
 
-    fn width(&self, column: usize) -> f64 {
+    pub(super) fn width(&self, column: usize) -> f64 {
         let [lower, upper] = self.bounds.of(column);
         upper - lower
     }

@@ -10,5 +10,7 @@ mod exact;
 mod format;
 mod linear;
 mod log;
+mod moves;
 mod products;
+mod rounding;
 mod soundness;

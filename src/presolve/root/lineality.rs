@@ -20,7 +20,10 @@ use std::collections::BTreeMap;
 
 use super::fixed_columns::fix;
 use super::postsolve::{Restored, Undo};
-use super::work::{Sparse, Work};
+use super::singleton_rows;
+use super::work::{Infeasible, Sparse, Work};
+use crate::program::Program;
+use crate::solver::StopToken;
 use crate::sum::{exact_product, exact_sum};
 
 /// The largest number of entries that the elimination visits, as a multiple of the initial ones.
@@ -36,8 +39,27 @@ struct Shifted {
     whole: bool,
 }
 
+/// The directions of a program along whose sense neither the objective nor a row over several columns changes, and
+/// no bound is run into. The first column of each is in no later one, and has the entry 1 or -1.
+pub(crate) fn shifts(program: &Program, token: &StopToken) -> Vec<Sparse> {
+    let is_open = |j: usize| program.lower[j].is_infinite() || program.upper[j].is_infinite();
+    if !(0..program.column_count()).any(is_open) {
+        return Vec::new();
+    }
+    let mut work = Work::new(program, token);
+    match work.each_row(singleton_rows::apply) {
+        Ok(_) => fix_all(&mut work),
+        Err(Infeasible) => Vec::new(),
+    }
+}
+
 pub(super) fn apply(work: &mut Work) -> usize {
-    let mut changes = 0;
+    fix_all(work).len()
+}
+
+/// Fixes the first columns of all directions that it can be done for, and returns these.
+fn fix_all(work: &mut Work) -> Vec<Sparse> {
+    let mut fixed = Vec::new();
     // Free columns first: bounds on one side may hide what can be done without touching them.
     for most in [0, 1] {
         let count =
@@ -49,14 +71,15 @@ pub(super) fn apply(work: &mut Work) -> usize {
             continue;
         }
         for direction in Elimination::new(work, open).directions(work) {
-            changes += usize::from(fix_along(work, direction));
+            fixed.extend(fix_along(work, direction));
         }
     }
-    changes
+    fixed
 }
 
-/// Fixes the first column of a direction, unless both senses of the direction run into bounds.
-fn fix_along(work: &mut Work, mut direction: Sparse) -> bool {
+/// Fixes the first column of a direction, unless both senses of the direction run into bounds. Returns the sense
+/// that does not.
+fn fix_along(work: &mut Work, mut direction: Sparse) -> Option<Sparse> {
     let leaves = |j: usize, d: f64| {
         let (lower, upper) = (work.lower[j].is_finite(), work.upper[j].is_finite());
         (!lower || d > 0.0) && (!upper || d < 0.0)
@@ -65,7 +88,7 @@ fn fix_along(work: &mut Work, mut direction: Sparse) -> bool {
     if !direction.iter().all(|&(j, d)| leaves(j, d)) {
         direction.iter_mut().for_each(|(_, d)| *d = -*d);
         if !direction.iter().all(|&(j, d)| leaves(j, d)) {
-            return false;
+            return None;
         }
     }
     let moves = direction.clone();
@@ -81,7 +104,7 @@ fn fix_along(work: &mut Work, mut direction: Sparse) -> bool {
     let spread = work.spread[first];
     moves.iter().for_each(|&(j, d)| work.spread[j] += d.abs() * spread);
     fix(work, first, 0.0);
-    true
+    Some(moves)
 }
 
 impl Undo for Shifted {

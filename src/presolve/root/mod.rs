@@ -43,6 +43,7 @@ mod substitute;
 mod work;
 
 pub use blocks::{ProgramBlock, blocks};
+pub(crate) use lineality::shifts;
 pub(crate) use postsolve::Postsolve;
 pub use postsolve::Presolved;
 

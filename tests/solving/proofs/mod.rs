@@ -1,6 +1,7 @@
 //! Proofs that solves write, judged by a checker that shares no code with the crate.
 
 mod damaged;
+mod declarations;
 mod past_slips;
 mod switched;
 mod ways_of_solving;
