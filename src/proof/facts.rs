@@ -61,6 +61,11 @@ impl Facts {
         [self.lower[fact], self.upper[fact]]
     }
 
+    /// Gives a fact other limits.
+    pub(super) fn set_limits(&mut self, fact: usize, [lower, upper]: [f64; 2]) {
+        (self.lower[fact], self.upper[fact]) = (lower, upper);
+    }
+
     /// The facts that a column is in.
     pub(super) fn of_column(&self, column: usize) -> &[u32] {
         &self.of_column[column]

@@ -14,11 +14,13 @@
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `conjugate_gradients` - equations that need few digits
 //! * `root`, `curvature_bounds` - what holds everywhere
+//! * `block_lemmas` - independent blocks one by one
 //! * `simple_sums` - sums whose terms cancel exactly
-//! * `repaired_sums` - sums with signs that rounding has turned
+//! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
 //! * `log` - the text
 
+mod block_lemmas;
 mod bounds;
 mod claim;
 mod cones;
@@ -30,6 +32,7 @@ mod facts;
 mod guide;
 mod guided_splits;
 mod log;
+mod pivoted_solution;
 mod relaxed;
 mod repaired_sums;
 mod root;
@@ -45,8 +48,10 @@ use crate::program::Program;
 use crate::relaxation::LadderPool;
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
+pub(crate) use block_lemmas::count_blocks;
 use bounds::Bounds;
 pub(crate) use claim::Claim;
+use cones::cones_by_column;
 use fact_sum::FactSum;
 use facts::Facts;
 pub(crate) use guide::Guide;
@@ -106,6 +111,7 @@ impl ProofRequest<'_> {
         if claim == Claim::Infeasible {
             program.make_feasibility_problem();
         }
+        let cones_of = cones_by_column(&program);
         let relaxer = Relaxer {
             within: program.clone(),
             program,
@@ -115,6 +121,8 @@ impl ProofRequest<'_> {
             ladder: ladders.take(),
             ladders,
             sum: FactSum::default(),
+            is_inside: None,
+            cones_of,
             deficits: Vec::new(),
             objective: Vec::new(),
         };
@@ -126,7 +134,7 @@ impl ProofRequest<'_> {
             splits_left: most_splits,
             gaps: 0,
         };
-        let result = writer.run(Rc::new(guide));
+        let result = writer.run(Rc::new(guide), point);
         let gaps = writer.gaps;
         ladders.give_back(writer.relaxer.ladder);
         if result.is_err() {
