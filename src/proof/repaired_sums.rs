@@ -8,7 +8,7 @@ use super::pivoted_solution::pivoted_solution;
 use super::relaxed::{FactRefutation, Relaxer};
 
 /// Most changes of the multipliers.
-const MOST_CHANGES: usize = 8;
+const MOST_CHANGES: usize = 6;
 
 /// Steps of conjugate gradients of a change.
 const MOST_CHANGE_STEPS: usize = 200;
@@ -25,9 +25,6 @@ const MOST_ELIMINATED: usize = 100_000;
 /// The least size of an entry of the tangent's point that changes are measured by, as a part of the largest (no
 /// unit).
 const SLIGHT_ENTRY: f64 = 1e-3;
-
-/// The growth of what is wrong at which changes end (no unit).
-const GROWN_BY: f64 = 2.0;
 
 /// What a change moves.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +45,7 @@ impl Relaxer<'_> {
         found: &mut FactRefutation,
     ) -> Option<()> {
         let kept = (found.facts.clone(), found.tangent.clone());
-        for share in SLIGHT_SHARES {
+        for (share, eliminates) in SLIGHT_SHARES.into_iter().flat_map(|s| [(s, false), (s, true)]) {
             (found.facts, found.tangent) = kept.clone();
             let size = |&(fact, y): &(usize, f64)| {
                 y.abs() * facts.terms(fact).map(|(_, a)| a.abs()).fold(0.0, f64::max)
@@ -59,7 +56,7 @@ impl Relaxer<'_> {
                 continue;
             }
             if self.check(facts, bounds, found).is_some()
-                || self.check_changed(facts, bounds, found).is_some()
+                || self.check_changed(facts, bounds, found, eliminates).is_some()
             {
                 return Some(());
             }
@@ -68,21 +65,21 @@ impl Relaxer<'_> {
         None
     }
 
+    /// The same by changes along conjugate gradients, or by elimination.
     fn check_changed(
         &mut self,
         facts: &Facts,
         bounds: &Bounds,
         found: &mut FactRefutation,
+        eliminates: bool,
     ) -> Option<()> {
         let mut columns: Vec<usize> = Vec::new();
-        let mut before = f64::INFINITY;
         for _ in 0..MOST_CHANGES {
             let missing = self.sum.missing(&|j| bounds.of(j));
             let most = missing.iter().map(|(_, excess)| *excess).fold(0.0, f64::max);
-            if missing.is_empty() || !most.is_finite() || most > GROWN_BY * before {
+            if missing.is_empty() || !most.is_finite() {
                 break;
             }
-            before = most;
             columns.extend(missing.iter().map(|(j, _)| *j));
             columns.sort_unstable();
             columns.dedup();
@@ -96,18 +93,14 @@ impl Relaxer<'_> {
                 -sign * (sign * own + TURNED_BY * most).max(0.0)
             });
             let change: Vec<f64> = change.collect();
-            match self.eliminated(facts, bounds, found, (&columns, &change)) {
-                Some(steps) => self.moved(facts, found, steps),
-                None => {
+            let steps = match eliminates {
+                true => self.eliminated(facts, bounds, found, (&columns, &change))?,
+                false => {
                     let steps = self.change(facts, &found.facts, &columns, &change);
-                    let steps = steps.into_iter().enumerate();
-                    self.moved(
-                        facts,
-                        found,
-                        steps.map(|(k, step)| (Mover::Fact(k), step)).collect(),
-                    );
+                    steps.into_iter().enumerate().map(|(k, step)| (Mover::Fact(k), step)).collect()
                 }
-            }
+            };
+            self.moved(facts, found, steps);
             if self.check(facts, bounds, found).is_some() {
                 return Some(());
             }
