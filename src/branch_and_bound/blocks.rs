@@ -102,18 +102,19 @@ impl TreeExchange for BlockExchange<'_> {
 }
 
 /// The result of searching the program of a task block by block; `None` if it must not be split, if it
-/// is a single block, or if the blocks come to no conclusion.
+/// is a single block, has more than `most`, or if the blocks come to no conclusion.
 pub(super) fn search_blocks(
     task: SolveTask<'_>,
+    most: usize,
     control: &mut Control<'_>,
 ) -> Option<SearchResult> {
     let options = task.options;
-    if !options.blocks || options.proof.is_some() || options.keep_leaves || options.pool > 1 {
+    if !options.blocks || most < 2 || options.keep_leaves || options.pool > 1 {
         return None;
     }
     let blocks = blocks(task.program);
     let count = blocks.len();
-    if count < 2 {
+    if count < 2 || count > most {
         return None;
     }
     let gap = [options.absolute_gap / count as f64, options.relative_gap];

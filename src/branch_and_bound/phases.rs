@@ -22,6 +22,7 @@ use super::solve::{EarlierResults, Solve, SolveResult};
 use super::verify::ModelJudge;
 use crate::error::Error;
 use crate::presolve::root::PresolveRule;
+use crate::proof::count_blocks;
 use crate::search::{SearchResult, SolveTask};
 use crate::slips;
 use crate::solution::Termination;
@@ -110,7 +111,12 @@ impl Solve<'_> {
             SolveTask::new(presolved.program(), judge, self.ladders, self.options, self.token);
         let start = known.start.map(|start| presolved.carry(start));
         let carried = EarlierResults { start: start.as_ref(), ..*known };
-        let in_blocks = if start.is_none() { search_blocks(task, control) } else { None };
+        // A proof follows the blocks of the lowered program.
+        let most = match self.options.proof {
+            Some(_) => count_blocks(&lowered.program),
+            None => usize::MAX,
+        };
+        let in_blocks = if start.is_none() { search_blocks(task, most, control) } else { None };
         let found = in_blocks.unwrap_or_else(|| search_task(task, &carried, control));
         restore(self, known, &presolved, found)
     }

@@ -112,10 +112,6 @@ impl Bounds {
         self.now[column]
     }
 
-    pub(super) fn all(&self) -> &[[f64; 2]] {
-        &self.now
-    }
-
     /// A mark to return to.
     pub(super) fn mark(&self) -> usize {
         self.trail.len()

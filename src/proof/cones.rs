@@ -62,6 +62,15 @@ impl ConeRow {
     }
 }
 
+/// By column, the cones that it is in.
+pub(super) fn cones_by_column(program: &Program) -> Vec<Vec<usize>> {
+    let mut cones = vec![Vec::new(); program.column_count()];
+    for (k, cone) in program.cones.iter().enumerate() {
+        cone.columns.iter().for_each(|&j| cones[j].push(k));
+    }
+    cones
+}
+
 impl Relaxer<'_> {
     /// The rows of cones behind the last rows of a relaxation, with their multipliers.
     pub(super) fn cone_rows(
@@ -77,8 +86,9 @@ impl Relaxer<'_> {
             if multiplier.is_nan() || multiplier <= 0.0 {
                 continue;
             }
-            let cones = 0..self.program.cones.len();
-            if let Some(row) = cones.clone().find_map(|c| ConeRow::of(cut, c, &self.program)) {
+            let cones = cut.terms.iter().map(|(j, _)| &self.cones_of[*j]).min_by_key(|c| c.len());
+            let mut cones = cones.into_iter().flatten();
+            if let Some(row) = cones.find_map(|&c| ConeRow::of(cut, c, &self.program)) {
                 rows.push((row, multiplier));
             }
         }

@@ -7,41 +7,57 @@ use crate::sum::{exact_product, exact_sum};
 /// Products above this have their errors as floats.
 pub(super) const SMALLEST_EXACT: f64 = 1e-250;
 
-/// A sum of terms, what bounds its rounding error, and how many terms there are.
+/// A sum of terms in twice the precision, and what bounds its rounding error.
 #[derive(Debug, Clone, Copy, Default)]
 struct Rounded {
-    value: f64,
+    sum: f64,
+    /// The rounding errors of the sum and of its products.
+    rest: f64,
     size: f64,
     count: f64,
-    /// Whether a product or a sum was rounded.
+    /// The size of terms that are rounded themselves.
+    loose: f64,
+    /// Whether anything was rounded.
     is_rounded: bool,
 }
 
 impl Rounded {
     fn add_product(&mut self, a: f64, b: f64) {
         let (product, product_error) = exact_product(a, b);
-        let (sum, sum_error) = exact_sum(self.value, product);
+        let (sum, sum_error) = exact_sum(self.sum, product);
+        if !(product_error.is_finite() && sum_error.is_finite()) {
+            self.loose = f64::INFINITY;
+        }
         // Errors of tiny products are lost.
-        let is_exact = product_error == 0.0 && sum_error == 0.0 && product.abs() > SMALLEST_EXACT;
+        let is_large = product.abs() > SMALLEST_EXACT || a == 0.0 || b == 0.0;
+        let is_exact = product_error == 0.0 && sum_error == 0.0 && is_large;
         self.is_rounded |= !is_exact;
-        self.value = sum;
+        self.sum = sum;
+        self.rest += product_error + sum_error;
         self.size += product.abs();
         self.count += 1.0;
     }
 
+    /// Adds a term that is a product of up to three floats, rounded.
     fn add(&mut self, term: f64) {
+        self.add_product(term, 1.0);
         self.is_rounded = true;
-        self.value += term;
-        self.size += term.abs();
-        self.count += 1.0;
+        self.loose += term.abs();
     }
 
-    /// Twice what the error can be if terms are products of up to three floats.
+    fn value(&self) -> f64 {
+        self.sum + self.rest
+    }
+
+    /// Twice what the error of the value can be.
     fn error(&self) -> f64 {
         if !self.is_rounded {
             return 0.0;
         }
-        f64::EPSILON * (self.count + 4.0) * self.size
+        let own = f64::EPSILON * self.value().abs();
+        let many = f64::EPSILON * (self.count + 4.0);
+        own + 4.0
+            * (many * many * self.size + f64::EPSILON * self.loose + self.count * SMALLEST_EXACT)
     }
 }
 
@@ -74,14 +90,19 @@ impl FactSum {
         self.terms[column].add_product(a, b);
     }
 
-    /// Adds to the limit.
-    pub(super) fn add_to_limit(&mut self, product: f64) {
+    /// Adds a product of two floats to the limit.
+    pub(super) fn add_to_limit(&mut self, a: f64, b: f64) {
+        self.limit.add_product(a, b);
+    }
+
+    /// Adds a rounded product of three floats to the limit.
+    pub(super) fn add_rounded_to_limit(&mut self, product: f64) {
         self.limit.add(product);
     }
 
     /// The coefficient of a column, rounded.
     pub(super) fn coefficient(&self, column: usize) -> f64 {
-        self.terms.get(column).map_or(0.0, |term| term.value)
+        self.terms.get(column).map_or(0.0, Rounded::value)
     }
 
     /// The columns that keep the sum from being a contradiction because they have no bound on one side, and how
@@ -91,8 +112,9 @@ impl FactSum {
             let (term, error) = (self.terms[column], self.terms[column].error());
             let [lower, upper] = bounds(column);
             let excess = match (lower.is_infinite(), upper.is_infinite()) {
-                (false, true) => term.value + error,
-                (true, false) => error - term.value,
+                (false, true) => term.value() + error,
+                (true, false) => error - term.value(),
+                (true, true) => term.value().abs() + error,
                 _ => return None,
             };
             (excess > 0.0).then_some((column, excess))
@@ -107,7 +129,10 @@ impl FactSum {
         for &j in &self.touched {
             let (term, error) = (self.terms[j], self.terms[j].error());
             let [lower, upper] = bounds(j);
-            let (least, largest) = (term.value - error, term.value + error);
+            let (least, largest) = (term.value() - error, term.value() + error);
+            if !error.is_finite() {
+                return None;
+            }
             let mut worst = f64::NEG_INFINITY;
             if largest > 0.0 {
                 sides.push((j, true));
@@ -124,7 +149,7 @@ impl FactSum {
                 most.add(worst);
             }
         }
-        let room = self.limit.value - self.limit.error() - (most.value + most.error());
+        let room = self.limit.value() - self.limit.error() - (most.value() + most.error());
         (room > 0.0).then_some(sides)
     }
 }

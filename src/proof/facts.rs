@@ -19,6 +19,11 @@ pub(super) struct Facts {
     of_column: Vec<Vec<u32>>,
 }
 
+/// Whether a number is whole, and not large.
+fn is_small(value: f64) -> bool {
+    value == value.round() && value.abs() < LARGEST_EXACT
+}
+
 impl Facts {
     /// The rows of a program.
     pub(super) fn new(program: &Program) -> Self {
@@ -39,7 +44,6 @@ impl Facts {
         [lower, upper]: [f64; 2],
     ) -> usize {
         let number = self.len();
-        let is_small = |value: f64| value == value.round() && value.abs() < LARGEST_EXACT;
         let mut is_whole = [lower, upper].iter().all(|v| v.is_infinite() || is_small(*v));
         for (column, value) in terms.filter(|(_, value)| *value != 0.0) {
             is_whole &= is_small(value);
@@ -68,6 +72,7 @@ impl Facts {
         self.value.truncate(entries);
         self.lower.truncate(count);
         self.upper.truncate(count);
+        self.is_whole.truncate(count);
     }
 
     pub(super) fn len(&self) -> usize {
@@ -94,6 +99,12 @@ impl Facts {
     /// Whether all its coefficients and limits are whole, and below [`LARGEST_EXACT`].
     pub(super) fn is_whole(&self, fact: usize) -> bool {
         self.is_whole[fact]
+    }
+
+    /// Gives a fact other limits.
+    pub(super) fn set_limits(&mut self, fact: usize, [lower, upper]: [f64; 2]) {
+        (self.lower[fact], self.upper[fact]) = (lower, upper);
+        self.is_whole[fact] &= [lower, upper].iter().all(|v| v.is_infinite() || is_small(*v));
     }
 
     /// The facts that a column is in.

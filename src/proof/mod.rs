@@ -19,11 +19,13 @@
 //! * `strengthened` - smaller big-Ms, bounds and cuts of the root, as lemmas
 //! * `switched` - products that make squares tighter, and are 0 at every point
 //! * `declarations`, `implied_integers` - columns that may be taken as whole, or as 0
+//! * `block_lemmas` - independent blocks one by one
 //! * `simple_sums` - sums whose terms cancel exactly
-//! * `repaired_sums` - sums with signs that rounding has turned
+//! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
 //! * `log` - the text
 
+mod block_lemmas;
 mod bounds;
 mod case_bounds;
 mod claim;
@@ -39,6 +41,7 @@ mod guided_splits;
 mod implied_integers;
 mod lemma;
 mod log;
+mod pivoted_solution;
 mod relaxed;
 mod repaired_sums;
 mod root;
@@ -56,8 +59,10 @@ use crate::program::Program;
 use crate::relaxation::LadderPool;
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
+pub(crate) use block_lemmas::count_blocks;
 use bounds::Bounds;
 pub(crate) use claim::Claim;
+use cones::cones_by_column;
 use fact_sum::FactSum;
 use facts::Facts;
 pub(crate) use guide::Guide;
@@ -118,6 +123,7 @@ impl ProofRequest<'_> {
         if claim == Claim::Infeasible {
             program.make_feasibility_problem();
         }
+        let cones_of = cones_by_column(&program);
         let relaxer = Relaxer {
             terms: ObjectiveTerms::of(&program),
             within: program.clone(),
@@ -131,6 +137,8 @@ impl ProofRequest<'_> {
             warm: None,
             sum: FactSum::default(),
             tight_sum: FactSum::default(),
+            is_inside: None,
+            cones_of,
             deficits: Vec::new(),
             objective: Vec::new(),
         };
@@ -146,7 +154,7 @@ impl ProofRequest<'_> {
             lemma_cases: Vec::new(),
             gaps: 0,
         };
-        let result = writer.run(Rc::new(guide));
+        let result = writer.run(Rc::new(guide), point);
         let gaps = writer.gaps;
         ladders.give_back(writer.relaxer.ladder);
         if result.is_err() {

@@ -64,6 +64,10 @@ pub(super) struct Relaxer<'a> {
     pub(super) tight_sum: FactSum,
     /// The state that the last relaxation has left: the next context is near.
     pub(super) warm: Option<WarmState>,
+    /// The columns of the block that is proved; `None` for all.
+    pub(super) is_inside: Option<Vec<bool>>,
+    /// By column, the cones that it is in.
+    pub(super) cones_of: Vec<Vec<usize>>,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
     /// The linear part of the objective and its constant, without rounding.
@@ -73,11 +77,37 @@ pub(super) struct Relaxer<'a> {
 }
 
 impl Relaxer<'_> {
+    /// Relaxes and searches some columns alone: all others are 0.
+    pub(super) fn keep_only(&mut self, columns: &[usize]) {
+        let mut is_inside = vec![false; self.program.column_count()];
+        columns.iter().for_each(|&j| is_inside[j] = true);
+        self.is_inside = Some(is_inside);
+        self.within = self.program.clone();
+    }
+
+    /// Relaxes and searches all columns again.
+    pub(super) fn keep_all(&mut self) {
+        self.is_inside = None;
+        self.within = self.program.clone();
+    }
+
+    /// Whether a column is fixed, and in no cone: then it links no blocks.
+    pub(super) fn is_fixed(&self, bounds: &Bounds, j: usize) -> bool {
+        let [lower, upper] = bounds.of(j);
+        lower == upper && self.cones_of[j].is_empty()
+    }
+
+    /// The bounds of a column in relaxations.
+    pub(super) fn range(&self, bounds: &Bounds, j: usize) -> [f64; 2] {
+        let is_inside = self.is_inside.as_ref().is_none_or(|is_inside| is_inside[j]);
+        if is_inside || self.is_fixed(bounds, j) { bounds.of(j) } else { [0.0; 2] }
+    }
+
     /// The program of some bounds with all its rows and columns.
     fn whole(&self, bounds: &Bounds) -> Reduced {
         let mut whole = Reduced::whole(&self.program);
-        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
-            (whole.lower[j], whole.upper[j]) = (*lower, *upper);
+        for j in 0..self.program.column_count() {
+            [whole.lower[j], whole.upper[j]] = self.range(bounds, j);
         }
         whole
     }
@@ -89,9 +119,10 @@ impl Relaxer<'_> {
         [is_whole, is_tight, has_costs]: [bool; 3],
     ) -> Option<(Reduced, RowsBefore)> {
         let mut domain = Domain::new(&self.program);
-        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
-            domain.apply(j, false, *lower);
-            domain.apply(j, true, *upper);
+        for j in 0..self.program.column_count() {
+            let [lower, upper] = self.range(bounds, j);
+            domain.apply(j, false, lower);
+            domain.apply(j, true, upper);
         }
         let mut reduced = match is_whole {
             true => self.whole(bounds),
@@ -183,11 +214,17 @@ impl Relaxer<'_> {
                     if checked.is_none() && self.objective.is_empty() {
                         found.tangent = Some(self.tangent_point(&point));
                         checked = self.check(facts, bounds, &mut found);
-                        if checked.is_none() && self.move_tangent(bounds, &mut found) {
-                            checked = self.check(facts, bounds, &mut found);
-                        }
                         if checked.is_none() {
                             checked = self.check_repaired(facts, bounds, &mut found);
+                        }
+                        if checked.is_none()
+                            && self.check(facts, bounds, &mut found).is_none()
+                            && self.move_tangent(bounds, &mut found)
+                        {
+                            checked = self.check(facts, bounds, &mut found);
+                            if checked.is_none() {
+                                checked = self.check_repaired(facts, bounds, &mut found);
+                            }
                         }
                     }
                     is_short = checked.is_none();
@@ -217,7 +254,7 @@ impl Relaxer<'_> {
     }
 
     /// The entries of a point that the objective is not linear in.
-    fn tangent_point(&self, point: &[f64]) -> Vec<(usize, f64)> {
+    pub(super) fn tangent_point(&self, point: &[f64]) -> Vec<(usize, f64)> {
         let curved = |j: &usize| !self.program.quadratic_column(*j).0.is_empty();
         let columns = (0..point.len()).filter(curved);
         columns.map(|j| (j, point[j])).filter(|(_, value)| *value != 0.0).collect()
@@ -287,16 +324,21 @@ impl Relaxer<'_> {
         let Some(tangent) = &mut found.tangent else { return false };
         let program = &self.program;
         let n = program.column_count();
-        let is_curved = |j: usize| {
-            let [lower, upper] = bounds.of(j);
-            !program.quadratic_column(j).0.is_empty() && lower < upper
+        let mut point = vec![0.0; n];
+        tangent.iter().for_each(|&(j, p)| point[j] = p);
+        // Where the sum leaves something to a bound that the point is at, the move would lose more.
+        let is_moved = |j: &usize| {
+            let [lower, upper] = bounds.of(*j);
+            let (rows, values) = program.quadratic_column(*j);
+            let own = rows.iter().zip(values).find(|(i, _)| *i == j).map_or(0.0, |(_, a)| *a);
+            let left = self.sum.coefficient(*j);
+            let room = if left > 0.0 { upper - point[*j] } else { point[*j] - lower };
+            !rows.is_empty() && lower < upper && 2.0 * own * room > left.abs()
         };
-        let curved: Vec<usize> = (0..n).filter(|&j| is_curved(j)).collect();
+        let curved: Vec<usize> = (0..n).filter(is_moved).collect();
         if curved.is_empty() {
             return false;
         }
-        let mut point = vec![0.0; n];
-        tangent.iter().for_each(|&(j, p)| point[j] = p);
         let left: Vec<f64> = curved.iter().map(|&j| self.sum.coefficient(j)).collect();
         let moved = curved_solution(program, &curved, &left, MOST_MOVES);
         curved.iter().zip(&moved).for_each(|(&j, step)| point[j] += step);
@@ -316,7 +358,7 @@ impl Relaxer<'_> {
         found.sides.clear();
         for &(fact, y) in &found.facts {
             let [lower, upper] = facts.limits(fact);
-            sum.add_to_limit(y * if y > 0.0 { lower } else { upper });
+            sum.add_to_limit(y, if y > 0.0 { lower } else { upper });
             facts.terms(fact).for_each(|(j, a)| sum.add(j, a, y));
         }
         let own = &mut self.tight_sum;
@@ -325,7 +367,7 @@ impl Relaxer<'_> {
             row.steps.clear();
             let needed = row.prove(facts, &|j| bounds.of(j), own, columns);
             found.sides.extend(needed?);
-            sum.add_to_limit(*y * row.limit);
+            sum.add_to_limit(*y, row.limit);
             row.terms.iter().for_each(|&(j, a)| sum.add(j, a, *y));
         }
         for (row, y) in &found.cones {
@@ -334,8 +376,8 @@ impl Relaxer<'_> {
         if let (Some(point), Claim::Bound(bound)) = (&found.tangent, self.claim) {
             let program = &self.program;
             // -(gradient) x >= -(bound - f(p) + gradient p + slack)
-            sum.add_to_limit(-bound);
-            self.terms.constant.iter().for_each(|&(a, b)| sum.add_to_limit(a * b));
+            sum.add_to_limit(bound, -1.0);
+            self.terms.constant.iter().for_each(|&(a, b)| sum.add_to_limit(a, b));
             self.terms.linear.iter().for_each(|&(j, a, b)| sum.add(j, -a, b));
             for &(j, p) in point {
                 let (rows, values) = program.quadratic_column(j);
@@ -348,7 +390,7 @@ impl Relaxer<'_> {
                 let (rows, values) = program.quadratic_column(j);
                 for (&i, &a) in rows.iter().zip(values) {
                     if let Ok(k) = point.binary_search_by_key(&i, |(column, _)| *column) {
-                        sum.add_to_limit(-0.5 * a * p * point[k].1);
+                        sum.add_rounded_to_limit(-0.5 * a * p * point[k].1);
                     }
                 }
             }
@@ -360,7 +402,7 @@ impl Relaxer<'_> {
                 if reach.is_infinite() {
                     return None;
                 }
-                sum.add_to_limit(-0.5 * deficit * reach * reach);
+                sum.add_rounded_to_limit(-0.5 * deficit * reach * reach);
             }
         }
         found.sides.extend(sum.contradiction(&|j| bounds.of(j))?);

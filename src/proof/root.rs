@@ -14,7 +14,11 @@ use crate::search::granularity;
 
 impl ProofWriter<'_, '_> {
     /// Derives what holds everywhere, and closes the whole program.
-    pub(super) fn run(&mut self, guide: Rc<Guide>) -> Result<(), Limit> {
+    ///
+    /// # Arguments
+    ///
+    /// * `point`: the best point that is known.
+    pub(super) fn run(&mut self, guide: Rc<Guide>, point: Option<&[f64]>) -> Result<(), Limit> {
         self.declare()?;
         let is_empty = |j: &usize| {
             let [lower, upper] = self.bounds.of(*j);
@@ -40,6 +44,9 @@ impl ProofWriter<'_, '_> {
             self.log.convexity(lacking, &factor);
             self.relaxer.deficits = deficits;
             self.bound_by_curvature();
+        }
+        if self.close_blocks(point)? {
+            return Ok(());
         }
         let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
         let begin = Probing::new(order, ProofPart::Node(guide, 0), None);

@@ -15,8 +15,8 @@ impl Relaxer<'_> {
     /// Searches a context as it is, without what would make its relaxation tighter. Returns the splits;
     /// `None` if there are none.
     pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Option<Guide>, Limit> {
-        for (j, [lower, upper]) in bounds.all().iter().enumerate() {
-            (self.within.lower[j], self.within.upper[j]) = (*lower, *upper);
+        for j in 0..self.program.column_count() {
+            [self.within.lower[j], self.within.upper[j]] = self.range(bounds, j);
         }
         let options = Options {
             proof: Some(std::path::PathBuf::new()),

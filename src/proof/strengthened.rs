@@ -83,10 +83,10 @@ impl ProofWriter<'_, '_> {
     }
 
     /// The program with the present bounds.
-    fn bounded(&self) -> Program {
+    pub(super) fn bounded(&self) -> Program {
         let mut program = self.relaxer.program.clone();
-        for (j, [lower, upper]) in self.bounds.all().iter().enumerate() {
-            (program.lower[j], program.upper[j]) = (*lower, *upper);
+        for j in 0..program.column_count() {
+            [program.lower[j], program.upper[j]] = self.bounds.of(j);
         }
         program
     }

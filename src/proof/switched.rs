@@ -69,10 +69,7 @@ impl ObjectiveTerms {
 impl ProofWriter<'_, '_> {
     /// Adds products to the objective, if they lift the bound of the relaxation.
     pub(super) fn add_zero_products(&mut self) {
-        let mut bounded = self.relaxer.program.clone();
-        for (j, [lower, upper]) in self.bounds.all().iter().enumerate() {
-            (bounded.lower[j], bounded.upper[j]) = (*lower, *upper);
-        }
+        let bounded = self.bounded();
         let (options, token) = (self.relaxer.options, self.relaxer.token);
         let mut squares = switched_squares(&bounded, token);
         squares.retain(|square| self.off_facts(square).is_some());

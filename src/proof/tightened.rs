@@ -128,7 +128,7 @@ impl TightRowLemma {
         let others = self.sources.iter().map(|&source| Some(source));
         for source in std::iter::once(None).chain(others) {
             sum.clear(columns);
-            sum.add_to_limit(sign * self.limit);
+            sum.add_to_limit(sign, self.limit);
             self.terms.iter().for_each(|&(j, a)| sum.add(j, sign, a));
             let mut used = None;
             if let Some((fact, ratio)) = source {
@@ -138,7 +138,7 @@ impl TightRowLemma {
                 if limit.is_infinite() {
                     continue;
                 }
-                sum.add_to_limit(y * limit);
+                sum.add_to_limit(y, limit);
                 facts.terms(fact).for_each(|(j, a)| sum.add(j, a, y));
                 used = Some((fact, y));
             }

@@ -265,9 +265,9 @@ impl Options {
     /// horizon take nothing from reach sets then, except in the bounds of a program that was tightened by them
     /// already.
     ///
-    /// The search is the same, except that it does not fall into blocks, and that a prepared model is solved
-    /// as if it were not prepared. The proof comes after it, and may take as long again: a time limit holds
-    /// for each of the two. Lazy constraints and user cuts that were found are rows of the program in the
+    /// The search is the same, except that it does not fall into blocks where the objective has squares or
+    /// presolve has made the blocks, and that a prepared model is solved as if it were not prepared. The proof
+    /// comes after it, and may take as long again: a time limit holds for each of the two. Lazy constraints and user cuts that were found are rows of the program in the
     /// proof. Of a pool, the proof is about the best point.
     #[must_use]
     pub fn with_proof(mut self, path: impl Into<PathBuf>) -> Self {

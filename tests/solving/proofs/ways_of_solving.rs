@@ -59,7 +59,7 @@ fn options_leave_no_answer_without_a_log() -> Result<(), Error> {
     Ok(())
 }
 
-/// A program of blocks is searched as a whole, and one log proves the sum.
+/// A program of blocks is searched block by block, and one log proves the sum.
 #[test]
 fn blocks_have_one_log() -> Result<(), Error> {
     let mut model = Model::new("blocks");
