@@ -194,14 +194,7 @@ impl Relaxer<'_> {
             RelaxationVerdict::Refuted(y) => {
                 let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                 found.cones = self.cone_rows(&reduced, &cuts, y);
-                let mut checked = self.check(facts, bounds, &mut found);
-                if checked.is_none() {
-                    checked = self.check_simpler(facts, bounds, &mut found);
-                }
-                if checked.is_none() && self.check(facts, bounds, &mut found).is_none() {
-                    checked = self.check_repaired(facts, bounds, &mut found);
-                }
-                is_short = checked.is_none();
+                is_short = !self.closes(facts, bounds, &mut found);
                 if is_short { Relaxed::Open(None) } else { Relaxed::Refuted(found) }
             }
             RelaxationVerdict::Relaxed { bound, x, y, .. } => {
@@ -210,24 +203,7 @@ impl Relaxer<'_> {
                 if *bound > cutoff {
                     let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                     found.cones = self.cone_rows(&reduced, &cuts, y);
-                    let mut checked = self.check_objective(facts, bounds, &mut found);
-                    if checked.is_none() && self.objective.is_empty() {
-                        found.tangent = Some(self.tangent_point(&point));
-                        checked = self.check(facts, bounds, &mut found);
-                        if checked.is_none() {
-                            checked = self.check_repaired(facts, bounds, &mut found);
-                        }
-                        if checked.is_none()
-                            && self.check(facts, bounds, &mut found).is_none()
-                            && self.move_tangent(bounds, &mut found)
-                        {
-                            checked = self.check(facts, bounds, &mut found);
-                            if checked.is_none() {
-                                checked = self.check_repaired(facts, bounds, &mut found);
-                            }
-                        }
-                    }
-                    is_short = checked.is_none();
+                    is_short = !self.closes_by_objective(facts, bounds, &mut found, &point);
                     if !is_short {
                         relaxed = Some(Relaxed::Refuted(found));
                     }
@@ -251,6 +227,41 @@ impl Relaxer<'_> {
             }
             _ => relaxed,
         }
+    }
+
+    /// Whether the multipliers of a program without a point close the context, in one way or another.
+    fn closes(&mut self, facts: &Facts, bounds: &Bounds, found: &mut FactRefutation) -> bool {
+        self.check(facts, bounds, found).is_some()
+            || self.check_simpler(facts, bounds, found).is_some()
+            || self.check(facts, bounds, found).is_some()
+            || self.check_repaired(facts, bounds, found).is_some()
+    }
+
+    /// Whether the multipliers of a bound beyond the claim's close the context, with a fact of a linear objective
+    /// or a tangent at a point.
+    fn closes_by_objective(
+        &mut self,
+        facts: &Facts,
+        bounds: &Bounds,
+        found: &mut FactRefutation,
+        point: &[f64],
+    ) -> bool {
+        if self.check_objective(facts, bounds, found).is_some() {
+            return true;
+        }
+        if !self.objective.is_empty() {
+            return false;
+        }
+        found.tangent = Some(self.tangent_point(point));
+        if self.check(facts, bounds, found).is_some()
+            || self.check_repaired(facts, bounds, found).is_some()
+        {
+            return true;
+        }
+        self.check(facts, bounds, found).is_some()
+            || self.move_tangent(bounds, found)
+                && (self.check(facts, bounds, found).is_some()
+                    || self.check_repaired(facts, bounds, found).is_some())
     }
 
     /// The entries of a point that the objective is not linear in.
