@@ -196,7 +196,7 @@ impl Bounds {
                     activity.infinite[k] += 1;
                 }
             }
-            let range = ends[1] - ends[0];
+            let range = a.abs() * (upper - lower);
             if range > activity.widest {
                 activity.widest = range;
             }
