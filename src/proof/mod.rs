@@ -14,7 +14,7 @@
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `conjugate_gradients` - equations that need few digits
 //! * `root`, `curvature_bounds` - what holds everywhere
-//! * `switched` - products that make squares tighter, and are 0 at every point
+//! * `switched`, `zero_products` - products that make squares tighter, and are 0 at every point
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
@@ -39,6 +39,7 @@ mod simple_sums;
 mod switched;
 mod tightened;
 mod tree;
+mod zero_products;
 
 use std::io::{self, Write};
 use std::rc::Rc;
@@ -54,8 +55,8 @@ use facts::Facts;
 pub(crate) use guide::Guide;
 use log::{Names, ProofLog};
 use relaxed::Relaxer;
-use switched::ObjectiveTerms;
 use tree::ProofWriter;
+use zero_products::ObjectiveTerms;
 
 /// A proof that is asked for.
 #[derive(Debug, Clone, Copy)]
