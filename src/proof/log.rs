@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use super::bounds::{BoundChange, Clash};
 use super::claim::Claim;
-use super::switched::ZeroProduct;
+use super::zero_products::ZeroProduct;
 use crate::program::{ConeShape, Program};
 
 /// A number as the log has it: the shortest text that is read as the same float.

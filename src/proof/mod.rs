@@ -17,9 +17,9 @@
 //! * `case_bounds` - bounds that hold in all cases of a disjunction
 //! * `lemma` - rows with proofs of a few splits
 //! * `strengthened` - smaller big-Ms, bounds and cuts of the root, as lemmas
-//! * `switched` - products that make squares tighter, and are 0 at every point
 //! * `declarations`, `implied_integers` - columns that may be taken as whole, or as 0
 //! * `block_lemmas` - independent blocks one by one
+//! * `switched`, `zero_products` - products that make squares tighter, and are 0 at every point
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
@@ -51,6 +51,7 @@ mod strengthened;
 mod switched;
 mod tightened;
 mod tree;
+mod zero_products;
 
 use std::io::{self, Write};
 use std::rc::Rc;
@@ -68,8 +69,8 @@ use facts::Facts;
 pub(crate) use guide::Guide;
 use log::{Names, ProofLog};
 use relaxed::Relaxer;
-use switched::ObjectiveTerms;
 use tree::ProofWriter;
+use zero_products::ObjectiveTerms;
 
 /// A proof that is asked for.
 #[derive(Debug, Clone, Copy)]

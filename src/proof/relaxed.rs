@@ -11,8 +11,8 @@ use super::conjugate_gradients::curved_solution;
 use super::fact_sum::FactSum;
 use super::facts::Facts;
 use super::simple_sums::ObjectiveFact;
-use super::switched::ObjectiveTerms;
 use super::tightened::{RowsBefore, TightRowLemma};
+use super::zero_products::ObjectiveTerms;
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{
