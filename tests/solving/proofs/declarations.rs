@@ -29,7 +29,7 @@ fn formula(random: &mut Random) -> Result<Model, Error> {
         (0..4).map(|k| model.binary(format!("b[{k}]"))).collect::<Result<_, _>>()?;
     let mut cost = Affine::default();
     for b in &nodes {
-        cost = cost + *b * (1.0 + random.below(5) as f64 * 0.3);
+        cost += *b * (1.0 + random.below(5) as f64 * 0.3);
     }
     let chosen: Vec<Variable> = (0..4)
         .map(|k| model.continuous(format!("one[{k}]"), 0.0, f64::INFINITY))
@@ -45,7 +45,7 @@ fn formula(random: &mut Random) -> Result<Model, Error> {
         model.add(format!("not[{k}]"), (of(0) + bit).le(1.0))?;
     }
     for (k, one) in chosen.iter().enumerate() {
-        cost = cost + *one * (0.2 * random.below(4) as f64);
+        cost += *one * (0.2 * random.below(4) as f64);
         model.add(format!("with[{k}]"), (*one - nodes[k]).le(0.0))?;
     }
     for k in 0..6 {
@@ -100,7 +100,7 @@ fn logs_of_orders_declare_a_zero() -> Result<(), Error> {
                 let apart = times[i] - times[j];
                 model.add(format!("a[{i}][{j}]"), (apart.clone() + first * 9.0).ge(a))?;
                 model.add(format!("b[{i}][{j}]"), (apart + first * 9.0).le(9.0 - b))?;
-                cost = cost + first * (random.below(7) as f64 - 3.0);
+                cost += first * (random.below(7) as f64 - 3.0);
             }
         }
         model.minimize(cost)?;
