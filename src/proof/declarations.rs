@@ -10,6 +10,9 @@ use crate::presolve::root::shifts;
 use crate::program::Program;
 use crate::sum::{exact_product, exact_sum};
 
+/// The longest row that is looked at for whether a column may be rounded.
+const LONGEST_ROUNDING_ROW: usize = 1000;
+
 impl ProofWriter<'_, '_> {
     /// Declares all that the search may have used.
     pub(super) fn declare(&mut self) -> Result<(), Limit> {
@@ -101,6 +104,9 @@ impl ProofWriter<'_, '_> {
 fn is_truth_value(program: &Program, facts: &Facts, column: usize) -> bool {
     let upper = program.upper[column];
     let is_bounded = |&fact: &u32| {
+        if facts.terms(fact as usize).len() > LONGEST_ROUNDING_ROW {
+            return false;
+        }
         let [lower, upper] = facts.limits(fact as usize);
         let own = facts.terms(fact as usize).find(|(j, _)| *j == column);
         let Some((_, own)) = own else { return false };
@@ -125,6 +131,9 @@ fn ends_whole(program: &Program, facts: &Facts, column: usize, is_upper: bool) -
     !uses.is_empty()
         && uses.iter().all(|&fact| {
             let mut terms = facts.terms(fact as usize);
+            if terms.len() > LONGEST_ROUNDING_ROW {
+                return false;
+            }
             let own = facts.terms(fact as usize).find(|(j, _)| *j == column);
             let Some((_, own)) = own else { return false };
             let limit = facts.limits(fact as usize)[usize::from((own > 0.0) == is_upper)];

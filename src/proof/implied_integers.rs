@@ -59,6 +59,9 @@ impl ProofWriter<'_, '_> {
             let mut facts = self.facts.of_column(bit).iter();
             facts.all(|f| self.facts.terms(*f as usize).all(|(j, _)| j == bit || is_coded(j)))
         });
+        if bits.is_empty() {
+            return;
+        }
         bits.sort_unstable();
         bits.dedup();
         for program in [&mut self.relaxer.program, &mut self.relaxer.within] {

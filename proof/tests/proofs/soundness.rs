@@ -36,9 +36,9 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
 
 /// Makes one change in the lines of a proof.
 fn change(lines: &mut Vec<String>, (line, word, other, what): &Change) {
-    const WORDS: [&str; 21] = [
+    const WORDS: [&str; 24] = [
         "0", "1", "-1", "2", "-2", "3", "0.5", "-0.5", "1e-9", "L", "U", "b", "d", "x", "k", "m",
-        "s", "f", "t", "e", "inf",
+        "s", "f", "t", "e", "inf", "u", "v", "i",
     ];
     if lines.is_empty() {
         return;
