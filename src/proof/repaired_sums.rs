@@ -28,7 +28,7 @@ const SLIGHT_ENTRY: f64 = 1e-3;
 
 /// What a change moves.
 #[derive(Debug, Clone, Copy)]
-enum Mover {
+enum Adjustable {
     /// The multiplier at a place of the sum.
     Fact(usize),
     /// The entry of a column of the tangent's point.
@@ -97,7 +97,11 @@ impl Relaxer<'_> {
                 true => self.eliminated(facts, bounds, found, (&columns, &change))?,
                 false => {
                     let steps = self.change(facts, &found.facts, &columns, &change);
-                    steps.into_iter().enumerate().map(|(k, step)| (Mover::Fact(k), step)).collect()
+                    steps
+                        .into_iter()
+                        .enumerate()
+                        .map(|(k, step)| (Adjustable::Fact(k), step))
+                        .collect()
                 }
             };
             self.moved(facts, found, steps);
@@ -108,12 +112,12 @@ impl Relaxer<'_> {
         None
     }
 
-    fn moved(&self, facts: &Facts, found: &mut FactRefutation, steps: Vec<(Mover, f64)>) {
+    fn moved(&self, facts: &Facts, found: &mut FactRefutation, steps: Vec<(Adjustable, f64)>) {
         let mut point = vec![0.0; self.program.column_count()];
         found.tangent.iter().flatten().for_each(|&(j, p)| point[j] = p);
         for (mover, step) in steps {
             match mover {
-                Mover::Fact(k) => {
+                Adjustable::Fact(k) => {
                     let (fact, y) = &mut found.facts[k];
                     let [lower, upper] = facts.limits(*fact);
                     let side = if *y + step > 0.0 { lower } else { upper };
@@ -121,7 +125,7 @@ impl Relaxer<'_> {
                         *y += step;
                     }
                 }
-                Mover::Entry(j) => point[j] += step,
+                Adjustable::Entry(j) => point[j] += step,
             }
         }
         if let Some(tangent) = &mut found.tangent {
@@ -137,7 +141,7 @@ impl Relaxer<'_> {
         bounds: &Bounds,
         found: &FactRefutation,
         (columns, change): (&[usize], &[f64]),
-    ) -> Option<Vec<(Mover, f64)>> {
+    ) -> Option<Vec<(Adjustable, f64)>> {
         let mut place = vec![usize::MAX; self.program.column_count()];
         columns.iter().enumerate().for_each(|(k, &j)| place[j] = k);
         let (mut movers, mut vectors) = (Vec::new(), Vec::new());
@@ -157,7 +161,7 @@ impl Relaxer<'_> {
             vectors.len() * columns.len() <= MOST_ELIMINATED
         };
         for (k, &(fact, y)) in found.facts.iter().enumerate() {
-            if !add(Mover::Fact(k), y.abs(), &mut facts.terms(fact)) {
+            if !add(Adjustable::Fact(k), y.abs(), &mut facts.terms(fact)) {
                 return None;
             }
         }
@@ -172,7 +176,7 @@ impl Relaxer<'_> {
                 let p = tangent.binary_search_by_key(&j, |(column, _)| *column);
                 let p = p.map_or(0.0, |k| tangent[k].1.abs());
                 let mut terms = rows.iter().zip(values).map(|(&i, a)| (i, -a));
-                if !add(Mover::Entry(j), p.max(SLIGHT_ENTRY * most), &mut terms) {
+                if !add(Adjustable::Entry(j), p.max(SLIGHT_ENTRY * most), &mut terms) {
                     return None;
                 }
             }
