@@ -93,7 +93,7 @@ impl ProofWriter<'_, '_> {
                         self.relaxer.is_fixed(&self.bounds, j)
                     });
                     self.relaxer.keep_only(&part.columns);
-                    self.close(self.begin_block()).map(|()| true)
+                    self.close_block().map(|()| true)
                 }
                 None => Ok(false),
             },
@@ -159,7 +159,7 @@ impl ProofWriter<'_, '_> {
             self.relaxer.claim = Claim::Bound(most);
             self.relaxer.objective = vec![ObjectiveFact { fact, ratio: unit, most }];
             self.relaxer.keep_only(&part.columns);
-            self.close(self.begin_block())?;
+            self.close_block()?;
             self.facts.set_limits(fact, [least, f64::INFINITY]);
             sum.push((fact, unit));
         }
@@ -169,6 +169,17 @@ impl ProofWriter<'_, '_> {
         self.gaps += u64::from(self.relaxer.check(&self.facts, &self.bounds, &mut found).is_none());
         self.write(found);
         Ok(())
+    }
+
+    /// Closes the context of a block, and forgets what was derived in it.
+    fn close_block(&mut self) -> Result<(), Limit> {
+        let (mark, count) = (self.bounds.mark(), self.facts.len());
+        let rows = self.relaxer.fact_of_row.clone();
+        let closed = self.close_strengthened(self.begin_block());
+        self.bounds.undo_to(mark);
+        self.facts.truncate(count);
+        self.relaxer.fact_of_row = rows;
+        closed
     }
 
     fn begin_block(&self) -> ProofPart {

@@ -77,6 +77,11 @@ pub(super) struct Relaxer<'a> {
 }
 
 impl Relaxer<'_> {
+    /// Whether a block is proved by itself.
+    pub(super) fn has_block(&self) -> bool {
+        self.is_inside.is_some()
+    }
+
     /// Relaxes and searches some columns alone: all others are 0.
     pub(super) fn keep_only(&mut self, columns: &[usize]) {
         let mut is_inside = vec![false; self.program.column_count()];

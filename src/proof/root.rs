@@ -38,26 +38,36 @@ impl ProofWriter<'_, '_> {
             return Ok(());
         }
         if self.relaxer.program.quadratic.compute_nnz() > 0 {
-            self.add_zero_products();
-            let ConvexityProof { factor, deficits } = ConvexityProof::of(&self.relaxer.program);
-            let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
-            self.log.convexity(lacking, &factor);
-            self.relaxer.deficits = deficits;
-            self.bound_by_curvature();
+            self.add_curvature();
         }
         if self.close_blocks(point)? {
             return Ok(());
         }
         let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
         let begin = Probing::new(order, ProofPart::Node(guide, 0), None);
-        let begin = ProofPart::Probing(Box::new(begin));
-        if self.relaxer.program.integers.is_empty() {
-            return self.close(begin);
-        }
-        if self.closes_at_once(begin.clone())? || self.strengthen()? {
-            return Ok(());
-        }
-        self.close(begin)
+        self.close_strengthened(ProofPart::Probing(Box::new(begin)))
+    }
+
+    /// Closes the program, or a block of it: at once if that takes few splits besides those of the search, and else
+    /// behind the lemmas of its root.
+    pub(super) fn close_strengthened(&mut self, part: ProofPart) -> Result<(), Limit> {
+        let has_integers = !self.relaxer.program.integers.is_empty();
+        let is_closed = has_integers
+            && (self.closes_at_once(part.clone())?
+                || self.strengthen_rows()?
+                || self.add_cuts()?);
+        if is_closed { Ok(()) } else { self.close(part) }
+    }
+
+    /// States what is known of a quadratic objective: a tighter form of it, that it is convex, and bounds that
+    /// follow.
+    fn add_curvature(&mut self) {
+        self.add_zero_products();
+        let ConvexityProof { factor, deficits } = ConvexityProof::of(&self.relaxer.program);
+        let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
+        self.log.convexity(lacking, &factor);
+        self.relaxer.deficits = deficits;
+        self.bound_by_curvature();
     }
 
     /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`, or twice an

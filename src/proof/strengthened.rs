@@ -27,22 +27,19 @@ impl ProofWriter<'_, '_> {
         self.log.begin_trial();
         self.trial_left = Some(FEW_OWN_SPLITS);
         let closed = self.close(part);
-        let is_trial = self.trial_left.take().is_some();
-        if closed.is_ok() {
+        self.trial_left = None;
+        if closed.is_ok() || self.relaxer.token.is_over() {
             self.log.keep_trial();
-        } else if !is_trial || self.relaxer.token.is_over() {
-            self.log.keep_trial();
-            return Err(Limit);
-        } else {
-            self.log.drop_trial();
-            self.bounds.undo_to(mark);
-            self.splits_left = splits;
+            return closed.map(|()| true);
         }
-        Ok(closed.is_ok())
+        self.log.drop_trial();
+        self.bounds.undo_to(mark);
+        self.splits_left = splits;
+        Ok(false)
     }
 
-    /// Proves what the root of a search knows beyond the program. Returns whether that closes the program.
-    pub(super) fn strengthen(&mut self) -> Result<bool, Limit> {
+    /// Proves what the root of a search knows of bounds and rows. Returns whether that closes the program.
+    pub(super) fn strengthen_rows(&mut self) -> Result<bool, Limit> {
         let (options, token) = (self.relaxer.options, self.relaxer.token);
         if self.bound_by_cases()? {
             return Ok(true);
@@ -56,12 +53,16 @@ impl ProofWriter<'_, '_> {
             return Ok(true);
         }
         let begun = self.bounded();
-        let mut root = Root::new(&begun, token, options.probing);
-        if self.prove_bounds(&|j| root.bounds(j))? {
-            return Ok(true);
-        }
+        let root = Root::new(&begun, token, options.probing);
+        self.prove_bounds(&|j| root.bounds(j))
+    }
+
+    /// Proves the cuts of a search's root. Returns whether that closes the program.
+    pub(super) fn add_cuts(&mut self) -> Result<bool, Limit> {
+        let (options, token) = (self.relaxer.options, self.relaxer.token);
         if let Claim::Bound(bound) = self.relaxer.claim {
             let begun = self.bounded();
+            let mut root = Root::new(&begun, token, options.probing);
             let mut ladder = self.relaxer.ladders.take();
             let mut known = |_: &Root| {
                 let (value, bound) = (Some(bound), f64::NEG_INFINITY);
@@ -76,9 +77,11 @@ impl ProofWriter<'_, '_> {
             }
         }
         self.relaxer.within = self.relaxer.program.clone();
-        let all = 0..self.relaxer.program.column_count();
-        self.write_bounds(all.flat_map(|j| [(j, false), (j, true)]));
-        self.bounds.set_written();
+        if !self.relaxer.has_block() {
+            let all = 0..self.relaxer.program.column_count();
+            self.write_bounds(all.flat_map(|j| [(j, false), (j, true)]));
+            self.bounds.set_written();
+        }
         Ok(false)
     }
 

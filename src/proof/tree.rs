@@ -20,8 +20,8 @@ const MOST_FAILURES: usize = 100;
 /// Own splits below each other after which a search is asked again.
 const SPLITS_BETWEEN_SEARCHES: u32 = 6;
 
-/// The bytes from which on a trial is no longer one.
-const LARGEST_TRIAL: usize = 1 << 24;
+/// The bytes from which on a trial has failed: a long proof gains by lemmas.
+const LARGEST_TRIAL: usize = 1 << 22;
 
 /// Own splits below each other before the first search.
 const SPLITS_BEFORE_A_SEARCH: u32 = 3;
@@ -103,8 +103,7 @@ impl ProofWriter<'_, '_> {
         let mut conflict = self.bounds.propagate(&self.facts).err();
         loop {
             if self.trial_left.is_some() && self.log.trial_size() > LARGEST_TRIAL {
-                self.log.keep_trial();
-                self.trial_left = None;
+                return Err(Limit);
             }
             if let Some(what) = conflict.take() {
                 self.write_conflict(what);
