@@ -12,9 +12,9 @@ use crate::solver::{Control, Heuristics, Options};
 const MOST_NODES: u64 = 2000;
 
 impl Relaxer<'_> {
-    /// Searches a context as it is, without what would make its relaxation tighter. Returns the splits;
-    /// `None` if there are none.
-    pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Option<Guide>, Limit> {
+    /// Searches a context as it is, without what would make its relaxation tighter. Returns the splits; there are
+    /// none if the search has closed the context by probing it, or has found nothing.
+    pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Guide, Limit> {
         for j in 0..self.program.column_count() {
             [self.within.lower[j], self.within.upper[j]] = self.range(bounds, j);
         }
@@ -34,7 +34,6 @@ impl Relaxer<'_> {
         if self.token.is_over() {
             return Err(Limit);
         }
-        let guide = Guide { is_plain: true, ..Guide::new(found.forks, None) };
-        Ok((!guide.forks.is_empty()).then_some(guide))
+        Ok(Guide { is_plain: true, ..Guide::new(found.forks, None) })
     }
 }

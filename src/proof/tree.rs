@@ -48,8 +48,9 @@ pub(super) enum ProofPart {
 pub(super) struct Probing {
     order: Vec<usize>,
     place: usize,
-    /// Columns in a row of which neither value was refuted.
+    /// Columns in a row of which neither value was refuted, and most of them.
     failures: usize,
+    most_failures: usize,
     has_found: bool,
     /// Where to go on.
     then: ProofPart,
@@ -59,7 +60,8 @@ pub(super) struct Probing {
 
 impl Probing {
     pub(super) fn new(order: Vec<usize>, then: ProofPart, point: Option<Vec<f64>>) -> Self {
-        Probing { order, place: 0, failures: 0, has_found: false, then, point }
+        let most_failures = MOST_FAILURES;
+        Probing { order, place: 0, failures: 0, most_failures, has_found: false, then, point }
     }
 }
 
@@ -254,13 +256,19 @@ impl ProofWriter<'_, '_> {
             // A search costs more than a few splits, which often suffice.
             ProofPart::End(_) => SPLITS_BETWEEN_SEARCHES - SPLITS_BEFORE_A_SEARCH,
             ProofPart::Own(depth) if depth < SPLITS_BETWEEN_SEARCHES => depth,
-            _ => match self.relaxer.search(&self.bounds)? {
-                Some(guide) => {
-                    self.spend_trial(guide.forks.len() as u64)?;
-                    return Ok(Step::Again(ProofPart::Node(Rc::new(guide), 0)));
-                }
-                None => 0,
-            },
+            _ => {
+                let guide = self.relaxer.search(&self.bounds)?;
+                self.spend_trial(1 + guide.forks.len() as u64)?;
+                return Ok(Step::Again(match guide.forks.is_empty() {
+                    true => {
+                        let order = self.probing_order(point.as_deref());
+                        let mut probing = Probing::new(order, ProofPart::Own(0), point);
+                        probing.most_failures = usize::MAX;
+                        ProofPart::Probing(Box::new(probing))
+                    }
+                    false => ProofPart::Node(Rc::new(guide), 0),
+                }));
+            }
         };
         let Some(decision) = self.own_split(point.as_deref()) else {
             // No checker accepts this step: what the search has closed here has a point.
@@ -298,7 +306,7 @@ impl ProofWriter<'_, '_> {
     /// The next side of a column that propagation refutes.
     fn probe(&mut self, probing: &mut Probing) -> Option<Decision> {
         while let Some(&column) = probing.order.get(probing.place) {
-            if probing.failures >= MOST_FAILURES {
+            if probing.failures >= probing.most_failures {
                 return None;
             }
             let [lower, upper] = self.bounds.of(column);
