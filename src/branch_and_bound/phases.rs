@@ -112,7 +112,7 @@ impl Solve<'_> {
         let start = known.start.map(|start| presolved.carry(start));
         let carried = EarlierResults { start: start.as_ref(), ..*known };
         // A proof follows the blocks of the lowered program.
-        let most = match self.options.proof {
+        let most = match self.options.proof_path() {
             Some(_) => count_blocks(&lowered.program),
             None => usize::MAX,
         };

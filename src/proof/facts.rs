@@ -19,8 +19,8 @@ pub(super) struct Facts {
     of_column: Vec<Vec<u32>>,
 }
 
-/// Whether a number is whole, and not large.
-fn is_small(value: f64) -> bool {
+/// Whether a number is whole, and below [`LARGEST_EXACT`].
+pub(super) fn is_whole(value: f64) -> bool {
     value == value.round() && value.abs() < LARGEST_EXACT
 }
 
@@ -44,9 +44,9 @@ impl Facts {
         [lower, upper]: [f64; 2],
     ) -> usize {
         let number = self.len();
-        let mut is_whole = [lower, upper].iter().all(|v| v.is_infinite() || is_small(*v));
+        let mut all_whole = [lower, upper].iter().all(|v| v.is_infinite() || is_whole(*v));
         for (column, value) in terms.filter(|(_, value)| *value != 0.0) {
-            is_whole &= is_small(value);
+            all_whole &= is_whole(value);
             self.column.push(column as u32);
             self.value.push(value);
             self.of_column[column].push(number as u32);
@@ -54,7 +54,7 @@ impl Facts {
         self.start.push(self.column.len());
         self.lower.push(lower);
         self.upper.push(upper);
-        self.is_whole.push(is_whole);
+        self.is_whole.push(all_whole);
         number
     }
 
@@ -104,7 +104,7 @@ impl Facts {
     /// Gives a fact other limits.
     pub(super) fn set_limits(&mut self, fact: usize, [lower, upper]: [f64; 2]) {
         (self.lower[fact], self.upper[fact]) = (lower, upper);
-        self.is_whole[fact] &= [lower, upper].iter().all(|v| v.is_infinite() || is_small(*v));
+        self.is_whole[fact] &= [lower, upper].iter().all(|v| v.is_infinite() || is_whole(*v));
     }
 
     /// The facts that a column is in.

@@ -4,6 +4,7 @@
 //! multipliers, even if the negation is impossible by a small margin only.
 
 use super::claim::Claim;
+use super::facts::is_whole;
 use super::relaxed::Relaxed;
 use super::simple_sums::ObjectiveFact;
 use super::tree::{FRACTIONAL, Limit, ProofPart, ProofWriter};
@@ -18,17 +19,9 @@ const LEMMA_SPLITS: u32 = 4;
 /// must do so by more than nothing.
 const LEMMA_SPARE: f64 = 1e-11;
 
-/// The largest whole numbers that count as such (no unit).
-const LARGEST_WHOLE: f64 = 9e15;
-
 /// Most rows around a lemma that its proof may use, and the longest of them.
 const MOST_NEAR_ROWS: usize = 120;
 const LONGEST_NEAR_ROW: usize = 200;
-
-/// Whether a number is whole, and small enough to be known as such.
-fn is_whole(value: f64) -> bool {
-    value == value.round() && value.abs() < LARGEST_WHOLE
-}
 
 /// A row with one side.
 pub(super) struct Lemma {
