@@ -105,7 +105,7 @@ fn run_turn(
 fn without_objective(found: SearchResult, task: SolveTask<'_>) -> SearchResult {
     let bound = if found.bound == f64::INFINITY { found.bound } else { task.program.offset };
     // The splits guide a proof that there is no point, whatever the objective was.
-    let forks = if task.options.proof.is_some() { found.forks } else { Vec::new() };
+    let forks = if task.options.proof_path().is_some() { found.forks } else { Vec::new() };
     SearchResult { bound, proofs: Vec::new(), forks, strengthened: None, ..found }
 }
 

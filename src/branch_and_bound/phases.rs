@@ -38,7 +38,7 @@ impl Solve<'_> {
         let own;
         let lowered = match known.lowered {
             Some(lowered) => lowered,
-            None => match lower(self.model, self.token, self.options.proof.is_some())? {
+            None => match lower(self.model, self.token, self.options.proof_path().is_some())? {
                 Some(lowered) => {
                     own = lowered;
                     &own

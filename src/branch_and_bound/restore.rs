@@ -45,7 +45,7 @@ pub(super) fn restore(
         other => other,
     };
     charge(solve, presolved.rounding(), &mut found)?;
-    let own = presolved.presolved.as_ref().filter(|_| solve.options.proof.is_some());
+    let own = presolved.presolved.as_ref().filter(|_| solve.options.proof_path().is_some());
     let columns = own.map(|own| own.postsolve.columns().to_vec());
     let lowered_point = match (own, &point) {
         (Some(own), Some(x)) => Some(own.postsolve.point(x)),

@@ -260,7 +260,7 @@ impl<'a> TreeView<'a> {
         let options = self.tree.task.options;
         let is_small = || self.tree.ids.load(Ordering::Relaxed) < Fork::MOST_NODES;
         let is_kept = self.keeps_proofs() && options.memory_limit.is_none() && is_small();
-        if is_kept || options.proof.is_some() {
+        if is_kept || options.proof_path().is_some() {
             self.report.borrow_mut().forks.push(fork());
         }
     }

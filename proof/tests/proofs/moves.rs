@@ -178,7 +178,7 @@ fn a_column_that_is_whole_because_others_are() {
     );
     let half = log
         .replace("0 0 2 1 1 0 -1", "0 0 2 1 2 0 -1")
-        .replace("b 1 L 1 0", { "b 1 L 0.5 0\nb 1 U 0.5 0" });
+        .replace("b 1 L 1 0", "b 1 L 0.5 0\nb 1 U 0.5 0");
     assert_eq!(verdict(&half), "rejected: column 1 (z) may be from 0.5 to 0.5");
     // Its bounds end with the context, and elsewhere equal bounds are no contradiction.
     let leak = EQUAL.log("i 1\n s 0 0\n b 1 U 0 0\n d 1\n b 1 L 1 0\n d 1\n d 1");

@@ -71,7 +71,7 @@ pub(crate) fn strengthen(
         curved,
         cuts: Vec::new(),
         found: Vec::new(),
-        keeps_found: options.proof.is_some(),
+        keeps_found: options.proof_path().is_some(),
         ages: Vec::new(),
         sets: Sets::Untried,
     };
