@@ -21,6 +21,10 @@ use crate::solver::{Control, Options};
 /// Most nodes of the search for a block without a point.
 const MOST_BLOCK_NODES: u64 = 2000;
 
+/// The share of the integral columns from which on a block is the program itself, and the others are no help (no
+/// unit).
+const MAIN_SHARE: f64 = 0.9;
+
 /// The part of the room between the best point and the claim that the lemmas of the blocks use (no unit).
 const SHARED_ROOM: f64 = 0.9;
 
@@ -34,10 +38,13 @@ pub(crate) fn count_blocks(program: &Program) -> usize {
 
 /// The blocks of a program within some bounds; empty if it is not proved by blocks.
 fn parts_of(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Vec<ProgramBlock> {
-    match program.quadratic.compute_nnz() {
-        0 => unlinked(program, range).map_or(Vec::new(), |program| blocks(&program)),
-        _ => Vec::new(),
+    if program.quadratic.compute_nnz() > 0 {
+        return Vec::new();
     }
+    let parts = unlinked(program, range).map_or(Vec::new(), |program| blocks(&program));
+    let sizes = || parts.iter().map(|part| part.program.integers.len());
+    let (all, largest) = (sizes().sum::<usize>(), sizes().max().unwrap_or(0));
+    if largest as f64 > MAIN_SHARE * all as f64 { Vec::new() } else { parts }
 }
 
 /// A program without entries that link no blocks: those of rows that cannot fail, and of columns that are fixed
