@@ -44,7 +44,7 @@ impl Point {
         let (mut violation, has_cones) = (0.0_f64, !program.cones.is_empty());
         let mut judged = |miss: f64, size: f64, what: &dyn Fn() -> String| {
             violation = violation.max(miss);
-            if !has_cones && miss > TOLERANCE + ROUNDING * size {
+            if !has_cones && miss > TOLERANCE + ROUNDING * size.min(f64::MAX) {
                 return rejected(format!("the point misses {} by {}", what(), Plain(miss)));
             }
             Ok(())

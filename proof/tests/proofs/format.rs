@@ -105,6 +105,10 @@ fn a_point_that_is_far_from_the_program_is_rejected() {
         "rejected: the point misses a bound of column 1 (b) by 30"
     );
     assert_eq!(said("a 2 0 1e13 1 9999999999970"), "rejected: the point misses row 0 () by 30");
+    // A term beyond all floats allows no more than a float of the largest size.
+    let beyond = Header { columns: &["c 0 inf a"], rows: &["-inf 0 1 0 1e300"], ..large };
+    let said = |point: &str| verdict(&beyond.log(&format!("t 0\n {point}\n x 1 1 -1")));
+    assert_eq!(said("a 1 0 1e300"), "rejected: the point misses row 0 () by inf");
 }
 
 #[test]
