@@ -17,6 +17,14 @@ const ROW_CASES: RangeInclusive<usize> = 2..=12;
 const MOST_CASE_ROUNDS: usize = 3;
 const MOST_CASE_TRIALS: usize = 4000;
 
+/// The bounds in all cases of a disjunction.
+enum CaseHull {
+    /// No case is possible.
+    NoCase,
+    /// The bounds that change in every case, each as far as in the case where it changes the least.
+    Bounds(BTreeMap<Side, f64>),
+}
+
 impl ProofWriter<'_, '_> {
     /// Proves the bounds that hold in all cases of a disjunction. Returns whether that closes the program.
     pub(super) fn bound_by_cases(&mut self) -> Result<bool, Limit> {
@@ -47,12 +55,8 @@ impl ProofWriter<'_, '_> {
     }
 
     /// Proves the bounds of a hull; those of no case close the program.
-    fn prove_hull(
-        &mut self,
-        hull: &Option<BTreeMap<Side, f64>>,
-        has_gained: &mut bool,
-    ) -> Result<bool, Limit> {
-        let Some(hull) = hull else {
+    fn prove_hull(&mut self, hull: &CaseHull, has_gained: &mut bool) -> Result<bool, Limit> {
+        let CaseHull::Bounds(hull) = hull else {
             self.lemma_splits = 2 * self.lemma_cases.len() as u32;
             return self.close(ProofPart::Lemma).map(|()| true);
         };
@@ -72,10 +76,8 @@ impl ProofWriter<'_, '_> {
         Ok(false)
     }
 
-    /// The bounds that change in every case, each as far as in the case where it changes the least; `Some(None)` if
-    /// there is no case, and `None` if nothing is open.
-    #[expect(clippy::option_option, reason = "no disjunction is other than one without a case")]
-    fn hull(&mut self, columns: &[usize]) -> Option<Option<BTreeMap<Side, f64>>> {
+    /// The hull of the cases of some binaries; `None` if nothing is open.
+    fn hull(&mut self, columns: &[usize]) -> Option<CaseHull> {
         let is_open = |j: &usize| self.bounds.of(*j) == [0.0, 1.0];
         let is_decided = columns.iter().any(|&j| self.bounds.of(j)[0] > 0.0);
         let open: Vec<usize> = columns.iter().copied().filter(is_open).collect();
@@ -108,6 +110,6 @@ impl ProofWriter<'_, '_> {
             }
             self.bounds.undo_to(mark);
         }
-        Some(hull)
+        Some(hull.map_or(CaseHull::NoCase, CaseHull::Bounds))
     }
 }

@@ -1,4 +1,4 @@
-//! What holds without loss of optimality, declared at the beginning of a proof, so that the splits of a search
+//! Declarations without loss of optimality, at the beginning of a proof, so that the splits of a search
 //! which has used it are splits of the proof: columns that may be rounded, and columns that may be 0 because
 //! all points can be shifted. See the rules `u` and `v` of the checker, which judges each of them again.
 
@@ -59,7 +59,8 @@ impl ProofWriter<'_, '_> {
                     program.row_upper[row] = f64::INFINITY;
                 }
             }
-            changed.into_iter().for_each(|row| self.facts.forget(row));
+            let nothing = [f64::NEG_INFINITY, f64::INFINITY];
+            changed.into_iter().for_each(|row| self.facts.set_limits(row, nothing));
         }
         self.bounds = Bounds::new(&relaxer.program);
     }

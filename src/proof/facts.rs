@@ -91,11 +91,6 @@ impl Facts {
         [self.lower[fact], self.upper[fact]]
     }
 
-    /// Takes both limits from a fact.
-    pub(super) fn forget(&mut self, fact: usize) {
-        (self.lower[fact], self.upper[fact]) = (f64::NEG_INFINITY, f64::INFINITY);
-    }
-
     /// Whether all its coefficients and limits are whole, and below [`LARGEST_EXACT`].
     pub(super) fn is_whole(&self, fact: usize) -> bool {
         self.is_whole[fact]

@@ -7,6 +7,7 @@ use super::claim::Claim;
 use super::facts::is_whole;
 use super::relaxed::Relaxed;
 use super::simple_sums::ObjectiveFact;
+use super::tightened::LOOSENING;
 use super::tree::{FRACTIONAL, Limit, ProofPart, ProofWriter};
 use crate::program::Program;
 use crate::search::Decision;
@@ -14,10 +15,6 @@ use crate::search::cuts::WholeForm;
 
 /// Most splits of the proof of a lemma.
 const LEMMA_SPLITS: u32 = 4;
-
-/// By how much a row or a bound is looser than it was found, relative to its terms (no unit): what contradicts it
-/// must do so by more than nothing.
-const LEMMA_SPARE: f64 = 1e-11;
 
 /// Most rows around a lemma that its proof may use, and the longest of them.
 const MOST_NEAR_ROWS: usize = 120;
@@ -35,7 +32,7 @@ pub(super) struct Lemma {
 impl Lemma {
     /// A bound of a column.
     pub(super) fn bound(column: usize, is_upper: bool, limit: f64, is_integral: bool) -> Self {
-        let spare = if is_integral { 0.0 } else { LEMMA_SPARE * limit.abs().max(1.0) };
+        let spare = if is_integral { 0.0 } else { LOOSENING * limit.abs().max(1.0) };
         let limit = if is_upper { limit + spare } else { limit - spare };
         Lemma { terms: vec![(column, 1.0)], is_upper, limit, form: None }
     }
@@ -53,7 +50,7 @@ impl ProofWriter<'_, '_> {
             a.abs() * lower.abs().max(upper.abs())
         };
         let reaches = lemma.terms.iter().map(reach).filter(|size| size.is_finite());
-        LEMMA_SPARE * reaches.fold(lemma.limit.abs(), f64::max)
+        LOOSENING * reaches.fold(lemma.limit.abs(), f64::max)
     }
 
     /// Derives what the facts say of all columns; whether that closes the program.

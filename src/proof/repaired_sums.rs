@@ -26,7 +26,7 @@ const MOST_ELIMINATED: usize = 100_000;
 /// unit).
 const SLIGHT_ENTRY: f64 = 1e-3;
 
-/// What a change moves.
+/// A number that a change moves.
 #[derive(Debug, Clone, Copy)]
 enum Adjustable {
     /// The multiplier at a place of the sum.

@@ -52,10 +52,8 @@ impl ProofWriter<'_, '_> {
     /// behind the lemmas of its root.
     pub(super) fn close_strengthened(&mut self, part: ProofPart) -> Result<(), Limit> {
         let has_integers = !self.relaxer.program.integers.is_empty();
-        let is_closed = has_integers
-            && (self.closes_at_once(part.clone())?
-                || self.strengthen_rows()?
-                || self.add_cuts()?);
+        let is_closed =
+            has_integers && (self.closes_at_once(part.clone())? || self.strengthen()?);
         if is_closed { Ok(()) } else { self.close(part) }
     }
 

@@ -20,6 +20,15 @@ const MOST_UNPROVED: u32 = 25;
 /// The least change of a bound of a continuous column that is worth a lemma, relative to the width (no unit).
 const BOUND_GAIN: f64 = 1e-2;
 
+/// The end of a try to prove a lemma.
+enum Tried {
+    Unproved,
+    /// It is a fact.
+    Proved(usize),
+    /// It is, and closes the program.
+    Closed,
+}
+
 impl ProofWriter<'_, '_> {
     /// Closes the program if few splits besides those of the search suffice.
     pub(super) fn closes_at_once(&mut self, part: ProofPart) -> Result<bool, Limit> {
@@ -38,8 +47,8 @@ impl ProofWriter<'_, '_> {
         Ok(false)
     }
 
-    /// Proves what the root of a search knows of bounds and rows. Returns whether that closes the program.
-    pub(super) fn strengthen_rows(&mut self) -> Result<bool, Limit> {
+    /// Proves what the root of a search knows beyond the program. Returns whether that closes the program.
+    pub(super) fn strengthen(&mut self) -> Result<bool, Limit> {
         let (options, token) = (self.relaxer.options, self.relaxer.token);
         if self.bound_by_cases()? {
             return Ok(true);
@@ -52,29 +61,9 @@ impl ProofWriter<'_, '_> {
         if self.prove_rows(&tight)? {
             return Ok(true);
         }
-        let begun = self.bounded();
-        let root = Root::new(&begun, token, options.probing);
-        self.prove_bounds(&|j| root.bounds(j))
-    }
-
-    /// Proves the cuts of a search's root. Returns whether that closes the program.
-    pub(super) fn add_cuts(&mut self) -> Result<bool, Limit> {
-        let (options, token) = (self.relaxer.options, self.relaxer.token);
-        if let Claim::Bound(bound) = self.relaxer.claim {
-            let begun = self.bounded();
-            let mut root = Root::new(&begun, token, options.probing);
-            let mut ladder = self.relaxer.ladders.take();
-            let mut known = |_: &Root| {
-                let (value, bound) = (Some(bound), f64::NEG_INFINITY);
-                Some(PilotResult { value, bound, is_closed: false })
-            };
-            let cut = strengthen(&begun, &mut root, options, token, &mut ladder, &mut known);
-            self.relaxer.ladders.give_back(ladder);
-            if let Some(cut) = cut
-                && self.prove_cuts(&cut)?
-            {
-                return Ok(true);
-            }
+        let mut root = Root::new(&self.bounded(), token, options.probing);
+        if self.prove_bounds(&|j| root.bounds(j))? || self.add_cuts(&mut root)? {
+            return Ok(true);
         }
         self.relaxer.within = self.relaxer.program.clone();
         if !self.relaxer.has_block() {
@@ -83,6 +72,38 @@ impl ProofWriter<'_, '_> {
             self.bounds.set_written();
         }
         Ok(false)
+    }
+
+    /// Proves the cuts of a search's root. Returns whether that closes the program.
+    fn add_cuts(&mut self, root: &mut Root) -> Result<bool, Limit> {
+        let Claim::Bound(bound) = self.relaxer.claim else { return Ok(false) };
+        let (options, token) = (self.relaxer.options, self.relaxer.token);
+        let begun = self.bounded();
+        let mut ladder = self.relaxer.ladders.take();
+        let mut known = |_: &Root| {
+            let (value, bound) = (Some(bound), f64::NEG_INFINITY);
+            Some(PilotResult { value, bound, is_closed: false })
+        };
+        let cut = strengthen(&begun, root, options, token, &mut ladder, &mut known);
+        self.relaxer.ladders.give_back(ladder);
+        cut.map_or(Ok(false), |cut| self.prove_cuts(&cut))
+    }
+
+    /// Tries a lemma, and derives what it says of all columns.
+    ///
+    /// # Arguments
+    ///
+    /// * `unproved`: lemmas in a row without a proof.
+    fn try_lemma(&mut self, lemma: &Lemma, unproved: &mut u32) -> Result<Tried, Limit> {
+        if *unproved >= MOST_UNPROVED {
+            return Ok(Tried::Unproved);
+        }
+        let Some(fact) = self.prove(lemma)? else {
+            *unproved += 1;
+            return Ok(Tried::Unproved);
+        };
+        *unproved = 0;
+        Ok(if self.propagate_root() { Tried::Closed } else { Tried::Proved(fact) })
     }
 
     /// The program with the present bounds.
@@ -100,14 +121,12 @@ impl ProofWriter<'_, '_> {
         for j in 0..self.relaxer.program.column_count() {
             let Some(limits) = found(j) else { break };
             for (is_upper, limit) in [(false, limits[0]), (true, limits[1])] {
-                if unproved >= MOST_UNPROVED || !self.is_gain(j, is_upper, limit) {
+                if !self.is_gain(j, is_upper, limit) {
                     continue;
                 }
                 let is_integral = self.relaxer.program.integral[j];
                 let lemma = Lemma::bound(j, is_upper, limit, is_integral);
-                let is_proved = self.prove(&lemma)?.is_some();
-                unproved = if is_proved { 0 } else { unproved + 1 };
-                if is_proved && self.propagate_root() {
+                if let Tried::Closed = self.try_lemma(&lemma, &mut unproved)? {
                     return Ok(true);
                 }
             }
@@ -137,7 +156,7 @@ impl ProofWriter<'_, '_> {
             let mut is_replaced = false;
             for (side, is_upper) in [(0, false), (1, true)] {
                 let is_old = limits[side].is_infinite() || (is_same && limits[side] == old.1[side]);
-                if is_old || unproved >= MOST_UNPROVED {
+                if is_old {
                     continue;
                 }
                 let (terms, limit, form) = (terms.clone(), limits[side], None);
@@ -145,12 +164,11 @@ impl ProofWriter<'_, '_> {
                 lemma.terms.retain(|(_, a)| *a != 0.0);
                 let spare = self.spare(&lemma);
                 lemma.limit += if is_upper { spare } else { -spare };
-                let proved = self.prove(&lemma)?;
-                unproved = if proved.is_some() { 0 } else { unproved + 1 };
-                let Some(fact) = proved else { continue };
-                if self.propagate_root() {
-                    return Ok(true);
-                }
+                let fact = match self.try_lemma(&lemma, &mut unproved)? {
+                    Tried::Closed => return Ok(true),
+                    Tried::Unproved => continue,
+                    Tried::Proved(fact) => fact,
+                };
                 let limits = lemma.limits();
                 is_replaced = true;
                 rows.push((fact, (lemma.terms, limits)));
@@ -177,15 +195,11 @@ impl ProofWriter<'_, '_> {
         for own in &cut.cuts {
             let (terms, form) = (own.terms.clone(), own.form.clone());
             let lemma = Lemma { terms, is_upper: true, limit: own.limit, form };
-            if unproved >= MOST_UNPROVED {
-                break;
-            }
-            let proved = self.prove(&lemma)?;
-            unproved = if proved.is_some() { 0 } else { unproved + 1 };
-            let Some(fact) = proved else { continue };
-            if self.propagate_root() {
-                return Ok(true);
-            }
+            let fact = match self.try_lemma(&lemma, &mut unproved)? {
+                Tried::Closed => return Ok(true),
+                Tried::Unproved => continue,
+                Tried::Proved(fact) => fact,
+            };
             let limits = lemma.limits();
             let row = (lemma.terms, limits);
             self.relaxer.program.append(&[], std::slice::from_ref(&row)).ok_or(Limit)?;

@@ -12,9 +12,9 @@ use crate::presolve::Reduced;
 /// Most binaries of a row whose coefficients are changed at once.
 const MOST_BINARIES: usize = 8;
 
-/// By how much the stated row is looser, relative to its terms (no unit): what contradicts it must do so
-/// by more than nothing.
-const LOOSENING: f64 = 1e-11;
+/// By how much a lemma is looser than what it was found as, relative to its terms (no unit): what contradicts it must
+/// do so by more than nothing.
+pub(super) const LOOSENING: f64 = 1e-11;
 
 /// The rows of a program before they are tightened.
 #[derive(Debug, Clone, Default)]
