@@ -399,6 +399,7 @@ impl Projector {
         rest.values.clone_from(&reduced.values);
         (rest.offset, rest.spread) = (reduced.offset, reduced.spread);
         rest.is_cut_off = reduced.is_cut_off;
+        rest.wants_vertex = reduced.wants_vertex;
         rest.cones.clone_from(&reduced.cones);
         let entries = rest.cones.iter_mut().flat_map(|cone| &mut cone.entries);
         entries

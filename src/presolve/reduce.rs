@@ -249,6 +249,7 @@ impl Reducer {
         let cones = cones.map(|cone| ReducedCone::new(cone, &self.position, &self.lower));
         fill(&mut reduced.cones, cones);
         reduced.is_cut_off = program.cone_cuts.is_some();
+        reduced.wants_vertex = false;
         reduced.spread = program.spread;
         reduced.find_steepness(program);
         Ok(())

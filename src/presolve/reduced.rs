@@ -40,6 +40,8 @@ pub struct Reduced {
     pub cones: Vec<ReducedCone>,
     /// Whether cones are cut off (see [`Program::cone_cuts`](crate::program::Program)).
     pub is_cut_off: bool,
+    /// Whether a vertex is wanted, with multipliers that are as exact as its basis.
+    pub wants_vertex: bool,
     /// As in the program; less than 1 counts as 1.
     pub spread: f64,
 }
@@ -168,6 +170,7 @@ impl Reduced {
                 cones.map(|cone| ReducedCone::new(cone, &place, &program.lower)).collect()
             },
             is_cut_off: program.cone_cuts.is_some(),
+            wants_vertex: false,
             spread: program.spread,
         }
     }

@@ -85,7 +85,9 @@ impl ProofWriter<'_, '_> {
         self.lemma_fact = first;
         let fact = self.facts.push(terms.iter().copied(), negation);
         self.bounds.enqueue(fact as u32);
+        self.relaxer.wants_vertex = true;
         let closed = self.close_lemma(lemma);
+        self.relaxer.wants_vertex = false;
         (self.relaxer.program, self.relaxer.claim) = (before, claim);
         self.relaxer.objective = objective;
         self.relaxer.fact_of_row = facts;

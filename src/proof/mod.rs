@@ -136,6 +136,7 @@ impl ProofRequest<'_> {
             ladder: ladders.take(),
             ladders,
             warm: None,
+            wants_vertex: false,
             sum: FactSum::default(),
             tight_sum: FactSum::default(),
             is_inside: None,

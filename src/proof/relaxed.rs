@@ -68,6 +68,8 @@ pub(super) struct Relaxer<'a> {
     pub(super) is_inside: Option<Vec<bool>>,
     /// By column, the cones that it is in.
     pub(super) cones_of: Vec<Vec<usize>>,
+    /// Whether lemmas are proved: what they leave may be small.
+    pub(super) wants_vertex: bool,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
     /// The linear part of the objective and its constant, without rounding.
@@ -133,6 +135,7 @@ impl Relaxer<'_> {
             true => self.whole(bounds),
             false => self.ladder.reducer().reduce(&self.program, &domain)?,
         };
+        reduced.wants_vertex = self.wants_vertex;
         let before = RowsBefore::of(&reduced);
         if is_tight {
             tighten_coefficients(&mut reduced, &self.program.integral);

@@ -14,6 +14,12 @@ use crate::search::{PilotResult, Root, Strengthened};
 /// Splits besides those of the search after which a proof begins again with lemmas.
 const FEW_OWN_SPLITS: u64 = 30;
 
+/// Most passes over the rows: a smaller big-M often follows from another one.
+const MOST_ROW_PASSES: usize = 4;
+
+/// Most binaries of a row whose changed coefficients are split first.
+const MOST_SWITCHES: usize = 4;
+
 /// Lemmas of a kind, in a row, that may have no proof.
 const MOST_UNPROVED: u32 = 25;
 
@@ -53,13 +59,19 @@ impl ProofWriter<'_, '_> {
         if self.bound_by_cases()? {
             return Ok(true);
         }
-        let mut tight = self.bounded();
-        if tighten_rows(&mut tight).is_none() {
-            tight = self.bounded();
-        }
-        let tight = tighten_big_ms(&tight, token).unwrap_or(tight);
-        if self.prove_rows(&tight)? {
-            return Ok(true);
+        for _ in 0..MOST_ROW_PASSES {
+            let mut tight = self.bounded();
+            if tighten_rows(&mut tight).is_none() {
+                tight = self.bounded();
+            }
+            let tight = tighten_big_ms(&tight, token).unwrap_or(tight);
+            let facts = self.facts.len();
+            if self.prove_rows(&tight)? {
+                return Ok(true);
+            }
+            if self.facts.len() == facts {
+                break;
+            }
         }
         let mut root = Root::new(&self.bounded(), token, options.probing);
         if self.prove_bounds(&|j| root.bounds(j))? || self.add_cuts(&mut root)? {
@@ -161,10 +173,13 @@ impl ProofWriter<'_, '_> {
                 }
                 let (terms, limit, form) = (terms.clone(), limits[side], None);
                 let mut lemma = Lemma { terms, is_upper, limit, form };
-                lemma.terms.retain(|(_, a)| *a != 0.0);
                 let spare = self.spare(&lemma);
                 lemma.limit += if is_upper { spare } else { -spare };
-                let fact = match self.try_lemma(&lemma, &mut unproved)? {
+                self.lemma_cases = switches(&old.0, &lemma.terms);
+                self.lemma_cases.retain(|&j| self.relaxer.program.integral[j]);
+                let tried = self.try_lemma(&lemma, &mut unproved);
+                self.lemma_cases.clear();
+                let fact = match tried? {
                     Tried::Closed => return Ok(true),
                     Tried::Unproved => continue,
                     Tried::Proved(fact) => fact,
@@ -221,7 +236,15 @@ impl ProofWriter<'_, '_> {
     }
 }
 
+/// The columns whose coefficients differ.
+fn switches(before: &[(usize, f64)], after: &[(usize, f64)]) -> Vec<usize> {
+    let is_changed = |term: &&(usize, f64)| !after.contains(term);
+    before.iter().filter(is_changed).map(|(j, _)| *j).take(MOST_SWITCHES).collect()
+}
+
+/// The terms of a row, without zeros.
 fn terms_of(program: &Program, row: usize) -> Vec<(usize, f64)> {
     let (columns, values) = program.row(row);
-    columns.iter().copied().zip(values.iter().copied()).collect()
+    let terms = columns.iter().copied().zip(values.iter().copied());
+    terms.filter(|(_, a)| *a != 0.0).collect()
 }

@@ -313,6 +313,7 @@ fn part(whole: &Reduced, has_column: &[bool], has_row: &[bool]) -> Reduced {
         steepness: kept(&whole.steepness, has_column),
         cones: Vec::new(),
         is_cut_off: false,
+        wants_vertex: false,
         spread: whole.spread,
     }
 }

@@ -36,6 +36,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
         steepness: Vec::new(),
         cones: Vec::new(),
         is_cut_off: false,
+        wants_vertex: false,
         spread: program.spread,
     };
     if directions.lower.iter().chain(&directions.upper).all(|&bound| bound == 0.0) {

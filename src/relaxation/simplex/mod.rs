@@ -53,7 +53,7 @@ impl DualSimplex {
         // Each round of cuts of cones begins with the basis of the last one.
         let is_cut_off = program.is_cut_off && !program.cones.is_empty();
         program.quadratic.index.is_empty()
-            && (is_cut_off || DualSimplex::suits_costs(&program.linear))
+            && (is_cut_off || program.wants_vertex || DualSimplex::suits_costs(&program.linear))
     }
 
     /// As [`suits`](Self::suits), by the costs alone.

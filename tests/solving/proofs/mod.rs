@@ -4,6 +4,7 @@ mod blocks;
 mod bounded_cones;
 mod damaged;
 mod declarations;
+mod lemmas;
 mod past_slips;
 mod switched;
 mod ways_of_solving;
