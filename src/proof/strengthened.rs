@@ -18,7 +18,7 @@ const FEW_OWN_SPLITS: u64 = 30;
 const MOST_ROW_PASSES: usize = 4;
 
 /// Most binaries of a row whose changed coefficients are split first.
-const MOST_SWITCHES: usize = 4;
+const MOST_CHANGED_BINARIES: usize = 4;
 
 /// Lemmas of a kind, in a row, that may have no proof.
 const MOST_UNPROVED: u32 = 25;
@@ -239,7 +239,7 @@ impl ProofWriter<'_, '_> {
 /// The columns whose coefficients differ.
 fn switches(before: &[(usize, f64)], after: &[(usize, f64)]) -> Vec<usize> {
     let is_changed = |term: &&(usize, f64)| !after.contains(term);
-    before.iter().filter(is_changed).map(|(j, _)| *j).take(MOST_SWITCHES).collect()
+    before.iter().filter(is_changed).map(|(j, _)| *j).take(MOST_CHANGED_BINARIES).collect()
 }
 
 /// The terms of a row, without zeros.
