@@ -38,6 +38,24 @@ pub(crate) fn rounded(value: f64, digits: usize) -> String {
     }
 }
 
+/// The numbers of a column of a table, where what is below the last digit of the largest one is 0, and so is a
+/// column of nothing but such numbers: a solve leaves such remainders of 0.
+pub(crate) struct TableColumn {
+    noise: f64,
+}
+
+impl TableColumn {
+    pub(crate) fn new<'a>(values: impl IntoIterator<Item = &'a f64>) -> Self {
+        let finite = values.into_iter().map(|value| value.abs()).filter(|size| size.is_finite());
+        let (largest, digit) = (finite.fold(0.0, f64::max), 10.0_f64.powi(-(DIGITS as i32)));
+        TableColumn { noise: if largest < digit { digit } else { largest * digit } }
+    }
+
+    pub(crate) fn text(&self, value: f64) -> String {
+        if value.abs() < self.noise { "0".into() } else { rounded(value, DIGITS) }
+    }
+}
+
 /// A share as a percentage with four digits after the point. Infinite and senseless ones are a dash.
 pub(crate) fn percent(share: f64) -> String {
     match 100.0 * share {

@@ -6,7 +6,7 @@ use super::program::PlanningProgram;
 use crate::error::Error;
 use crate::hybrid::scene::samples::Samples;
 use crate::model::Family;
-use crate::number::{DIGITS, rounded};
+use crate::number::{DIGITS, TableColumn, rounded};
 use crate::solution::Solution;
 
 /// One contact of a plan. Impulse and energy are per unit of mass.
@@ -131,17 +131,19 @@ impl Trajectory {
     /// line per sample.
     pub fn to_csv(&self) -> String {
         let mut text = String::from("time,position,velocity,acceleration,contact,damage\n");
+        let columns = [&self.position, &self.velocity, &self.acceleration, &self.damage];
+        let [position, velocity, acceleration, damage] = columns.map(TableColumn::new);
         for t in 0..self.time.len() {
             // Writing into a string cannot fail.
             let _ = writeln!(
                 text,
                 "{},{},{},{},{},{}",
                 rounded(self.time[t], DIGITS),
-                rounded(self.position[t], DIGITS),
-                rounded(self.velocity[t], DIGITS),
-                rounded(self.acceleration[t], DIGITS),
+                position.text(self.position[t]),
+                velocity.text(self.velocity[t]),
+                acceleration.text(self.acceleration[t]),
                 u8::from(self.contact[t]),
-                rounded(self.damage[t], DIGITS)
+                damage.text(self.damage[t])
             );
         }
         text

@@ -42,6 +42,22 @@ pub enum ErrorKind {
         /// The statement.
         name: String,
     },
+    /// A row without variables whose constant is outside its limits.
+    #[error(
+        "statement `{name}` has no variable left, and its constant {} is not within {} and {}; check \
+         the expression it was built from",
+        Exact(*.value), Exact(*.lower), Exact(*.upper)
+    )]
+    FalseRow {
+        /// The statement.
+        name: String,
+        /// The constant.
+        value: f64,
+        /// The lower limit, or `-inf`.
+        lower: f64,
+        /// The upper limit, or `inf`.
+        upper: f64,
+    },
     /// A row with neither a lower nor an upper limit.
     #[error("statement `{name}` has no finite limit, so it says nothing; give it one or drop it")]
     UnlimitedRow {

@@ -136,6 +136,13 @@ impl LinearSystem {
         Ok(system)
     }
 
+    /// The same system with one more input, which changes nothing.
+    pub(crate) fn with_idle_input(&self) -> Self {
+        let (n, m) = (self.states(), self.inputs());
+        let b = Matrix::from_fn(n, m + 1, |i, j| if j < m { self.b[(i, j)] } else { 0.0 });
+        LinearSystem { a: self.a.clone(), b, c: self.c.clone() }
+    }
+
     /// The state matrix, n x n.
     pub fn a(&self) -> &Matrix {
         &self.a

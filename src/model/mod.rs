@@ -9,6 +9,7 @@ mod conic;
 mod convexity;
 mod disjunction;
 mod display;
+mod family_shape;
 mod function;
 mod functions;
 mod ids;
@@ -44,10 +45,11 @@ mod variables;
 pub use affine::Affine;
 #[doc(alias("SOCP", "second-order cone"))]
 pub use conic::norm;
-pub use conic::{ConicRef, ConicRow, Norm};
+pub use conic::{ConicRef, ConicRow, Norm, NormSum, NormSumRow};
 #[doc(alias("disjunctive programming", "GDP"))]
 pub use disjunction::either;
 pub use disjunction::{Either, Selected, Term};
+pub use family_shape::FamilyShape;
 pub use function::Function;
 pub use ids::{
     ConicConstraint, Constraint, Disjunction, Indicator, LogicalConstraint, SpecialOrderedSet,

@@ -1,6 +1,7 @@
 //! The objective: setting it, and the check that it is convex in its sense.
 
 use super::checks::finite;
+use super::conic::NormSum;
 use super::convexity::Convexity;
 use super::ids::Variable;
 use super::name::Name;
@@ -13,7 +14,9 @@ use crate::error::ErrorKind;
 use crate::sum::Sum;
 
 impl Model {
-    /// Minimises an affine or convex quadratic expression, replacing any earlier objective.
+    /// Minimises an affine or convex quadratic expression, replacing any earlier objective. It may have
+    /// [norms](super::norm) with factors of at least 0, each of which becomes a variable
+    /// `objective_norm[k]` that is [at least the norm](Model::norm).
     ///
     /// # Errors
     ///
@@ -22,17 +25,19 @@ impl Model {
     /// coefficients of a sum of squares are rounded. Neither is so little that the objective is nowhere
     /// within the bounds below a tangent by more than [`CONVEXITY`](crate::tolerance::CONVEXITY); a solve
     /// then looks at the bounds of its time, and at those that rows imply, and may return this error.
-    /// Also [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
-    pub fn minimize(&mut self, expression: impl Into<Quadratic>) -> Result<(), Error> {
+    /// [`ErrorKind::NotConicRow`] for a norm with a factor of the wrong sign. Also
+    /// [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
+    pub fn minimize(&mut self, expression: impl Into<NormSum>) -> Result<(), Error> {
         self.set_objective(Sense::Minimize, expression)
     }
 
-    /// Maximises an affine or concave quadratic expression, replacing any earlier objective.
+    /// Maximises an affine or concave quadratic expression, replacing any earlier objective. Factors of
+    /// norms are at most 0.
     ///
     /// # Errors
     ///
     /// As for [`Model::minimize`].
-    pub fn maximize(&mut self, expression: impl Into<Quadratic>) -> Result<(), Error> {
+    pub fn maximize(&mut self, expression: impl Into<NormSum>) -> Result<(), Error> {
         self.set_objective(Sense::Maximize, expression)
     }
 
@@ -44,9 +49,25 @@ impl Model {
     pub fn set_objective(
         &mut self,
         sense: Sense,
-        expression: impl Into<Quadratic>,
+        expression: impl Into<NormSum>,
     ) -> Result<(), Error> {
-        let expression = expression.into().compacted();
+        let name = Name::from("objective_norm").free(|name| {
+            let family = name.family();
+            self.variable_names.has_family(family) || self.statement_names.has_family(family)
+        });
+        let expression = expression.into();
+        self.all_or_nothing(|model| {
+            let expression = expression.with_variables(model, sense, &name)?;
+            model.set_quadratic_objective(sense, expression)
+        })
+    }
+
+    fn set_quadratic_objective(
+        &mut self,
+        sense: Sense,
+        expression: Quadratic,
+    ) -> Result<(), Error> {
+        let expression = expression.compacted();
         let place = Name::from("objective");
         for (variable, coefficient) in expression.affine().terms() {
             self.check_variable(variable, &place)?;

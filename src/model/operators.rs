@@ -144,7 +144,7 @@ macro_rules! assigning {
     };
 }
 
-pub(crate) use {products, scaling, sums};
+pub(crate) use {assigning, products, scaling, sums};
 
 impl From<&Variable> for Quadratic {
     fn from(variable: &Variable) -> Self {

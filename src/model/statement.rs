@@ -55,10 +55,13 @@ pub(super) fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, 
         finite(coefficient, "a coefficient", name)?;
     }
     finite(constant, "the constant", name)?;
-    if terms.is_empty() {
-        return Err(ErrorKind::EmptyRow { name: name.to_string() }.into());
-    }
     let (lower, upper) = limits(row.lower, row.upper, name)?;
+    // A sum over nothing, as at the first index of a family, may well hold.
+    if terms.is_empty() && !(lower <= constant && constant <= upper) {
+        return Err(
+            ErrorKind::FalseRow { name: name.to_string(), value: constant, lower, upper }.into()
+        );
+    }
     let moved = |limit: f64| if limit.is_finite() { limit - constant } else { limit };
     // They may count as infinite only now.
     let (lower, upper) = limits(moved(lower), moved(upper), name)?;

@@ -3,11 +3,12 @@
 use super::Model;
 use super::affine::Affine;
 use super::checks::bounds;
+use super::family_shape::FamilyShape;
 use super::ids::Variable;
 use super::name::Name;
 use super::refs::VariableRef;
 use super::store::VariableData;
-use super::variable::{Family, VariableKind};
+use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 
@@ -97,55 +98,61 @@ impl Model {
         Ok(variable)
     }
 
-    /// Adds continuous variables `name[0] .. name[count - 1]` with the same bounds.
+    /// Adds continuous variables `name[0] .. name[count - 1]` with the same bounds. For two indices, give a
+    /// pair of numbers: `name[i][j]` are then members of a family for each `i`.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("transport");
+    /// let sent = model.continuous_family("sent", (2, 3), 0.0, 9.0)?; // t, from 2 works to 3 shops
+    /// for (shop, need) in [4.0, 5.0, 6.0].into_iter().enumerate() {
+    ///     model.add(("need", shop), (sent[0][shop] + sent[1][shop]).ge(need))?;
+    /// }
+    /// assert!(model.to_string().contains("need[2]: sent[0][2] + sent[1][2] >= 6\n"));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
     ///
     /// # Errors
     ///
     /// As for [`Model::continuous`].
-    pub fn continuous_family(
+    pub fn continuous_family<S: FamilyShape>(
         &mut self,
         name: &str,
-        count: usize,
+        shape: S,
         lower: f64,
         upper: f64,
-    ) -> Result<Family, Error> {
-        self.family(name, count, VariableKind::Continuous, lower, upper)
+    ) -> Result<S::Families, Error> {
+        shape.add_to(self, name, (VariableKind::Continuous, lower, upper))
     }
 
-    /// Adds binary variables `name[0] .. name[count - 1]`.
+    /// Adds binary variables `name[0] .. name[count - 1]`, or `name[i][j]` for a pair of numbers.
     ///
     /// # Errors
     ///
     /// As for [`Model::binary`].
-    pub fn binary_family(&mut self, name: &str, count: usize) -> Result<Family, Error> {
-        self.family(name, count, VariableKind::Binary, 0.0, 1.0)
+    pub fn binary_family<S: FamilyShape>(
+        &mut self,
+        name: &str,
+        shape: S,
+    ) -> Result<S::Families, Error> {
+        shape.add_to(self, name, (VariableKind::Binary, 0.0, 1.0))
     }
 
-    /// Adds integer variables `name[0] .. name[count - 1]` with the same bounds.
+    /// Adds integer variables `name[0] .. name[count - 1]` with the same bounds, or `name[i][j]` for a pair
+    /// of numbers.
     ///
     /// # Errors
     ///
     /// As for [`Model::continuous`].
-    pub fn integer_family(
+    pub fn integer_family<S: FamilyShape>(
         &mut self,
         name: &str,
-        count: usize,
+        shape: S,
         lower: f64,
         upper: f64,
-    ) -> Result<Family, Error> {
-        self.family(name, count, VariableKind::Integer, lower, upper)
-    }
-
-    fn family(
-        &mut self,
-        name: &str,
-        count: usize,
-        kind: VariableKind,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Family, Error> {
-        let member = |step| self.variable((name, step), kind, lower, upper);
-        Ok(Family { members: (0..count).map(member).collect::<Result<_, _>>()? })
+    ) -> Result<S::Families, Error> {
+        shape.add_to(self, name, (VariableKind::Integer, lower, upper))
     }
 
     /// Number of variables.

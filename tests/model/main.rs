@@ -8,10 +8,12 @@ mod bad_input;
 mod big_m;
 mod cones;
 mod conic_conditions;
+mod constant_rows;
 mod disjunctions;
 mod functions;
 mod implied_bounds;
 mod logic;
+mod norm_sums;
 mod ordered_sets;
 mod reify;
 #[cfg(feature = "serde")]

@@ -183,10 +183,10 @@ fn what_is_refused() {
         text(model.add("near", z.on().reify(x.within(1.0, 2.0), 0.1)).unwrap_err()),
         "the name `near_else_below` is already taken by another statement; choose another one"
     );
-    let rows = [x.le(1.0), Affine::zero().le(3.0)];
+    let rows = [x.le(1.0), Affine::zero().ge(3.0)];
     assert!(matches!(
         model.add("near", z.on().implies_all(rows)).unwrap_err().kind(),
-        ErrorKind::EmptyRow { .. }
+        ErrorKind::FalseRow { .. }
     ));
     assert!(matches!(
         model.add("near", z.on().implies_all::<Row>([])).unwrap_err().kind(),

@@ -370,8 +370,8 @@ fn errors_of_a_callback_end_the_solve() {
     );
     assert_eq!(
         text(vec![(x - x).ge(1.0)]),
-        "statement `lazy_constraint[0]` has no variable left (all coefficients are zero); drop it, \
-         or check the expression it was built from"
+        "statement `lazy_constraint[0]` has no variable left, and its constant -1 is not within 0 and \
+         inf; check the expression it was built from"
     );
     let failing = |point: &Point| {
         point.value(y)?;

@@ -32,7 +32,7 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::interval::Interval;
-use crate::model::{Model, Name, Quadratic, Statement, Variable};
+use crate::model::{Model, Name, NormSum, Statement, Variable};
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};
 
@@ -212,7 +212,7 @@ impl HybridProgram {
     /// # Errors
     ///
     /// Those of [`Model::minimize`].
-    pub fn minimize(&mut self, cost: impl Into<Quadratic>) -> Result<(), Error> {
+    pub fn minimize(&mut self, cost: impl Into<NormSum>) -> Result<(), Error> {
         self.model.minimize(cost)
     }
 
@@ -221,7 +221,7 @@ impl HybridProgram {
     /// # Errors
     ///
     /// Those of [`Model::maximize`].
-    pub fn maximize(&mut self, gain: impl Into<Quadratic>) -> Result<(), Error> {
+    pub fn maximize(&mut self, gain: impl Into<NormSum>) -> Result<(), Error> {
         self.model.maximize(gain)
     }
 

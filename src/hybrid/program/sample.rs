@@ -7,7 +7,9 @@ use crate::hybrid::mission::RequiredMission;
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow};
 use crate::interval::Interval;
-use crate::model::{Affine, ConicRow, Literal, Model, ModelTag, Quadratic, Row, Variable};
+use crate::model::{
+    Affine, ConicRow, Literal, Model, ModelTag, Norm, NormSum, Quadratic, Row, Variable,
+};
 use crate::solution::Solution;
 use crate::solver::Solver;
 
@@ -245,6 +247,18 @@ impl AtSample for Quadratic {
     }
 }
 
+impl AtSample for NormSum {
+    type Output = NormSum;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<NormSum, Error> {
+        self.try_map(
+            |entry| entry.at_sample(members, sample),
+            |rest| rest.at_sample(members, sample),
+        )
+    }
+}
+
 impl AtSample for Row {
     type Output = Row;
 
@@ -299,3 +313,4 @@ impl AtSample for Literal {
 
 at_sample_as!(Affine: State, Variable, &State, &Variable, &Affine);
 at_sample_as!(Quadratic: &Quadratic);
+at_sample_as!(NormSum: Norm);

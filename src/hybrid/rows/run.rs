@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::program::{OneOf, SystemVariables, find};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::model::Variable;
-use crate::number::{DIGITS, rounded};
+use crate::number::{DIGITS, TableColumn, rounded};
 use crate::solution::{Point, Solution};
 
 /// A run of a hybrid system over a horizon, in numbers and names.
@@ -90,13 +90,15 @@ impl HybridRun {
             let _ = write!(table, ",{}", quoted(&name));
         }
         table.push('\n');
+        let numbers: Vec<(TableColumn, &[f64])> =
+            numbers.map(|(_, values)| (TableColumn::new(values), &values[..])).collect();
         let samples = self.states.first().map_or(0, |(_, values)| values.len());
         for t in 0..samples {
             // Writing into a string cannot fail.
             let _ = write!(table, "{}", rounded(t as f64 * self.time_step, DIGITS));
-            for (_, values) in numbers.clone() {
+            for (column, values) in &numbers {
                 let _ = match values.get(t) {
-                    Some(&value) => write!(table, ",{}", rounded(value, DIGITS)),
+                    Some(&value) => write!(table, ",{}", column.text(value)),
                     None => write!(table, ","),
                 };
             }

@@ -68,7 +68,9 @@ impl HybridSystem {
 
     /// Declares a series: a number that is known for each step, such as a price, a reference or the
     /// place of a moving wall. The last value goes on for ever. A series can stand wherever a constant
-    /// can, except in flows, and as a factor in the costs of a [program](HybridSystem::program).
+    /// can, and as a factor in the costs of a [program](HybridSystem::program). In a flow it becomes an
+    /// input of its name that has one value in each step: plans have it among their inputs, and
+    /// simulations are given it with them.
     ///
     /// ```
     /// use carom::prelude::*;

@@ -10,27 +10,17 @@ use crate::model::Affine;
 impl HybridSystem {
     /// The rows of a flow. States that are not named have the rows of the common flow, or stay.
     pub(super) fn flow_rows<E: Into<Affine>>(
-        &self,
+        &mut self,
         kind: FlowKind,
         rows: impl IntoIterator<Item = (State, E)>,
         place: &str,
     ) -> Result<FlowRows, Error> {
-        let (n, m) = (self.states.len(), self.inputs.len());
-        super::check::at_least_one("states", n)?;
-        let mut flow = match &self.common {
-            Some(common) if common.kind != kind => {
-                let name = "a flow of another kind than the common one".to_owned();
-                let help = "state both by `rates` or both by `next`";
-                return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
-            }
-            Some(common) => common.clone(),
-            None => {
-                let unit = |i: usize, j: usize| f64::from(i == j && kind == FlowKind::NextValues);
-                let row = |i: usize| ((0..n).map(|j| unit(i, j)).collect(), vec![0.0; m], 0.0);
-                FlowRows { kind, rows: (0..n).map(row).collect() }
-            }
-        };
-        let mut named = vec![false; n];
+        let rows = rows
+            .into_iter()
+            .map(|(state, row)| Ok((state, self.with_series_as_inputs(&row.into(), place)?)));
+        let rows = rows.collect::<Result<Vec<(State, Affine)>, Error>>()?;
+        let mut flow = self.unnamed_rows(kind, place)?;
+        let mut named = vec![false; self.states.len()];
         for (state, row) in rows {
             let Meaning::State(i) = *self.meaning(state.into(), place)? else {
                 return Err(self.misplaced(state.into(), place, "name a state"));
@@ -38,22 +28,35 @@ impl HybridSystem {
             if std::mem::replace(&mut named[i], true) {
                 return Err(Error::duplicate_name(&self.states[i].0, "row of the flow"));
             }
-            let row: Affine = row.into();
             let all = self.plain_coefficients(&row, place)?;
             if all.uses_predictions() {
                 let name = format!("the row of `{}`", self.states[i].0);
                 let help = "a flow starts from states and inputs, not from predictions";
                 return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
             }
-            if all.constant.varies() {
-                let name = format!("the series in the row of `{}`", self.states[i].0);
-                let help = "make it an input whose range is one value in each step";
-                return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
-            }
             let constant = all.constant.get(0).copied().unwrap_or(0.0);
             flow.rows[i] = (all.states, all.inputs, constant);
         }
         Ok(flow)
+    }
+
+    /// The rows of a flow that names no state.
+    fn unnamed_rows(&self, kind: FlowKind, place: &str) -> Result<FlowRows, Error> {
+        let (n, m) = (self.states.len(), self.inputs.len());
+        super::check::at_least_one("states", n)?;
+        match &self.common {
+            Some(common) if common.kind != kind => {
+                let name = "a flow of another kind than the common one".to_owned();
+                let help = "state both by `rates` or both by `next`";
+                Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into())
+            }
+            Some(common) => Ok(common.clone()),
+            None => {
+                let unit = |i: usize, j: usize| f64::from(i == j && kind == FlowKind::NextValues);
+                let row = |i: usize| ((0..n).map(|j| unit(i, j)).collect(), vec![0.0; m], 0.0);
+                Ok(FlowRows { kind, rows: (0..n).map(row).collect() })
+            }
+        }
     }
 
     /// The flow over a step; with rates, the exact one for inputs that are held (zero-order hold).
@@ -99,7 +102,7 @@ impl HybridSystem {
 
     /// A flow that leaves the state as it is.
     pub(super) fn idle(&self) -> Result<LinearSystem, Error> {
-        let rows = self.flow_rows::<Affine>(FlowKind::NextValues, [], "a flow")?;
+        let rows = self.unnamed_rows(FlowKind::NextValues, "a flow")?;
         self.linear(&rows)
     }
 }

@@ -56,6 +56,7 @@ mod reset;
 mod schedule;
 #[cfg(feature = "serde")]
 mod serialized;
+mod series_inputs;
 mod system_row;
 mod text;
 mod transition;

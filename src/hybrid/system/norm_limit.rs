@@ -53,6 +53,11 @@ impl NormLimit {
         self.entries.iter().chain([&self.bound])
     }
 
+    /// The same, to be changed.
+    pub(super) fn parts_mut(&mut self) -> impl Iterator<Item = &mut NormEntry> {
+        self.entries.iter_mut().chain([&mut self.bound])
+    }
+
     /// Whether an input has a coefficient other than 0.
     pub(crate) fn is_joint(&self, states: usize) -> bool {
         self.parts().any(|part| part.factors.iter().skip(states).any(|a| *a != 0.0))
@@ -71,7 +76,7 @@ impl NormLimit {
     /// The limit from a step on.
     pub(crate) fn since_step(&self, step: usize) -> Self {
         let mut later = self.clone();
-        for part in later.entries.iter_mut().chain([&mut later.bound]) {
+        for part in later.parts_mut() {
             part.constant = part.constant.from_step(step);
         }
         later
@@ -80,7 +85,7 @@ impl NormLimit {
     /// The same limit of other states: each part's factors as `place` puts them.
     pub(crate) fn placed(&self, place: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let mut placed = self.clone();
-        for part in placed.entries.iter_mut().chain([&mut placed.bound]) {
+        for part in placed.parts_mut() {
             part.factors = place(&part.factors);
         }
         placed

@@ -1,6 +1,7 @@
 //! Norms and convex quadratic rows: statements about lengths of vectors.
 //!
 //! * `norm` - the length of a vector, and its comparison
+//! * `norm_sum` - sums of norms and a quadratic expression, in objectives and rows
 //! * `stored_conic`, `conic_ref` - what a model stores, and how it is read
 //! * `conic_row` - comparisons as statements of a model
 //! * `conditional` - the same under a condition
@@ -13,6 +14,7 @@ mod conditional;
 mod conic_ref;
 mod conic_row;
 mod norm;
+mod norm_sum;
 mod quadratic_row;
 mod sheet;
 mod squares;
@@ -22,6 +24,7 @@ mod stored_conic;
 pub use conic_ref::ConicRef;
 pub use conic_row::ConicRow;
 pub use norm::{Norm, norm};
+pub use norm_sum::{NormSum, NormSumRow};
 
 pub(crate) use standard_cone::StandardCone;
 pub(crate) use stored_conic::StoredConic;

@@ -34,6 +34,26 @@ pub fn norm<T: Into<Affine>>(entries: impl IntoIterator<Item = T>) -> Norm {
 }
 
 impl Norm {
+    /// The length, where no entry has a variable.
+    pub(crate) fn constant(&self) -> Option<f64> {
+        let is_constant = |entry: &Affine| entry.terms().is_empty();
+        let length = |entries: &[Affine]| entries.iter().fold(0.0_f64, |l, e| l.hypot(e.offset()));
+        let is_any = !self.entries.is_empty() && self.entries.iter().all(is_constant);
+        is_any.then(|| length(&self.entries))
+    }
+
+    pub(super) fn into_entries(self) -> Vec<Affine> {
+        self.entries
+    }
+
+    /// The norm of other expressions.
+    pub(crate) fn try_map(
+        &self,
+        entry: impl FnMut(&Affine) -> Result<Affine, Error>,
+    ) -> Result<Norm, Error> {
+        Ok(Norm { entries: self.entries.iter().map(entry).collect::<Result<_, _>>()? })
+    }
+
     /// The statement that the norm is at most an affine expression, which is then at least 0.
     pub fn le(&self, bound: impl Into<Affine>) -> ConicRow {
         ConicRow::new(StoredConic::Norm { entries: self.entries.clone(), bound: bound.into() })

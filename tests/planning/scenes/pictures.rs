@@ -126,15 +126,35 @@ fn plans_race_in_one_picture() {
 }
 
 #[test]
-fn a_line_is_drawn_over_time_and_space_is_refused() {
+fn a_line_is_drawn_over_time() {
     let (scene, on_line) = plan(1);
     let svg = on_line.to_svg(&scene).unwrap();
     tidy(&svg);
     assert!(svg.contains("time (s)") && svg.contains("position (m)"));
     assert!(svg.contains(">start, 2 m/s</text>") && svg.contains(">hit at "));
     assert!(on_line.to_animation(&scene).is_err());
-    let (scene, in_space) = plan(3);
-    assert!(in_space.to_svg(&scene).is_err() && in_space.to_animation(&scene).is_err());
+}
+
+#[test]
+fn space_is_drawn_from_above_and_from_the_side() {
+    let (scene, plan) = plan(3);
+    let svg = plan.to_svg(&scene).unwrap();
+    tidy(&svg);
+    // Two charts with the axis to the right in common, and the speeds in space.
+    assert!(svg.matches(">x (m)</text>").count() >= 2);
+    assert!(svg.contains(">y (m)</text>") && svg.contains(">z (m)</text>"));
+    assert_eq!(svg.matches(">start, 2.08 m/s</text>").count(), 2);
+    assert!(svg.contains("starts at (0.5, 0.5, 0.5) m"));
+    assert!(svg.contains(">gate at 0 s</text>"));
+    // A floor covers everything from above, and is a strip from the side.
+    let floored = scene.clone().with_obstacle(Solid::cuboid(
+        "floor",
+        [0.0..=2.0, 0.0..=2.0, -0.1..=0.0],
+        Surface::avoid(),
+    ));
+    assert!(plan.to_svg(&floored).unwrap().matches("<path").count() > svg.matches("<path").count());
+    let text = plan.to_animation(&scene).unwrap_err().to_string();
+    assert!(text.starts_with("the number of axes of an animation is 3"), "{text}");
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod random;
 #[cfg(feature = "serde")]
 mod serde;
 mod simulate;
+mod tables;
 mod text;
 
 use carom::hybrid::{Contact, HybridSystem, Restitution, Wall};

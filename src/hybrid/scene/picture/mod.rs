@@ -1,17 +1,19 @@
-//! Pictures of plans: on a line over time, in the plane with equal axes, still or moving. `plans` are
-//! what is shown, `motion` says where bodies are between samples, `view` what is visible, `obstacles`
-//! and `paths` draw, and `words` say it.
+//! Pictures of plans: on a line over time, in the plane with equal axes, still or moving, in space from two
+//! sides. `plans` are what is shown, `motion` says where bodies are between samples, `view` what is visible,
+//! `projection` how space is seen, `obstacles` and `paths` draw, and `words` say it.
 
 mod motion;
 mod obstacles;
 mod paths;
 mod plans;
+mod projection;
 mod view;
 mod words;
 
 pub use plans::ScenePicture;
 use view::View;
 
+use super::axes::AXES;
 use super::plan::ScenePlan;
 use super::statement::Scene;
 use crate::error::Error;
@@ -20,6 +22,9 @@ use crate::picture::{COLOURS, Chart, Stopwatch, to_svg};
 /// How long a moving picture rests at its end before it begins again, in s.
 const PAUSE: f64 = 1.2;
 
+/// The axes of a scene in the plane.
+const PLANE: [&str; 2] = [AXES[0], AXES[1]];
+
 /// The height of a bar of a race, in pixels, and the part of the picture that the longest one takes.
 const BAR: f64 = 24.0;
 const LONGEST: f64 = 0.72;
@@ -27,9 +32,14 @@ const LONGEST: f64 = 0.72;
 impl ScenePicture {
     /// The still picture.
     pub fn to_svg(&self) -> String {
+        if self.scene.axes() > 2 {
+            let views = projection::views(self);
+            let charts = views.iter().map(|(view, axes)| paths::in_plane(view, *axes));
+            return self.finish(charts.collect(), None);
+        }
         match View::over_time(self) {
             Some(view) => self.finish(vec![paths::over_time(self, &view)], None),
-            None => self.finish(vec![paths::in_plane(self)], None),
+            None => self.finish(vec![paths::in_plane(self, PLANE)], None),
         }
     }
 
@@ -39,12 +49,17 @@ impl ScenePicture {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a plan on a line.
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a plan on a line or in space.
     pub fn to_animation(&self) -> Result<String, Error> {
-        if self.scene.axes() != 2 {
-            return Err(Error::out_of_range("the number of axes of an animation", 1.0, "2"));
+        let axes = self.scene.axes();
+        if axes != 2 {
+            return Err(Error::out_of_range(
+                "the number of axes of an animation",
+                axes as f64,
+                "2",
+            ));
         }
-        let mut chart = paths::in_plane(self);
+        let mut chart = paths::in_plane(self, PLANE);
         let period = self.duration() + PAUSE;
         obstacles::animate(&mut chart, self, period);
         for (motion, colour) in self.motions() {
@@ -98,7 +113,6 @@ impl ScenePlan {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a plan in space;
     /// [`ErrorKind::Length`](crate::ErrorKind::Length) for a plan of other bodies;
     /// [`SceneError`](super::SceneError) for a scene that contradicts itself.
     pub fn picture(&self, scene: &Scene) -> Result<ScenePicture, Error> {

@@ -22,10 +22,11 @@ const ARROW: f64 = 0.09;
 /// Marks nearer to each other than this part of the picture are one.
 const APART: f64 = 0.05;
 
-/// Paths in the plane.
-pub(super) fn in_plane(picture: &ScenePicture) -> Chart {
+/// Paths in the plane of two axes.
+pub(super) fn in_plane(picture: &ScenePicture, axes: [&str; 2]) -> Chart {
     let view = View::in_plane(picture);
-    let mut chart = Chart::new("x (m)", "y (m)")
+    let [right, up] = axes.map(|axis| format!("{axis} (m)"));
+    let mut chart = Chart::new(right, up)
         .with_size(SIZE, TALL)
         .with_equal_axes()
         .with_ranges((view.low[0]..=view.high[0]).into(), (view.low[1]..=view.high[1]).into());

@@ -12,7 +12,8 @@ use crate::setters::setters;
 ///
 /// In the plane: paths among the obstacles on equal axes, with bodies at several times, start, goal,
 /// and hits with their speeds and impulses. On a line, and where all bodies move along the same line in
-/// the plane: positions over time.
+/// the plane: positions over time. In space: the paths from above and from the side, where obstacles are
+/// the shadows that they cast.
 ///
 /// ```
 /// use carom::hybrid::scene::{Body, Scene};
@@ -63,10 +64,6 @@ impl ScenePicture {
 
     pub(super) fn new(scene: &Scene, plan: &ScenePlan) -> Result<Self, Error> {
         let scene = scene.checked()?;
-        if scene.axes() > 2 {
-            let what = "the number of axes of a picture";
-            return Err(Error::out_of_range(what, 3.0, "1 or 2"));
-        }
         check(&scene, plan)?;
         let plans = vec![(String::new(), plan.clone())];
         Ok(ScenePicture { scene, plans, title: String::new() })

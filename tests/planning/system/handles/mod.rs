@@ -11,6 +11,7 @@ mod numbers;
 mod plain;
 mod programs;
 mod refusals;
+mod series_in_flows;
 mod stated;
 
 use carom::ErrorKind;
