@@ -9,6 +9,7 @@ use crate::hybrid::horizon::Horizon;
 use crate::hybrid::program::owns_program;
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::scene::SceneProgram;
+use crate::hybrid::system::{Coordinates, Restated};
 use crate::hybrid::{ContactLaw, HybridProgram};
 use crate::model::{Affine, Family, Model, Quadratic};
 
@@ -116,7 +117,8 @@ impl PlanningProgram {
             Collisions::Tolerated => "collision_tolerant",
             Collisions::Forbidden => "collision_free",
         });
-        let hybrid = scenario.system(&horizon, &scenario.damage)?.write(&mut model, "", steps)?;
+        let hybrid =
+            scenario.system(&horizon, &scenario.damage)?.write_plain(&mut model, "", steps)?;
         let program = HybridProgram::from_parts(model, hybrid);
         let (mut program, cost) = PlanningProgram::completed(scenario, program, objective, ends)?;
         if objective != Objective::Feasibility {
@@ -219,7 +221,8 @@ impl PlanningProgram {
         let horizon = Horizon::new(self.steps(), scenario.time_step)?;
         let system = scenario.system(&horizon, &scenario.damage)?;
         let mut cost = Quadratic::zero();
-        let case = self.program.write_case(name, &system, until, |program| {
+        let own = Restated { system: system.clone(), coordinates: Coordinates::default() };
+        let case = self.program.write_case(name, &system, &own, until, |program| {
             let (case, own) =
                 PlanningProgram::completed(scenario, program, objective, Ends::Fixed)?;
             cost = own;

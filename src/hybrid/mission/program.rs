@@ -1,6 +1,6 @@
 //! Missions of programs: required, or with their margin as a variable, and checked in plans.
 
-use super::formula::Mission;
+use super::formula::{Mission, MissionNode};
 use super::required::RequiredMission;
 use super::robustness::ValueSource;
 use super::rows::{Margin, write};
@@ -182,7 +182,10 @@ impl HybridProgram {
         late: Late,
     ) -> Result<Affine, Error> {
         let members = self.members.clone();
+        // A margin is in the unit of the rows.
+        let as_stated = at_least.is_some();
         let row_at = |row: &SystemRow, sample: usize| match members.row_has_values(row, sample)? {
+            true if as_stated => row.as_stated_at(&members, sample).map(Some),
             true => row.at_sample(&members, sample).map(Some),
             false => Ok(None),
         };
@@ -191,7 +194,8 @@ impl HybridProgram {
         let place = RunShape { row_at: &row_at, is_binary: &is_binary, samples, time_step };
         let margin = state(&mut self.model, name, mission, &place, at_least, late)?;
         let (name, mission) = (name.to_owned(), mission.clone());
-        let required = RequiredMission { name, mission, margin: margin.clone() };
+        let unit = unit(&mission, &self.members);
+        let required = RequiredMission { name, mission, margin: margin.clone(), unit };
         self.members_mut().missions.push(required);
         Ok(margin)
     }
@@ -216,6 +220,25 @@ impl Mission {
         let place = RunShape { row_at: &row_at, is_binary: &|_| false, samples, time_step };
         state(model, name, self, &place, None, Late::Refused).map(drop)
     }
+}
+
+/// The largest unit in which the rows of a mission are computed.
+fn unit(mission: &Mission, members: &Members) -> f64 {
+    if members.iter().all(|own| own.coordinates().is_plain()) {
+        return 1.0;
+    }
+    let mut least = f64::INFINITY;
+    mission.visit(&mut |part| {
+        let MissionNode::Holds(predicate) = &part.node else { return };
+        for row in (0..=members.steps).filter_map(|sample| predicate.rows(sample)).flatten() {
+            let weight = match row {
+                SystemRow::Row(row) => members.weight([row.expression()]),
+                SystemRow::Conic(row) => members.weight_of(&row.conic),
+            };
+            least = least.min(weight);
+        }
+    });
+    if least.is_finite() { 1.0 / least } else { 1.0 }
 }
 
 /// A plan's point, by the handles of its systems.
@@ -246,10 +269,10 @@ impl Members {
 
     /// Refuses a solution that does not do what the program's missions say.
     pub(crate) fn check_missions(&self, solution: &Solution) -> Result<(), Error> {
-        for RequiredMission { name, mission, margin } in &self.missions {
+        for RequiredMission { name, mission, margin, unit } in &self.missions {
             let (found, wanted) =
                 (self.robustness(mission, solution)?, solution.value(margin.clone())?);
-            let holds = found >= wanted - REACH * (1.0 + wanted.abs());
+            let holds = found >= wanted - REACH * (unit + wanted.abs());
             if !holds {
                 let what = format!("the robustness of `{name}` in the plan");
                 let range = format!("at least {wanted}, the margin of the rows");

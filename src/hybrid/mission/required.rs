@@ -10,4 +10,6 @@ pub(crate) struct RequiredMission {
     pub(super) mission: Mission,
     /// Of the model's variables: the robustness that the rows promise.
     pub(super) margin: Affine,
+    /// The largest unit in which its rows are computed.
+    pub(super) unit: f64,
 }

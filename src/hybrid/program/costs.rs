@@ -153,8 +153,10 @@ impl HybridProgram {
             let largest = |step: usize| {
                 let values = expressions.iter().map(|e| e.at_sample(&members, step));
                 let values = values.collect::<Result<Vec<Affine>, Error>>()?;
+                let weight = members.weight(&expressions);
+                let values: Vec<Affine> = values.iter().map(|value| weight * value).collect();
                 let sides = values.iter().flat_map(|value| [value.clone(), -value]);
-                Ok(Affine::from(model.maximum((name, step), sides)?))
+                Ok(Affine::from(model.maximum((name, step), sides)?) * (1.0 / weight))
             };
             (0..members.steps).map(largest).sum()
         })
@@ -217,12 +219,15 @@ impl HybridProgram {
             return Err(ErrorKind::EmptyRow { name: name.to_owned() }.into());
         }
         let (lower, upper) = row.limits(name)?;
-        let row = row.expression().within(lower, upper);
         let members = self.members.clone();
+        // The excess is in the unit in which the row is computed.
+        let weight = members.weight([row.expression()]);
+        let row = row.expression().within(weight * lower, weight * upper);
+        let (linear, quadratic) = (linear / weight, quadratic / weight / weight);
         self.model.all_or_nothing(|model| {
             let mut soft = SoftLimit { cost: Quadratic::zero(), excess: Affine::zero() };
             for sample in 0..members.samples(row.expression()) {
-                let value = row.expression().at_sample(&members, sample)?;
+                let value = weight * row.expression().at_sample(&members, sample)?;
                 let range = model.range(&value)?;
                 let over = (range.upper - row.upper()).max(row.lower() - range.lower);
                 if over <= 0.0 {
@@ -244,7 +249,7 @@ impl HybridProgram {
                     }
                 }
                 soft.cost += linear * excess + quadratic * excess.square();
-                soft.excess += excess;
+                soft.excess += (1.0 / weight) * excess;
             }
             Ok(soft)
         })
@@ -268,6 +273,8 @@ impl HybridProgram {
         };
         let samples = entries.iter().chain([bound]).map(|part| members.samples(part));
         let samples = samples.min().unwrap_or(0);
+        let weight = members.weight(entries.iter().chain([bound]));
+        let (linear, quadratic) = (linear / weight, quadratic / weight / weight);
         self.model.all_or_nothing(|model| {
             let mut soft = SoftLimit { cost: Quadratic::zero(), excess: Affine::zero() };
             for sample in 0..samples {
@@ -285,7 +292,7 @@ impl HybridProgram {
                 *bound += excess;
                 model.add((name, sample), row)?;
                 soft.cost += linear * excess + quadratic * excess.square();
-                soft.excess += excess;
+                soft.excess += (1.0 / weight) * excess;
             }
             Ok(soft)
         })
@@ -299,13 +306,14 @@ fn length(
     (name, sample): (&str, usize),
     entries: &[Affine],
 ) -> Result<Affine, Error> {
-    let entries = entries.iter().map(|entry| entry.at_sample(members, sample));
+    let weight = members.weight(entries);
+    let entries = entries.iter().map(|entry| Ok(weight * entry.at_sample(members, sample)?));
     let entries: Vec<Affine> = entries.collect::<Result<_, Error>>()?;
     if !entries.is_empty() && entries.iter().all(|entry| entry.terms().is_empty()) {
         let length = entries.iter().fold(0.0_f64, |length, entry| length.hypot(entry.offset()));
-        return Ok(Affine::constant(length));
+        return Ok(Affine::constant(length / weight));
     }
-    Ok(model.norm((name, sample), entries)?.into())
+    Ok(Affine::from(model.norm((name, sample), entries)?) * (1.0 / weight))
 }
 
 /// The magnitude of an expression at a sample, as a variable unless it is constant.
@@ -318,6 +326,9 @@ fn magnitude(
     let value = expression.at_sample(members, sample)?;
     match value.terms().is_empty() {
         true => Ok(Affine::constant(value.offset().abs())),
-        false => Ok(model.absolute((name, sample), value)?.into()),
+        false => {
+            let weight = members.weight([expression]);
+            Ok(Affine::from(model.absolute((name, sample), weight * value)?) * (1.0 / weight))
+        }
     }
 }

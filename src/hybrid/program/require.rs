@@ -201,6 +201,22 @@ fn families(model: &Model, name: &str, rows: &[SystemRow]) -> Result<Vec<(String
     Ok(families)
 }
 
+impl HybridProgram {
+    /// Requires a region of the first system at a sample, which is in the coordinates of its variables.
+    pub(in crate::hybrid) fn require_own(
+        &mut self,
+        name: &str,
+        region: &Region,
+        sample: usize,
+    ) -> Result<(), Error> {
+        let (members, steps) = (self.members.clone(), self.steps());
+        let own = members.first();
+        region.check(own.computed(), "the region")?;
+        let rows = |sample| own.rows_of(region, sample);
+        add(&mut self.model, name, When::At(sample), steps, &rows)
+    }
+}
+
 impl SystemVariables {
     /// Requires the run to be in a region, in one of its modes, at given samples.
     #[doc(hidden)]
@@ -212,7 +228,8 @@ impl SystemVariables {
         when: When,
     ) -> Result<(), Error> {
         region.check(self.system(), "the region")?;
-        let rows = |sample| self.rows_of(region, sample);
+        let region = self.coordinates().region(region);
+        let rows = |sample| self.rows_of(&region, sample);
         add(model, name, when, self.horizon().steps(), &rows)
     }
 

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::mission::RequiredMission;
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow};
+use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow, power_of_two};
 use crate::interval::Interval;
 use crate::model::{
-    Affine, ConicRow, Literal, Model, ModelTag, Norm, NormSum, Quadratic, Row, Variable,
+    Affine, ConicRow, Literal, Model, ModelTag, Norm, NormSum, Quadratic, Row, StoredConic,
+    Variable,
 };
 use crate::solution::Solution;
 use crate::solver::Solver;
@@ -118,15 +119,22 @@ impl Members {
             return Err(Error::out_of_range(what, sample as f64, range));
         }
         match meaning {
-            Meaning::State(i) => Ok(own.states()[*i][sample].into()),
-            Meaning::Input(u) => Ok(own.inputs()[*u][sample].into()),
+            Meaning::State(i) => {
+                Ok(own.in_units(own.coordinates().state(*i), own.states()[*i][sample]))
+            }
+            Meaning::Input(u) => {
+                Ok(own.in_units(own.coordinates().input(*u), own.inputs()[*u][sample]))
+            }
             Meaning::Series(_, values) => {
                 Ok(Affine::constant(values.get(sample).copied().unwrap_or(f64::NAN)))
             }
             Meaning::InMode(choice, mode) => own.mode_value(*choice, mode, sample),
             Meaning::Acting(choice, mode) => own.mode_value(*choice, mode, sample + 1),
             Meaning::Taken(choice, number) => Ok(own.taken_value(*choice, *number, sample)),
-            Meaning::Output(name) => Ok(own.output(name)?[sample].clone()),
+            Meaning::Output(name) => {
+                let (value, unit) = (&own.output(name)?[sample], own.coordinates().output(name));
+                Ok(if unit == 1.0 { value.clone() } else { unit * value })
+            }
             Meaning::Prediction(_) => {
                 let name = format!("`{}`", own.system().handle_name(handle));
                 let place = "an expression of a program".to_owned();
@@ -136,13 +144,40 @@ impl Members {
         }
     }
 
+    /// The power of two that brings a condition on some expressions into the unit in which its states, inputs
+    /// and outputs are computed, so that tolerances mean there what they mean for these; 1 for the user's own
+    /// numbers.
+    pub(crate) fn weight<'a>(&self, parts: impl IntoIterator<Item = &'a Affine>) -> f64 {
+        let (mut largest, mut is_plain) = (0.0_f64, true);
+        for (handle, factor) in parts.into_iter().flat_map(Affine::terms) {
+            let Some((own, meaning)) = self.meaning(handle) else { continue };
+            let scale = match meaning {
+                Meaning::State(i) => own.coordinates().state(*i).scale,
+                Meaning::Input(u) => own.coordinates().input(*u).scale,
+                Meaning::Output(name) => own.coordinates().output(name),
+                _ => continue,
+            };
+            largest = largest.max((factor * scale).abs());
+            is_plain &= scale == 1.0;
+        }
+        if is_plain || largest == 0.0 { 1.0 } else { 1.0 / power_of_two(largest) }
+    }
+
+    /// The same for a norm; squares are left in their unit.
+    pub(crate) fn weight_of(&self, conic: &StoredConic) -> f64 {
+        match conic {
+            StoredConic::Norm { entries, bound } => self.weight(entries.iter().chain([bound])),
+            StoredConic::Quadratic { .. } => 1.0,
+        }
+    }
+
     /// The variable of a state or an input at a sample.
     pub(super) fn variable(&self, handle: Variable, sample: usize) -> Result<Variable, Error> {
         let value = self.value(handle, sample)?;
         let is_series =
             matches!(self.meaning(handle), Some((_, Meaning::State(_) | Meaning::Input(_))) | None);
         match value.terms()[..] {
-            [(variable, 1.0)] if is_series => Ok(variable),
+            [(variable, _)] if is_series => Ok(variable),
             _ => {
                 let own = self.meaning(handle).map(|(own, _)| own.system().handle_name(handle));
                 let name = format!("`{}`", own.unwrap_or_default());
@@ -265,7 +300,10 @@ impl AtSample for Row {
     #[expect(private_interfaces, reason = "as the trait")]
     fn at_sample(&self, members: &Members, sample: usize) -> Result<Row, Error> {
         let expression = self.expression().at_sample(members, sample)?;
-        Ok(expression.within(self.lower(), self.upper()))
+        Ok(match members.weight([self.expression()]) {
+            1.0 => expression.within(self.lower(), self.upper()),
+            weight => (weight * expression).within(weight * self.lower(), weight * self.upper()),
+        })
     }
 }
 
@@ -274,7 +312,11 @@ impl AtSample for ConicRow {
 
     #[expect(private_interfaces, reason = "as the trait")]
     fn at_sample(&self, members: &Members, sample: usize) -> Result<ConicRow, Error> {
-        self.try_map(&mut |expression| expression.at_sample(members, sample))
+        let row = self.try_map(&mut |expression| expression.at_sample(members, sample))?;
+        match members.weight_of(&self.conic) {
+            1.0 => Ok(row),
+            weight => row.try_map(&mut |expression| Ok(weight * expression)),
+        }
     }
 }
 
@@ -286,6 +328,25 @@ impl AtSample for SystemRow {
         Ok(match self {
             SystemRow::Row(row) => row.at_sample(members, sample)?.into(),
             SystemRow::Conic(row) => row.at_sample(members, sample)?.into(),
+        })
+    }
+}
+
+impl SystemRow {
+    /// The row at a sample in the units in which it is stated.
+    pub(crate) fn as_stated_at(
+        &self,
+        members: &Members,
+        sample: usize,
+    ) -> Result<SystemRow, Error> {
+        Ok(match self {
+            SystemRow::Row(row) => {
+                let expression = row.expression().at_sample(members, sample)?;
+                expression.within(row.lower(), row.upper()).into()
+            }
+            SystemRow::Conic(row) => {
+                row.try_map(&mut |expression| expression.at_sample(members, sample))?.into()
+            }
         })
     }
 }

@@ -13,7 +13,7 @@ use super::options::SetOptions;
 use super::rounding::EPSILON;
 use super::shape::{Map, Matrix, Shape};
 use super::template::Template;
-use crate::hybrid::system::{HybridSystem, MODE, Region};
+use crate::hybrid::system::{Coordinates, HybridSystem, MODE, Region};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
@@ -89,7 +89,10 @@ pub(super) struct CompiledMove {
 #[derive(Debug, Clone)]
 pub(super) struct Compiled {
     pub(super) blocks: Vec<Block>,
+    /// Of the states, in their own coordinates.
     pub(super) states: Vec<(String, Interval)>,
+    /// The coordinates of states and inputs.
+    pub(super) coordinates: Arc<Coordinates>,
     /// Name, and whether it is an event, of every transition.
     pub(super) transitions: Vec<(String, bool)>,
     /// Numbers of the transitions of each choice.
@@ -103,6 +106,7 @@ pub(super) struct Compiled {
 /// The data from which a step of a system is compiled.
 pub(super) struct Source<'a> {
     pub(super) system: &'a HybridSystem,
+    pub(super) coordinates: &'a Arc<Coordinates>,
     pub(super) moves: &'a Moves,
     pub(super) step: usize,
     /// The ranges of the inputs, if they differ from the system's.
@@ -176,6 +180,7 @@ impl Compiled {
             moves: moves.collect(),
             blocks,
             states: system.states.clone(),
+            coordinates: Arc::clone(source.coordinates),
             transitions: system.transitions().map(|t| (t.name.clone(), t.is_event)).collect(),
             relaxed: source.moves.relaxed.clone(),
         }

@@ -10,7 +10,7 @@ use super::step::predecessors;
 use super::tube::Tube;
 use super::words::{Words, number};
 use crate::error::Error;
-use crate::hybrid::system::{Halfspace, HybridSystem, NormLimit};
+use crate::hybrid::system::{Halfspace, HybridSystem, Measure, NormLimit, Transition};
 use crate::interval::Interval;
 use crate::solver::{Interrupt, StopToken};
 
@@ -166,8 +166,10 @@ impl ReachSets {
             let emptied = set.err()?;
             if let Place::End(k) = emptied.place {
                 let halfspace = &end.halfspaces[k];
-                let (name, limit) = (halfspace.name.clone(), halfspace.limit_at(0));
-                let nearest = emptied.nearest;
+                let measure = self.measure_of(&halfspace.name);
+                let name = halfspace.name.clone();
+                let limit = measure.outward(halfspace.limit_at(0));
+                let nearest = measure.outward(emptied.nearest);
                 return Some((
                     at_start,
                     Obstacle::Limit { name, transition: None, limit, nearest },
@@ -201,14 +203,11 @@ impl ReachSets {
             }
             Place::End(_) | Place::Shape => return None,
         };
+        let measure = self.measure_of(name);
+        let (limit, nearest) = (measure.outward(limit), measure.outward(emptied.nearest));
         if taken.is_some_and(|m| system.moves[m].members.iter().any(|t| self.is_rule(*t, name))) {
             let name = format!("{name} ({})", number(limit));
-            return Some(Obstacle::Limit {
-                name,
-                transition: None,
-                limit,
-                nearest: emptied.nearest,
-            });
+            return Some(Obstacle::Limit { name, transition: None, limit, nearest });
         }
         // Of the transitions that a step combines, the one that has the guard.
         let owner = |m: usize| {
@@ -219,11 +218,30 @@ impl ReachSets {
                 None => system.name(m),
             }
         };
-        Some(Obstacle::Limit {
-            name: name.clone(),
-            transition: taken.map(owner),
-            limit,
-            nearest: emptied.nearest,
+        Some(Obstacle::Limit { name: name.clone(), transition: taken.map(owner), limit, nearest })
+    }
+
+    /// How the values of a condition of the system are computed, by its name.
+    fn measure_of(&self, name: &str) -> Measure {
+        let (coordinates, system) = (&self.coordinates, self.system());
+        for (i, (state, _)) in system.states.iter().enumerate() {
+            let own = coordinates.state(i);
+            if *name == format!("the upper limit of {state}") {
+                return own;
+            }
+            if *name == format!("the lower limit of {state}") {
+                return Measure { origin: 0.0 - own.origin, scale: own.scale };
+            }
+        }
+        let guards = |t: &Transition| [&t.guards[..], &t.prediction_guards].concat();
+        let guards = system.transitions().flat_map(guards);
+        if let Some(own) = system.limits.iter().cloned().chain(guards).find(|h| h.name == name) {
+            let scale = 1.0 / coordinates.weight([&own.normal[..]]);
+            return Measure { origin: coordinates.shifted(&own.normal, 0.0), scale };
+        }
+        let norm = system.all_norms().find(|norm| norm.name == name);
+        norm.map_or(Measure::PLAIN, |norm| {
+            Measure::unit(1.0 / coordinates.weight(norm.parts().map(|part| &part.factors[..])))
         })
     }
 
@@ -300,7 +318,7 @@ impl ReachSets {
 
     /// Changes of the system each of which alone lets the sets reach the goal.
     fn remedies(&self, steps: usize, token: &StopToken) -> Result<Vec<String>, Error> {
-        let (system, words) = (self.system(), &self.options.words);
+        let (system, words, stated) = (&self.computed, &self.options.words, self.system());
         let mut changes: Vec<(String, HybridSystem)> = Vec::new();
         for (j, (name, range)) in system.inputs.iter().enumerate() {
             let mut changed = system.clone();
@@ -317,6 +335,7 @@ impl ReachSets {
                 } else {
                     range.lower -= far
                 }
+                let domain = &stated.states[i].1;
                 let limit = if is_upper { domain.upper } else { domain.lower };
                 let (own, unit) = (words.name(name), words.unit(name));
                 let text = format!("without the {word} limit of {own} ({}{unit})", number(limit));
@@ -329,8 +348,8 @@ impl ReachSets {
                     let mut changed = system.clone();
                     let dropped = list(&mut changed).remove(k);
                     if dropped.is_limit {
-                        let text =
-                            format!("without {} ({})", dropped.name, number(dropped.limit_at(0)));
+                        let limit = list(&mut stated.clone())[k].limit_at(0);
+                        let text = format!("without {} ({})", dropped.name, number(limit));
                         changes.push((text, changed));
                     }
                 }
@@ -372,7 +391,7 @@ impl ReachSets {
             if token.is_over() {
                 break;
             }
-            let tube = self.of_system(&changed)?.tube_until(steps, token)?;
+            let tube = self.of_system(&changed).tube_until(steps, token)?;
             if tube.is_some_and(|tube| !tube.is_empty()) {
                 remedies.push(text);
             }
@@ -392,25 +411,32 @@ impl Finding {
 fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
     let system = Arc::clone(&reached.system);
     let mut rest = reached.clone();
-    let goal = needed.bounding_box();
+    let goal = needed.own_box();
+    let stated = |i: usize, own: Interval| system.coordinates.state(i).outward_range(own);
     let mut given = Vec::new();
     for (i, (name, _)) in system.states.iter().enumerate() {
-        let range = rest.bounding_box()[i];
+        let range = rest.own_box()[i];
         if range.lower > goal[i].upper || range.upper < goal[i].lower {
-            let (state, needed) = (name.clone(), goal[i]);
-            return Some(Obstacle::Range { state, reached: range, needed, given });
+            let (state, needed) = (name.clone(), stated(i, goal[i]));
+            return Some(Obstacle::Range { state, reached: stated(i, range), needed, given });
         }
         if !rest.keep(i, goal[i]) {
             break;
         }
-        given.push((name.clone(), goal[i]));
+        given.push((name.clone(), stated(i, goal[i])));
     }
     let blocks = reached.shapes.iter().zip(&needed.shapes).zip(&system.blocks);
     blocks.into_iter().find_map(|((a, b), block)| {
         let (normal, first, second) = a.separation(b)?;
+        // n . own = (n / scale) . x - shift.
+        let measures: Vec<Measure> =
+            block.states.iter().map(|&i| system.coordinates.state(i)).collect();
+        let normal: Vec<f64> = normal.iter().zip(&measures).map(|(n, m)| n / m.scale).collect();
         let size = normal.iter().fold(0.0_f64, |size, n| size.max(n.abs()));
+        let shift: f64 = normal.iter().zip(&measures).map(|(n, m)| n * m.origin).sum();
         let named = block.states.iter().zip(&normal).filter(|(_, n)| **n != 0.0);
         let factors = named.map(|(&i, n)| (system.states[i].0.clone(), n / size)).collect();
-        Some(Obstacle::Combination { factors, reached: first / size, needed: second / size })
+        let [reached, needed] = [first, second].map(|value| (value + shift) / size);
+        Some(Obstacle::Combination { factors, reached, needed })
     })
 }

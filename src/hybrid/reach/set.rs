@@ -155,13 +155,19 @@ impl ReachSet {
     /// [`ErrorKind::Length`].
     pub fn support(&self, direction: &[f64]) -> Result<f64, Error> {
         self.check_length("the direction", direction.len())?;
+        let coordinates = &self.system.coordinates;
+        let own = coordinates.factors(direction);
         let blocks = self.system.blocks.iter().zip(&self.shapes);
-        Ok(blocks
+        let support = blocks
             .map(|(block, shape)| {
-                let local: Vec<f64> = block.states.iter().map(|&i| direction[i]).collect();
+                let local: Vec<f64> = block.states.iter().map(|&i| own[i]).collect();
                 shape.support(&local)
             })
-            .fold(0.0, crate::interval::add_up))
+            .fold(0.0, crate::interval::add_up);
+        Ok(match coordinates.shifted(direction, 0.0) {
+            0.0 => support,
+            shift => crate::interval::add_up(support, shift.next_up()),
+        })
     }
 
     /// Whether a state lies in the set. States outside the exact set but within its margin may
@@ -175,6 +181,7 @@ impl ReachSet {
         for ((name, _), &value) in self.system.states.iter().zip(state) {
             check_ends(name, Interval::point(value))?;
         }
+        let state = self.system.coordinates.inward(state);
         Ok(self.system.blocks.iter().zip(&self.shapes).all(|(block, shape)| {
             let point: Vec<f64> = block.states.iter().map(|&i| state[i]).collect();
             shape.separation(&shape.boxed(&point, &point)).is_none()
@@ -190,7 +197,8 @@ impl ReachSet {
         let blocks = |set: &ReachSet| -> Vec<Vec<usize>> {
             set.system.blocks.iter().map(|block| block.states.clone()).collect()
         };
-        if blocks(self) != blocks(other) {
+        let coordinates = |set: &ReachSet| Arc::clone(&set.system.coordinates);
+        if blocks(self) != blocks(other) || coordinates(self) != coordinates(other) {
             let (rows, columns) = (other.system.states.len(), other.system.blocks.len());
             let expected = "the states and blocks of the first set".into();
             return Err(ErrorKind::Shape { what: "the second set", rows, columns, expected }.into());
@@ -216,6 +224,11 @@ impl ReachSet {
 
     /// The smallest box around the set: one interval per state, rounded outward.
     pub fn bounding_box(&self) -> Vec<Interval> {
+        self.system.stated_ranges(&self.own_box())
+    }
+
+    /// The same in the coordinates of the set.
+    pub(super) fn own_box(&self) -> Vec<Interval> {
         bounding_box(&self.system, &self.shapes)
     }
 
@@ -226,7 +239,8 @@ impl ReachSet {
         for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {
             if let Shape::Planar(polygon) = shape {
                 for (k, &state) in block.states.iter().enumerate() {
-                    margin[state] = polygon.margin()[k];
+                    let scale = self.system.coordinates.state(state).scale;
+                    margin[state] = scale * polygon.margin()[k];
                 }
             }
         }
@@ -254,11 +268,13 @@ impl ReachSet {
         }
         for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {
             if let Shape::Planar(polygon) = shape {
+                let measures = [first, second].map(|state| self.system.coordinates.state(state));
+                let stated = |v: [f64; 2]| [measures[0].outward(v[0]), measures[1].outward(v[1])];
                 if block.states == [first, second] {
-                    return Ok(polygon.vertices().to_vec());
+                    return Ok(polygon.vertices().iter().map(|v| stated(*v)).collect());
                 }
                 if block.states == [second, first] {
-                    let swapped = polygon.vertices().iter().rev().map(|v| [v[1], v[0]]);
+                    let swapped = polygon.vertices().iter().rev().map(|v| stated([v[1], v[0]]));
                     return Ok(swapped.collect());
                 }
             }
@@ -280,6 +296,14 @@ impl ReachSet {
 
     fn check_length(&self, what: &'static str, found: usize) -> Result<(), Error> {
         check_length(what, found, self.system.states.len())
+    }
+}
+
+impl Compiled {
+    /// Ranges of all states in the user's units.
+    pub(super) fn stated_ranges(&self, own: &[Interval]) -> Vec<Interval> {
+        let ranges = own.iter().enumerate();
+        ranges.map(|(i, range)| self.coordinates.state(i).outward_range(*range)).collect()
     }
 }
 

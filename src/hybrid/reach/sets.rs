@@ -10,7 +10,9 @@ use super::set::{Emptied, Layers, ReachSet, closed};
 use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
-use crate::hybrid::system::{Bracket, HybridSystem, IntoRegion, NormLimit, Region, check_ends};
+use crate::hybrid::system::{
+    Bracket, Coordinates, HybridSystem, IntoRegion, NormLimit, Region, Restated, check_ends,
+};
 use crate::interval::Interval;
 #[cfg(doc)]
 use crate::tolerance;
@@ -52,8 +54,11 @@ pub struct ReachSets {
     moves: Moves,
     pub(super) graph: Arc<Graph>,
     source: HybridSystem,
-    /// The system as it is stated, with norms.
-    stated: HybridSystem,
+    /// The system with norms, in its own coordinates.
+    pub(super) computed: HybridSystem,
+    /// The system as it is stated, if that is not the same.
+    stated: Option<Arc<HybridSystem>>,
+    pub(super) coordinates: Arc<Coordinates>,
     /// Magnitudes of the states at the start and the goal.
     pub(super) sizes: Vec<f64>,
     ends: (Region, Region),
@@ -91,11 +96,28 @@ impl ReachSets {
         options.check(system.states.len())?;
         start.check(system, "the start")?;
         goal.check(system, "the goal")?;
+        let restated = system.restated()?;
+        let (start, goal) =
+            (restated.coordinates.region(&start), restated.coordinates.region(&goal));
+        let stated = (!restated.coordinates.is_plain()).then(|| Arc::new(system.clone()));
+        Ok(ReachSets::restated(stated, restated, start, goal, options))
+    }
+
+    /// The sets of a system in coordinates, with a start, a goal and options in them.
+    pub(in crate::hybrid) fn restated(
+        stated: Option<Arc<HybridSystem>>,
+        restated: Restated,
+        start: Region,
+        goal: Region,
+        options: SetOptions,
+    ) -> Self {
+        let Restated { system, coordinates } = restated;
+        let (system, coordinates) = (&system, Arc::new(coordinates));
         // Sets have polygons for norms.
         let around = system.polyhedral(Bracket::Around);
         let norms = system.all_norms().chain(&start.norms).chain(&goal.norms);
         let norm_excess = norms.map(NormLimit::excess).fold(0.0, f64::max);
-        let stated = system.clone();
+        let computed = system.clone();
         let (system, start, goal) = (&around, start.polyhedral(), goal.polyhedral());
         let (from, to) = (closed(&system.states, &start), closed(&system.states, &goal));
         let sizes = from.iter().zip(&to).map(|(a, b)| a.magnitude().max(b.magnitude()));
@@ -107,7 +129,9 @@ impl ReachSets {
             moves,
             graph: Arc::new(graph),
             source: system.clone(),
+            computed,
             stated,
+            coordinates,
             norm_excess,
             sizes: sizes.collect(),
             ends: (start, goal),
@@ -121,7 +145,7 @@ impl ReachSets {
         sets.compile();
         sets.forward.push(sets.end_layers(0, &sets.ends.0));
         sets.backward.push(sets.end_layers(system.settles(), &sets.ends.1));
-        Ok(sets)
+        sets
     }
 
     /// How far the polygons that stand for norms reach beyond them, at most, relative to the bounds; 0
@@ -148,6 +172,7 @@ impl ReachSets {
     fn compiled_at(&self, step: usize, given: Option<&[Interval]>) -> Compiled {
         let source = Source {
             system: &self.source,
+            coordinates: &self.coordinates,
             moves: &self.moves,
             step,
             given,
@@ -170,16 +195,23 @@ impl ReachSets {
         for ((name, _), range) in self.source.inputs.iter().zip(inputs) {
             check_ends(name, *range)?;
         }
-        self.first = Some(Arc::new(self.compiled_at(0, Some(inputs))));
-        self.first_inputs = Some(inputs.to_vec());
+        let own = inputs.iter().enumerate();
+        let own = own.map(|(u, range)| self.coordinates.input(u).inward_range(*range)).collect();
+        self.begin_with(own);
+        Ok(self)
+    }
+
+    /// Sets the ranges of the inputs in the first step, in the coordinates of the sets.
+    pub(in crate::hybrid) fn begin_with(&mut self, inputs: Vec<Interval>) {
+        self.first = Some(Arc::new(self.compiled_at(0, Some(&inputs))));
+        self.first_inputs = Some(inputs);
         self.forward.truncate(1);
         (self.settled, self.emptied) = (None, None);
-        Ok(self)
     }
 
     /// The system of the sets.
     pub fn system(&self) -> &HybridSystem {
-        &self.stated
+        self.stated.as_deref().unwrap_or(&self.computed)
     }
 
     /// The options in force.
@@ -292,14 +324,17 @@ impl ReachSets {
         (&self.ends.0, &self.ends.1)
     }
 
-    /// The same task for another system.
-    pub(super) fn of_system(&self, system: &HybridSystem) -> Result<ReachSets, Error> {
-        let (start, goal) = self.ends();
-        let sets = ReachSets::new(system, start, goal, self.options.clone())?;
-        match &self.first_inputs {
-            Some(inputs) => sets.with_first_inputs(inputs),
-            None => Ok(sets),
+    /// The same task for another system in the same coordinates.
+    pub(super) fn of_system(&self, system: &HybridSystem) -> ReachSets {
+        let ((start, goal), options) = (self.ends(), self.options.clone());
+        let coordinates = Coordinates::clone(&self.coordinates);
+        let restated = Restated { system: system.clone(), coordinates };
+        let stated = self.stated.clone();
+        let mut sets = ReachSets::restated(stated, restated, start.clone(), goal.clone(), options);
+        if let Some(inputs) = &self.first_inputs {
+            sets.begin_with(inputs.clone());
         }
+        sets
     }
 
     /// A start or goal at a sample, in its modes.

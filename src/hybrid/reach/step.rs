@@ -197,7 +197,7 @@ pub(super) fn prediction_boxes(
                 shifted.collect()
             }
             Prediction::Own(flow) => {
-                let around = [set.bounding_box(), taken.inputs.clone()].concat();
+                let around = [set.own_box(), taken.inputs.clone()].concat();
                 flow.iter().map(|row| row.over(&around)).collect()
             }
         };

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::tube::Tube;
 use crate::error::{Error, ErrorKind, check_length};
+use crate::hybrid::system::Coordinates;
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Name, Variable};
 use crate::tolerance;
@@ -25,6 +26,8 @@ pub struct HorizonVariables {
     pub quantities: Vec<Quantity>,
     /// Whether a row on the number of events may be added (default yes).
     pub event_row: bool,
+    /// The coordinates of the variables; by default they are in the units of the system.
+    pub(crate) coordinates: Coordinates,
 }
 
 /// Variables over the steps that are, in each transition, an affine function of the prediction:
@@ -46,7 +49,8 @@ impl Default for HorizonVariables {
     fn default() -> Self {
         let (states, transitions) = (Vec::new(), Vec::new());
         let (modes, quantities) = (Vec::new(), Vec::new());
-        HorizonVariables { states, transitions, modes, quantities, event_row: true }
+        let coordinates = Coordinates::default();
+        HorizonVariables { states, transitions, modes, quantities, event_row: true, coordinates }
     }
 }
 
@@ -274,7 +278,7 @@ impl Tube {
                 }
             }
             for quantity in &variables.quantities {
-                let Some(range) = self.quantity(t, quantity) else { continue };
+                let Some(range) = self.quantity(t, quantity, variables) else { continue };
                 let reason = Reason::Predictions;
                 if !offer(model, &mut changes, quantity.family[t], t, range, reason)? {
                     return Ok(None);
@@ -295,9 +299,10 @@ impl Tube {
                     return Ok(None);
                 }
             }
-            let Some(bounds) = self.bounds(t) else { continue };
+            let Some(bounds) = self.own_bounds(t) else { continue };
+            let bounds = self.in_coordinates_of(variables, bounds);
             for (family, range) in variables.states.iter().zip(bounds) {
-                if !offer(model, &mut changes, family[t], t, *range, Reason::Tube)? {
+                if !offer(model, &mut changes, family[t], t, range, Reason::Tube)? {
                     return Ok(None);
                 }
             }
@@ -305,11 +310,27 @@ impl Tube {
         Ok(Some(changes))
     }
 
+    /// Ranges of the states in the coordinates of some variables.
+    fn in_coordinates_of(&self, variables: &HorizonVariables, own: &[Interval]) -> Vec<Interval> {
+        let (from, to) = (&self.system.coordinates, &variables.coordinates);
+        let ranges = own.iter().enumerate().map(|(i, range)| {
+            let (from, to) = (from.state(i), to.state(i));
+            if from == to { *range } else { to.inverse().outward_range(from.outward_range(*range)) }
+        });
+        ranges.collect()
+    }
+
     /// The range of a quantity in a step, over the possible transitions.
-    fn quantity(&self, step: usize, quantity: &Quantity) -> Option<Interval> {
+    fn quantity(
+        &self,
+        step: usize,
+        quantity: &Quantity,
+        variables: &HorizonVariables,
+    ) -> Option<Interval> {
         let one = |(m, (factors, constant)): (usize, &(Vec<f64>, f64))| {
-            let predictions = self.predictions(step, quantity.first + m)?;
-            let terms = factors.iter().zip(predictions).map(|(f, range)| *range * *f);
+            let predictions = self.own_predictions(step, quantity.first + m)?;
+            let predictions = self.in_coordinates_of(variables, predictions);
+            let terms = factors.iter().zip(predictions).map(|(f, range)| range * *f);
             Some(terms.fold(Interval::point(*constant), |sum, term| sum + term))
         };
         quantity.values.iter().enumerate().filter_map(one).reduce(|a, b| a.hull(b))

@@ -69,6 +69,9 @@ pub struct Tube {
     predictions: Vec<Vec<Option<Vec<Interval>>>>,
     /// Per sample, the box around the states.
     boxes: Vec<Vec<Interval>>,
+    /// Both in the user's units, if the sets are in others.
+    stated_predictions: Option<Vec<Vec<Option<Vec<Interval>>>>>,
+    stated_boxes: Option<Vec<Vec<Interval>>>,
     /// The first sample that no plan reaches.
     died: Option<usize>,
 }
@@ -143,6 +146,8 @@ impl ReachSets {
             nodes: Vec::new(),
             predictions: vec![vec![None; system.transitions.len()]; steps],
             boxes: Vec::new(),
+            stated_predictions: None,
+            stated_boxes: None,
             died: None,
             system,
             graph,
@@ -350,7 +355,7 @@ impl Tube {
             return;
         }
         let around = |layers: &Layers, node: usize| -> Option<Vec<Interval>> {
-            let boxes = of_node(&graph, layers, node).map(|(_, set)| set.bounding_box());
+            let boxes = of_node(&graph, layers, node).map(|(_, set)| set.own_box());
             boxes.reduce(|a, b| hull(&a, &b))
         };
         for t in 0..=self.steps {
@@ -368,6 +373,14 @@ impl Tube {
                 return;
             };
             self.boxes.push(found);
+        }
+        if !self.system.coordinates.is_plain() {
+            let stated = |own: &Vec<Interval>| self.system.stated_ranges(own);
+            self.stated_boxes = Some(self.boxes.iter().map(stated).collect());
+            let row = |row: &Vec<Option<Vec<Interval>>>| {
+                row.iter().map(|own| own.as_ref().map(stated)).collect()
+            };
+            self.stated_predictions = Some(self.predictions.iter().map(row).collect());
         }
     }
 
@@ -414,12 +427,24 @@ impl Tube {
     /// The box around the states that plans can have at a sample, one interval per state, in the
     /// states' units. `None` if the tube is empty or has no such sample.
     pub fn bounds(&self, sample: usize) -> Option<&[Interval]> {
+        let boxes = self.stated_boxes.as_ref().unwrap_or(&self.boxes);
+        boxes.get(sample).filter(|_| !self.is_empty()).map(Vec::as_slice)
+    }
+
+    /// The same in the coordinates of the sets.
+    pub(super) fn own_bounds(&self, sample: usize) -> Option<&[Interval]> {
         self.boxes.get(sample).filter(|_| !self.is_empty()).map(Vec::as_slice)
     }
 
     /// The box around the predictions of a transition in a step, before its reset, in the states'
     /// units. `None` if the transition is not possible.
     pub fn predictions(&self, step: usize, transition: usize) -> Option<&[Interval]> {
+        let boxes = self.stated_predictions.as_ref().unwrap_or(&self.predictions);
+        boxes.get(step).filter(|_| !self.is_empty())?.get(transition)?.as_deref()
+    }
+
+    /// The same in the coordinates of the sets.
+    pub(super) fn own_predictions(&self, step: usize, transition: usize) -> Option<&[Interval]> {
         let row = self.predictions.get(step).filter(|_| !self.is_empty())?;
         row.get(transition)?.as_deref()
     }

@@ -154,11 +154,7 @@ impl<'a> RecedingHorizon<'a> {
                 return Err(ErrorKind::NotParameter { name }.into());
             }
         }
-        let handles = Handles {
-            measured: measured.to_vec(),
-            states: states.to_vec(),
-            inputs: inputs.to_vec(),
-        };
+        let handles = Handles::of_model(measured, states, inputs);
         check_moves(model)?;
         let planner =
             Planner::Receding { prepared: solver.prepare(model)?, handles, members: None };

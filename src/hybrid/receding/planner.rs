@@ -7,7 +7,7 @@ use web_time::Duration;
 use super::guess::{LastIntegers, simulated};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::program::{HybridProgram, Members};
-use crate::hybrid::system::HybridSystem;
+use crate::hybrid::system::{HybridSystem, Measure};
 use crate::model::{Affine, Family, Model, Variable};
 use crate::solution::{Point, Solution};
 use crate::solver::{Control, Prepared, Solver};
@@ -49,14 +49,31 @@ pub(super) struct Handles {
     pub(super) measured: Vec<Variable>,
     pub(super) states: Vec<Family>,
     pub(super) inputs: Vec<Family>,
+    /// The measures of the states and of the inputs.
+    measures: [Vec<Measure>; 2],
 }
 
 impl Handles {
+    /// Those of a model without a system.
+    pub(super) fn of_model(measured: &[Variable], states: &[Family], inputs: &[Family]) -> Self {
+        Handles {
+            measured: measured.to_vec(),
+            states: states.to_vec(),
+            inputs: inputs.to_vec(),
+            measures: [states, inputs].map(|families| vec![Measure::PLAIN; families.len()]),
+        }
+    }
+
     /// Adds parameters for the states at the first sample of a program.
     pub(super) fn measure(program: &mut HybridProgram) -> Result<Self, Error> {
         let HybridProgram { model, members } = program;
-        let mut handles = Handles { measured: Vec::new(), states: Vec::new(), inputs: Vec::new() };
-        let first = members.first().system();
+        let mut handles = Handles {
+            measured: Vec::new(),
+            states: Vec::new(),
+            inputs: Vec::new(),
+            measures: [Vec::new(), Vec::new()],
+        };
+        let first = members.first().computed();
         for (k, (name, own)) in members.named().enumerate() {
             // Cases begin in the state of the first system.
             let shared = members.cases.get(name);
@@ -66,13 +83,23 @@ impl Handles {
                 return Err(Error::out_of_range(what, 0.0, range));
             }
             let number = if k == 0 { String::new() } else { format!("{k}_") };
-            for ((name, domain), family) in own.system().states.iter().zip(own.states()) {
+            let states = own.computed().states.iter().zip(own.states()).enumerate();
+            for (i, ((name, domain), family)) in states {
                 let Some(start) = family.get(0) else { continue };
+                let measure = own.coordinates().state(i);
                 let middle = 0.0_f64.clamp(domain.lower, domain.upper);
                 let called = format!("measured_{number}{}", name.replace(char::is_whitespace, "_"));
                 let twin = first.states.iter().position(|(own, _)| own == name);
                 if let (Some(twin), Some(_)) = (twin, shared) {
-                    let row = (start - handles.measured[twin]).equals(0.0);
+                    let (measured, of_first) = (handles.measured[twin], handles.measures[0][twin]);
+                    let row = match measure == of_first {
+                        true => (start - measured).equals(0.0),
+                        false => {
+                            let start = own.in_units(measure, start);
+                            let apart = start - own.in_units(of_first, measured);
+                            ((1.0 / measure.scale) * apart).equals(0.0)
+                        }
+                    };
                     model.add(format!("{called}_row").as_str(), row)?;
                     continue;
                 }
@@ -81,22 +108,33 @@ impl Handles {
                 model.add(format!("{called}_row").as_str(), (start - parameter).equals(0.0))?;
                 handles.measured.push(parameter);
                 handles.states.push(family.clone());
+                handles.measures[0].push(measure);
             }
             if shared.is_none() {
                 handles.inputs.extend(own.inputs().iter().cloned());
+                let count = own.inputs().len();
+                handles.measures[1].extend((0..count).map(|u| own.coordinates().input(u)));
             }
         }
         Ok(handles)
     }
 
     fn values(&self, state: &[f64]) -> Vec<(Variable, f64)> {
-        self.measured.iter().copied().zip(state.iter().copied()).collect()
+        let state = state.iter().zip(&self.measures[0]).map(|(x, measure)| measure.inward(*x));
+        self.measured.iter().copied().zip(state).collect()
     }
 
     /// The values of families, by step.
-    fn read(families: &[Family], point: &Point) -> Result<Vec<Vec<f64>>, Error> {
+    fn read(
+        families: &[Family],
+        measures: &[Measure],
+        point: &Point,
+    ) -> Result<Vec<Vec<f64>>, Error> {
         let steps = families.iter().map(Family::len).min().unwrap_or(0);
-        let at = |t: usize| families.iter().map(|family| point.value(family[t])).collect();
+        let at = |t: usize| {
+            let own = families.iter().zip(measures);
+            own.map(|(family, measure)| Ok(measure.outward(point.value(family[t])?))).collect()
+        };
         (0..steps).map(at).collect()
     }
 }
@@ -127,8 +165,8 @@ impl Planned {
             let why = solution.termination().to_string();
             return Ok(Planned::Nothing(Some(solution), why));
         };
-        let states = Handles::read(&handles.states, point)?;
-        let inputs = Handles::read(&handles.inputs, point)?;
+        let states = Handles::read(&handles.states, &handles.measures[0], point)?;
+        let inputs = Handles::read(&handles.inputs, &handles.measures[1], point)?;
         let excess = excess.map(|excess| point.value(excess)).transpose()?;
         Ok(Planned::Found(solution, states, inputs, excess))
     }

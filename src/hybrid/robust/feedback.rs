@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::affine::{self, Map};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::Matrix;
-use crate::hybrid::system::{HybridSystem, Transition, Uncertain};
+use crate::hybrid::system::{Coordinates, HybridSystem, Restated, Transition, Uncertain};
 use crate::hybrid::terminal::Lqr;
 
 /// Weights of the inputs, relative to those of the states, of the regulators that are tried.
@@ -77,7 +77,26 @@ impl Feedback {
         }
         let index = (0..m).flat_map(|i| (0..n).map(move |j| (i, j)));
         check_finite("the gain of a feedback", "an entry", index.map(|index| gain[index]))?;
-        Ok(Feedback::shaped(system, &gain).0)
+        let Restated { system: own, coordinates } = system.restated()?;
+        let identity = || Mat::identity(n, n);
+        let given = Feedback { gain, shape: identity(), inverse: identity() };
+        let gain = given.restated(&coordinates).gain;
+        Ok(Feedback::shaped(&own, &gain).0.restated(&coordinates.inverse()))
+    }
+
+    /// The same feedback for a system in coordinates.
+    pub(super) fn restated(&self, coordinates: &Coordinates) -> Self {
+        if coordinates.is_plain() {
+            return self.clone();
+        }
+        let (n, m) = (self.gain.ncols(), self.gain.nrows());
+        let (of_state, of_input) =
+            (|i: usize| coordinates.state(i).scale, |u: usize| coordinates.input(u).scale);
+        Feedback {
+            gain: Matrix::from_fn(m, n, |u, i| self.gain[(u, i)] * of_state(i) / of_input(u)),
+            shape: Mat::from_fn(n, n, |i, k| self.shape[(i, k)] / of_state(i)),
+            inverse: Mat::from_fn(n, n, |k, i| self.inverse[(k, i)] * of_state(i)),
+        }
     }
 
     /// No feedback: the inputs are those of the plan, whatever happens.
@@ -99,6 +118,7 @@ impl Feedback {
     /// Those of [`HybridSystem::check`].
     pub fn regulator(system: &HybridSystem) -> Result<Self, Error> {
         system.check()?;
+        let Restated { system, coordinates } = &system.restated()?;
         let (n, m) = (system.states.len(), system.inputs.len());
         let half = |width: f64| (0.5 * width).clamp(1e-6, 1e6);
         let states: Vec<f64> = system.states.iter().map(|(_, range)| half(range.width())).collect();
@@ -110,7 +130,9 @@ impl Feedback {
             Mat::from_fn(size, size, entry)
         };
         let mut best = Feedback::shaped(system, &Matrix::zeros(m, n));
-        let Some(flow) = common_flow(system) else { return Ok(best.0) };
+        let Some(flow) = common_flow(system) else {
+            return Ok(best.0.restated(&coordinates.inverse()));
+        };
         for factor in WEIGHTS {
             // A flow that no regulator stabilises keeps the plan's inputs.
             let Ok(lqr) = Lqr::new(flow, weight(&states, 1.0), weight(&inputs, factor)) else {
@@ -121,7 +143,7 @@ impl Feedback {
                 best = own;
             }
         }
-        Ok(best.0)
+        Ok(best.0.restated(&coordinates.inverse()))
     }
 
     /// K, a row for each input and a column for each state.

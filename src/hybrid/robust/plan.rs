@@ -5,7 +5,7 @@ use std::fmt;
 use super::certificate::{MISS, RobustCertificate, certify};
 use super::error::RobustError;
 use super::feedback::Feedback;
-use super::program::RobustProgram;
+use super::program::{RobustProgram, own_start};
 use super::tighten::{TightRow, TightStatement};
 use crate::error::Error;
 #[cfg(doc)]
@@ -14,6 +14,7 @@ use crate::hybrid::program::HybridPlan;
 use crate::hybrid::simulate::DisturbedRun;
 #[cfg(doc)]
 use crate::hybrid::system::HybridSystem;
+use crate::hybrid::system::Measure;
 use crate::interval::Interval;
 use crate::model::{Family, Sense, Variable};
 use crate::number::{DIGITS, rounded};
@@ -29,6 +30,8 @@ pub struct RobustPlan {
     /// The findings of interval simulation about all disturbed runs.
     pub certificate: RobustCertificate,
     feedback: Feedback,
+    /// For the system in the coordinates of the program.
+    own_feedback: Feedback,
     start: Vec<Interval>,
     sense: Sense,
     radius: Vec<Family>,
@@ -78,6 +81,30 @@ impl fmt::Display for RobustPlan {
     }
 }
 
+/// The certificate of a plan, found in the coordinates of its program and with the errors of states in the user's
+/// units.
+fn certified(
+    plan: &HybridPlan,
+    feedback: &Feedback,
+    start: &[Interval],
+    scale: f64,
+) -> Result<RobustCertificate, Error> {
+    let own = plan.members().first();
+    let coordinates = own.coordinates();
+    let run = match plan.solution.point().filter(|_| !coordinates.is_plain()) {
+        Some(point) => &own.read_own(point)?,
+        None => &plan.run,
+    };
+    let start = own_start(coordinates, start);
+    let mut certificate = certify(own.computed(), run, feedback, &start, scale)?;
+    for errors in &mut certificate.states {
+        for (i, error) in errors.iter_mut().enumerate() {
+            *error = Measure::unit(coordinates.state(i).scale).outward_range(*error);
+        }
+    }
+    Ok(certificate)
+}
+
 impl RobustPlan {
     pub(super) fn of(
         program: &RobustProgram,
@@ -85,11 +112,12 @@ impl RobustPlan {
     ) -> Result<Self, Error> {
         let plan = program.program.plan(solution)?;
         let start = &program.start;
-        let certificate = certify(plan.system(), &plan.run, &program.feedback, start, 1.0)?;
+        let certificate = certified(&plan, &program.own_feedback, start, 1.0)?;
         let robust = RobustPlan {
             plan,
             certificate,
             feedback: program.feedback.clone(),
+            own_feedback: program.own_feedback.clone(),
             start: start.clone(),
             sense: program.program.model().sense(),
             radius: program.radius.clone(),
@@ -111,8 +139,7 @@ impl RobustPlan {
     /// [`ErrorKind::Other`] with a [`RobustError`] as its source, which names the condition that some
     /// disturbance may violate.
     pub fn certify(&self, scale: f64) -> Result<RobustCertificate, Error> {
-        let Self { plan, feedback, start, .. } = self;
-        let certificate = certify(plan.system(), &plan.run, feedback, start, scale)?;
+        let certificate = certified(&self.plan, &self.own_feedback, &self.start, scale)?;
         self.check_statements(&certificate)?;
         Ok(certificate)
     }

@@ -12,7 +12,7 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::program::HybridProgram;
-use crate::hybrid::system::{HybridSystem, Meaning, State};
+use crate::hybrid::system::{Coordinates, HybridSystem, Meaning, Measure, State};
 use crate::interval::Interval;
 use crate::model::{Family, Model};
 use crate::solution::Solution;
@@ -24,6 +24,8 @@ use crate::solver::{Control, Solver};
 pub struct RobustProgram {
     pub(super) program: HybridProgram,
     pub(super) feedback: Feedback,
+    /// For the system in the coordinates of the program.
+    pub(super) own_feedback: Feedback,
     /// By how much each state may be off at the first sample.
     pub(super) start: Vec<Interval>,
     pub(super) radius: Vec<Family>,
@@ -129,6 +131,7 @@ impl HybridProgram {
         let mut robust = RobustProgram {
             program: self.clone(),
             feedback: feedback.clone(),
+            own_feedback: feedback.restated(own.coordinates()),
             start: start_errors(own.system(), start)?,
             radius: Vec::new(),
             tightened: Vec::new(),
@@ -138,12 +141,22 @@ impl HybridProgram {
             return Ok(robust);
         }
         let model = robust.program.model_mut();
-        let start = robust.start.iter().map(|range| range.magnitude()).collect::<Vec<_>>();
-        let tube = ErrorTube::write(model, own, feedback, (!is_exact).then_some(&start))?;
+        let start = own_start(own.coordinates(), &robust.start);
+        let start = start.iter().map(|range| range.magnitude()).collect::<Vec<_>>();
+        let tube =
+            ErrorTube::write(model, own, &robust.own_feedback, (!is_exact).then_some(&start))?;
         robust.tightened = StatementTightening::write(model, self, &tube)?;
         robust.radius = tube.radius;
         Ok(robust)
     }
+}
+
+/// The ranges by which states may be off at the first sample, in coordinates.
+pub(super) fn own_start(coordinates: &Coordinates, start: &[Interval]) -> Vec<Interval> {
+    let own = |(i, range): (usize, &Interval)| {
+        Measure::unit(coordinates.state(i).scale).inward_range(*range)
+    };
+    start.iter().enumerate().map(own).collect()
 }
 
 /// The ranges by which states may be off at the first sample.

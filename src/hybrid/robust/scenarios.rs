@@ -5,8 +5,9 @@ use std::ops::DerefMut;
 use std::sync::Arc;
 
 use crate::error::{Error, ErrorKind};
+use crate::hybrid::horizon::Horizon;
 use crate::hybrid::program::HybridProgram;
-use crate::hybrid::system::HybridSystem;
+use crate::hybrid::system::{HybridSystem, Restated};
 use crate::model::{Affine, Family, Model, Variable};
 
 impl HybridProgram {
@@ -128,13 +129,16 @@ impl HybridProgram {
         &mut self,
         name: &str,
         system: &HybridSystem,
+        restated: &Restated,
         until: usize,
         write: impl FnOnce(HybridProgram) -> Result<P, Error>,
     ) -> Result<P, Error> {
         let inputs = self.check_case(name, system, until)?;
         let mut whole = self.clone();
         whole.model.set_scope(name);
-        let variables = system.write(&mut whole.model, "", self.steps())?;
+        let horizon = Horizon::new(self.steps(), system.time_step)?;
+        let model = &mut whole.model;
+        let variables = system.write_restated(restated, model, "", &horizon, None)?;
         let members = Arc::make_mut(&mut whole.members);
         members.push(name, variables);
         members.cases.insert(name.to_owned(), until);
@@ -182,11 +186,20 @@ impl HybridProgram {
             for (k, input) in inputs.iter().enumerate() {
                 let both: [&Family; 2] = [own.input(input)?, its.input(input)?];
                 let family = format!("{prefix}_shares_{k}");
+                let measures = [own, its].map(|of| of.input_measure(input));
+                let scale = measures[0].scale;
                 for step in 0..until {
                     let pair: Vec<Variable> = both.iter().filter_map(|own| own.get(step)).collect();
-                    if let [own, its] = pair[..] {
-                        model.add((family.as_str(), step), (its - own).equals(0.0))?;
-                    }
+                    let [first, second] = pair[..] else { continue };
+                    let row = match measures[0] == measures[1] {
+                        true => (second - first).equals(0.0),
+                        false => {
+                            let second = its.in_units(measures[1], second);
+                            let apart = second - own.in_units(measures[0], first);
+                            ((1.0 / scale) * apart).equals(0.0)
+                        }
+                    };
+                    model.add((family.as_str(), step), row)?;
                 }
             }
             Ok(())

@@ -87,7 +87,7 @@ impl<'a> StatementTightening<'a> {
     /// Bounds of states and inputs that are narrower than what the system says, such as those of a goal.
     fn bounds(&mut self, model: &mut Model, program: &HybridProgram) -> Result<(), Error> {
         let own = self.tube.own;
-        let system = own.system();
+        let system = own.computed();
         for (k, family) in own.states().iter().chain(own.inputs()).enumerate() {
             for (sample, variable) in family.iter().enumerate().skip(self.tube.first) {
                 let of_system = match system.states.get(k) {
@@ -116,7 +116,7 @@ impl<'a> StatementTightening<'a> {
     fn changes(&mut self, model: &mut Model) -> Result<(), Error> {
         let own = self.tube.own;
         for step in self.tube.first..own.horizon().steps() {
-            for choice in 0..own.system().choices.len() {
+            for choice in 0..own.computed().choices.len() {
                 for (g, (variable, maps)) in own.change_maps(choice, step).into_iter().enumerate() {
                     let widths = maps.iter().map(|map| {
                         let factors = self.tube.feedback.closed(map);

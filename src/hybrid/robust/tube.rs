@@ -56,7 +56,7 @@ impl<'a> ErrorTube<'a> {
         feedback: &'a Feedback,
         start: Option<&Vec<f64>>,
     ) -> Result<Self, Error> {
-        let (system, steps) = (own.system(), own.horizon().steps());
+        let (system, steps) = (own.computed(), own.horizon().steps());
         let by = feedback.spread(&disturbance(system));
         let start = start.map(|start| feedback.spread(start));
         let first = usize::from(start.is_none());
@@ -109,7 +109,7 @@ impl<'a> ErrorTube<'a> {
 
     /// The rows of the next half widths.
     fn grow(&self, model: &mut Model, step: usize) -> Result<(), Error> {
-        let (system, n) = (self.own.system(), self.radius.len());
+        let (system, n) = (self.own.computed(), self.radius.len());
         let width = n + system.inputs.len();
         let by = self.feedback.spread(&disturbance(system));
         let by_choice: Vec<_> =
@@ -187,7 +187,7 @@ impl<'a> ErrorTube<'a> {
     /// The unknown part of a transition's effect, by entry of the next error.
     fn spreads(&self, transition: &Transition, step: usize) -> Vec<Vec<Spread>> {
         let (n, flow) = (self.radius.len(), affine::flow(&transition.flow));
-        let width = n + self.own.system().inputs.len();
+        let width = n + self.own.computed().inputs.len();
         let mut by_entry: Vec<Vec<Spread>> = (0..n).map(|_| Vec::new()).collect();
         for own in transition.uncertain.iter().filter(|own| own.range.magnitude() > 0.0) {
             let map = |i: usize| {
@@ -208,7 +208,7 @@ impl<'a> ErrorTube<'a> {
 
     /// The tightened conditions of a sample.
     fn sample(&self, model: &mut Model, sample: usize) -> Result<(), Error> {
-        let system = self.own.system();
+        let system = self.own.computed();
         let (n, width) = (self.radius.len(), self.radius.len() + system.inputs.len());
         for (i, (_, domain)) in system.states.iter().enumerate() {
             let mut map = Map::constant(width, 0.0);
@@ -230,7 +230,7 @@ impl<'a> ErrorTube<'a> {
 
     /// The tightened conditions of a step: joint limits, ranges of inputs and guards.
     fn step(&self, model: &mut Model, step: usize) -> Result<(), Error> {
-        let system = self.own.system();
+        let system = self.own.computed();
         let (n, width) = (self.radius.len(), self.radius.len() + system.inputs.len());
         let limits = system.limits.iter().filter(|limit| limit.is_joint(n)).enumerate();
         for (k, limit) in limits {
@@ -314,7 +314,7 @@ impl<'a> ErrorTube<'a> {
         limit: &NormLimit,
         flow: Option<&[Map]>,
     ) -> Result<(), Error> {
-        let width = self.radius.len() + self.own.system().inputs.len();
+        let width = self.radius.len() + self.own.computed().inputs.len();
         let maps = limit.maps(flow, width, sample);
         let Some((bound, entries)) = maps.split_last() else { return Ok(()) };
         let taken: Affine = maps.iter().map(|map| self.width_of(map, sample)).sum();

@@ -30,10 +30,11 @@ impl SystemVariables {
     /// The inputs with their values in a run.
     pub(crate) fn input_values(&self, run: &HybridRun) -> Result<Vec<(Variable, f64)>, Error> {
         let mut values = Vec::new();
-        for ((name, _), family) in self.system.inputs.iter().zip(&self.inputs) {
+        for (u, ((name, _), family)) in self.system.inputs.iter().zip(&self.inputs).enumerate() {
+            let measure = self.coordinates.input(u);
             let own = run.input(name)?;
             check_length("the steps of the run", own.len(), family.len())?;
-            values.extend(family.iter().zip(own.iter().copied()));
+            values.extend(family.iter().zip(own.iter().map(|value| measure.inward(*value))));
         }
         Ok(values)
     }

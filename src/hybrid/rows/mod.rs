@@ -34,7 +34,7 @@ pub use run::HybridRun;
 pub(in crate::hybrid) use write::expression;
 
 use super::horizon::Horizon;
-use super::system::HybridSystem;
+use super::system::{HybridSystem, Restated};
 use crate::error::Error;
 use crate::model::{Method, Model};
 
@@ -51,7 +51,36 @@ impl HybridSystem {
         method: Option<Method>,
     ) -> Result<SystemVariables, Error> {
         self.check()?;
-        write::write(self, model, prefix, &Horizon::new(steps, self.time_step)?, method)
+        let restated = self.restated()?;
+        self.write_restated(&restated, model, prefix, &Horizon::new(steps, self.time_step)?, method)
+    }
+
+    /// Adds the system in given coordinates.
+    pub(in crate::hybrid) fn write_restated(
+        &self,
+        restated: &Restated,
+        model: &mut Model,
+        prefix: &str,
+        horizon: &Horizon,
+        method: Option<Method>,
+    ) -> Result<SystemVariables, Error> {
+        let Restated { system, coordinates } = restated;
+        let variables = write::write(system, model, prefix, horizon, method)?;
+        Ok(match coordinates.is_plain() {
+            true => variables,
+            false => variables.stated_as(self, coordinates),
+        })
+    }
+
+    /// Adds the system in the user's own numbers, for owners whose further statements are in these.
+    pub(crate) fn write_plain(
+        &self,
+        model: &mut Model,
+        prefix: &str,
+        steps: usize,
+    ) -> Result<SystemVariables, Error> {
+        self.check()?;
+        write::write(self, model, prefix, &Horizon::new(steps, self.time_step)?, None)
     }
 
     /// As [`write_by`](HybridSystem::write_by), by the default method.

@@ -1,13 +1,14 @@
 //! The variables of a hybrid system in a model, by name and step.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::change::Changes;
 use crate::error::Error;
 use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::HorizonVariables;
-use crate::hybrid::system::HybridSystem;
+use crate::hybrid::system::{Coordinates, HybridSystem, Measure};
 use crate::model::{Affine, Family, Literal, Variable};
 
 /// Which one of several things holds at a step or sample.
@@ -70,7 +71,12 @@ pub(super) struct ChoiceProgram {
 #[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct SystemVariables {
+    /// As it is computed.
     pub(super) system: HybridSystem,
+    /// As it is stated, if that is not the same.
+    pub(super) stated: Option<Arc<HybridSystem>>,
+    /// In which the variables of states and inputs are.
+    pub(super) coordinates: Coordinates,
     pub(super) horizon: Horizon,
     pub(super) states: Vec<Family>,
     pub(super) inputs: Vec<Family>,
@@ -84,9 +90,39 @@ pub struct SystemVariables {
 }
 
 impl SystemVariables {
-    /// The system.
+    /// The system as it is stated.
     pub fn system(&self) -> &HybridSystem {
+        self.stated.as_deref().unwrap_or(&self.system)
+    }
+
+    /// The system in the coordinates of the variables.
+    pub(crate) fn computed(&self) -> &HybridSystem {
         &self.system
+    }
+
+    /// The coordinates of the variables.
+    pub(crate) fn coordinates(&self) -> &Coordinates {
+        &self.coordinates
+    }
+
+    /// The variables of a system that is stated so, in these coordinates.
+    pub(super) fn stated_as(mut self, stated: &HybridSystem, coordinates: &Coordinates) -> Self {
+        (self.stated, self.coordinates) = (Some(Arc::new(stated.clone())), coordinates.clone());
+        self
+    }
+
+    /// The measure of an input, by its name.
+    pub(crate) fn input_measure(&self, name: &str) -> Measure {
+        let number = self.system.inputs.iter().position(|(own, _)| own == name);
+        number.map_or(Measure::PLAIN, |number| self.coordinates.input(number))
+    }
+
+    /// The value of a state's or an input's variable in the user's unit.
+    pub(crate) fn in_units(&self, measure: Measure, variable: Variable) -> Affine {
+        match measure.is_plain() {
+            true => variable.into(),
+            false => measure.scale * variable + measure.origin,
+        }
     }
 
     /// The horizon.
@@ -208,6 +244,7 @@ impl SystemVariables {
     /// The variables by which a tube tightens the program.
     pub fn horizon_variables(&self) -> HorizonVariables {
         let mut variables = HorizonVariables::new(self.states.clone());
+        variables.coordinates = self.coordinates.clone();
         for (c, (program, choice)) in self.choices.iter().zip(&self.system.choices).enumerate() {
             let first = self.system.first_transition(c);
             let taken = program.taken.families();

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::program::{OneOf, SystemVariables, find};
 use crate::error::{Error, ErrorKind, check_length};
+use crate::hybrid::system::{Coordinates, Measure};
 use crate::model::Variable;
 use crate::number::{DIGITS, TableColumn, rounded};
 use crate::solution::{Point, Solution};
@@ -133,6 +134,15 @@ impl SystemVariables {
 
     /// The run of a point.
     pub fn read_point(&self, point: &Point) -> Result<HybridRun, Error> {
+        self.read_in(point, &self.coordinates)
+    }
+
+    /// The run of a point in the coordinates of the variables.
+    pub(crate) fn read_own(&self, point: &Point) -> Result<HybridRun, Error> {
+        self.read_in(point, &Coordinates::default())
+    }
+
+    fn read_in(&self, point: &Point, coordinates: &Coordinates) -> Result<HybridRun, Error> {
         let system = &self.system;
         let steps = self.horizon.steps();
         let family = |variables: &crate::model::Family| -> Result<Vec<f64>, Error> {
@@ -152,11 +162,16 @@ impl SystemVariables {
             (0..count).map(one).collect()
         };
         let mut run = HybridRun { time_step: self.horizon.time_step(), ..HybridRun::default() };
-        for ((name, _), variables) in system.states.iter().zip(&self.states) {
-            run.states.push((name.clone(), family(variables)?));
+        let outward = |measure: Measure, values: Vec<f64>| -> Vec<f64> {
+            values.into_iter().map(|value| measure.outward(value)).collect()
+        };
+        for (i, ((name, _), variables)) in system.states.iter().zip(&self.states).enumerate() {
+            let values = outward(coordinates.state(i), family(variables)?);
+            run.states.push((name.clone(), values));
         }
-        for ((name, _), variables) in system.inputs.iter().zip(&self.inputs) {
-            run.inputs.push((name.clone(), family(variables)?));
+        for (u, ((name, _), variables)) in system.inputs.iter().zip(&self.inputs).enumerate() {
+            let values = outward(coordinates.input(u), family(variables)?);
+            run.inputs.push((name.clone(), values));
         }
         for (choice, program) in system.choices.iter().zip(&self.choices) {
             let names: Vec<&str> = choice.transitions.iter().map(|t| t.name.as_str()).collect();
@@ -168,7 +183,8 @@ impl SystemVariables {
             }
         }
         for (name, values) in &self.outputs {
-            let values = values.iter().map(|value| point.value(value));
+            let unit = coordinates.output(name);
+            let values = values.iter().map(|value| Ok::<f64, Error>(unit * point.value(value)?));
             run.outputs.push((name.clone(), values.collect::<Result<_, _>>()?));
         }
         Ok(run)
@@ -185,14 +201,19 @@ impl SystemVariables {
             values.extend(family.iter().zip(own.iter().copied()));
             Ok(())
         };
-        let mut series: Vec<&[f64]> = Vec::new();
-        for ((name, _), family) in self.system.states.iter().zip(&self.states) {
-            series.push(run.state(name)?);
-            assign(family, run.state(name)?)?;
+        let inward = |measure: Measure, values: &[f64]| -> Vec<f64> {
+            values.iter().map(|value| measure.inward(*value)).collect()
+        };
+        let mut series: Vec<Vec<f64>> = Vec::new();
+        for (i, ((name, _), family)) in self.system.states.iter().zip(&self.states).enumerate() {
+            let own = inward(self.coordinates.state(i), run.state(name)?);
+            assign(family, &own)?;
+            series.push(own);
         }
-        for ((name, _), family) in self.system.inputs.iter().zip(&self.inputs) {
-            series.push(run.input(name)?);
-            assign(family, run.input(name)?)?;
+        for (u, ((name, _), family)) in self.system.inputs.iter().zip(&self.inputs).enumerate() {
+            let own = inward(self.coordinates.input(u), run.input(name)?);
+            assign(family, &own)?;
+            series.push(own);
         }
         let z = |t: usize| -> Vec<f64> {
             series.iter().map(|values| values.get(t).copied().unwrap_or(0.0)).collect()

@@ -13,7 +13,7 @@ use super::switch::{Region, Switch, below, switch};
 use crate::error::Error;
 use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::system::{Choice, HybridSystem};
+use crate::hybrid::system::{Choice, Coordinates, HybridSystem};
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Method, Model, Variable};
 
@@ -128,6 +128,8 @@ fn variables(
     let steps = horizon.steps();
     let mut program = SystemVariables {
         system: system.clone(),
+        stated: None,
+        coordinates: Coordinates::default(),
         horizon: *horizon,
         states: Vec::new(),
         inputs: Vec::new(),

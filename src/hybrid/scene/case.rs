@@ -56,7 +56,8 @@ impl SceneProgram {
             stated.system.handles.renew();
         }
         stated.check_courses(self.steps())?;
-        let case = self.program.write_case(name, &stated.system, until, |program| {
+        let user = stated.user_system()?;
+        let case = self.program.write_case(name, &user, &stated.restated(), until, |program| {
             let mut case = stated.completed(program)?;
             if !case.tighten_by_sets(&stated)? {
                 case.contradict()?;

@@ -145,7 +145,7 @@ impl Scene {
             let reason = "its shortest horizon need not shrink as the limit grows, because ";
             return Err(no_interval(format!("{reason}{}", waiting.reason())).into());
         }
-        if !(1e-5..=1e3).contains(&options.resolution) {
+        if !(1e-5..=1e3).contains(&(options.resolution / open.units.speed())) {
             let (what, range) = ("the resolution (m/s)", "within [1e-5, 1e3]");
             return Err(Error::out_of_range(what, options.resolution, range));
         }
@@ -218,7 +218,7 @@ impl Enclosure<'_> {
 
     /// Looks for a plan under a limit.
     fn feasible(&mut self, steps: usize, limit: Option<f64>) -> Result<Answer, Error> {
-        let mut scene = self.open.scene.clone();
+        let mut scene = self.open.source.clone();
         let rule = DamageRule::new("damage_interval", DamageMeasure::ImpactSpeed);
         scene.rules.extend(limit.map(|most| rule.with_per_hit(most)));
         let stated = scene.stated()?;

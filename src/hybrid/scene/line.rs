@@ -9,6 +9,7 @@ use super::rule::DamageRule;
 use super::solid::Solid;
 use super::statement::Scene;
 use super::surface::Surface;
+use super::units::SceneUnits;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::contact::{Contact, ContactLaw, literal_transitions};
 use crate::hybrid::damage::ImpactEstimate;
@@ -181,7 +182,8 @@ impl SceneProgram {
         }
         let damage = vec![None; contacts.len()];
         let (measured, cases) = Default::default();
-        let mut program = SceneProgram { program, scene, contacts, damage, measured, cases };
+        let units = SceneUnits::plain();
+        let mut program = SceneProgram { program, scene, units, contacts, damage, measured, cases };
         program.add_damage()?;
         program.add_rules()?;
         Ok(program)

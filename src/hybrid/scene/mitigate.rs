@@ -106,7 +106,7 @@ impl Scene {
         let price = program.price();
         let next = if price.terms().is_empty() { program.hits() } else { price };
         let largest = program.largest_impact()?;
-        program.minimize(largest)?;
+        program.minimize(largest.clone())?;
         let first = solver.solve(program.model())?;
         let mut found = Mitigation {
             plan: None,
@@ -115,7 +115,8 @@ impl Scene {
             termination: first.termination(),
         };
         let Some(least) = first.objective() else { return Ok(found) };
-        program.add("least_damage", largest.le(kept(least)))?;
+        let unit = program.units.speed();
+        program.add("least_damage", (1.0 / unit * largest).le(kept(least / unit)))?;
         program.minimize(next)?;
         let second = solver.solve(program.model())?;
         let solution: &Solution = if second.point().is_some() { &second } else { &first };

@@ -33,6 +33,7 @@ mod spin;
 mod statement;
 mod surface;
 mod system;
+mod units;
 mod words;
 
 pub(crate) use axes::region_where;

@@ -6,7 +6,7 @@ use super::axes::AXES;
 use super::contact::Mode;
 use super::error::SceneError;
 use super::program::SceneProgram;
-use super::replay::{self, SceneCertificate};
+use super::replay::SceneCertificate;
 use super::statement::Scene;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::rows::HybridRun;
@@ -175,12 +175,16 @@ impl Scene {
     /// that is not what the scene does or that breaks one of its rules; [`ErrorKind::UnknownName`]
     /// and [`ErrorKind::Length`] for a plan of other bodies.
     pub fn replay(&self, plan: &ScenePlan) -> Result<ScenePlan, Error> {
-        let scene = self.checked()?;
+        let (scene, units) = self.in_units()?;
         let mut plan = plan.clone();
         scene.check_paths(&plan.bodies)?;
-        plan.time_step = scene.time_step;
+        plan.time_step = self.time_step;
         plan.cases.clear();
-        plan.certificate = replay::certify(&scene, &plan.bodies, &mut plan.hits)?;
+        let paths = match units.is_plain() {
+            true => plan.bodies.clone(),
+            false => plan.bodies.iter().map(|path| units.path(path)).collect(),
+        };
+        plan.certificate = units.replayed(&scene, &paths, &mut plan.hits)?;
         Ok(plan)
     }
 
@@ -260,6 +264,30 @@ impl SceneProgram {
     pub fn plan(&self, solution: &Solution) -> Result<ScenePlan, Error> {
         let (run, _) = self.variables().certified(solution)?;
         self.program.members.check_missions(solution)?;
+        let bodies = self.paths(&run)?;
+        let paths = match solution.point().filter(|_| !self.units.is_plain()) {
+            Some(point) => self.paths(&self.variables().read_own(point)?)?,
+            None => bodies.clone(),
+        };
+        let mut hits = Vec::new();
+        for contact in &self.contacts {
+            for (step, name) in run.transitions(&contact.name)?.iter().enumerate() {
+                let mode = contact.modes.iter().find(|mode| mode.is_hit && mode.name == *name);
+                let body = &self.scene.bodies[contact.body].name;
+                let hit = |mode: &Mode| SceneHit::new(step, contact.name.clone(), body, mode.face);
+                hits.extend(mode.map(hit));
+            }
+        }
+        hits.sort_by_key(|hit| hit.step);
+        let certificate = self.units.replayed(&self.scene, &paths, &mut hits)?;
+        let time_step = run.time_step;
+        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.plan(solution)?)));
+        let cases = cases.collect::<Result<_, Error>>()?;
+        Ok(ScenePlan { time_step, bodies, hits, run, certificate, cases })
+    }
+
+    /// The paths of the bodies in a run.
+    fn paths(&self, run: &HybridRun) -> Result<Vec<BodyPath>, Error> {
         let mut bodies = Vec::new();
         for body in &self.scene.bodies {
             let axes = &AXES[..self.scene.axes()];
@@ -287,20 +315,6 @@ impl SceneProgram {
                 torque,
             });
         }
-        let mut hits = Vec::new();
-        for contact in &self.contacts {
-            for (step, name) in run.transitions(&contact.name)?.iter().enumerate() {
-                let mode = contact.modes.iter().find(|mode| mode.is_hit && mode.name == *name);
-                let body = &self.scene.bodies[contact.body].name;
-                let hit = |mode: &Mode| SceneHit::new(step, contact.name.clone(), body, mode.face);
-                hits.extend(mode.map(hit));
-            }
-        }
-        hits.sort_by_key(|hit| hit.step);
-        let certificate = replay::certify(&self.scene, &bodies, &mut hits)?;
-        let time_step = self.scene.time_step;
-        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.plan(solution)?)));
-        let cases = cases.collect::<Result<_, Error>>()?;
-        Ok(ScenePlan { time_step, bodies, hits, run, certificate, cases })
+        Ok(bodies)
     }
 }

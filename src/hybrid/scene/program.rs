@@ -6,10 +6,12 @@ use super::geometry::dot;
 use super::rule::DamageRule;
 use super::statement::{INSIDE, Scene};
 use super::system::Stated;
+use super::units::SceneUnits;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::damage::ImpactEstimate;
+use crate::hybrid::horizon::Horizon;
 use crate::hybrid::program::{HybridProgram, owns_program};
-use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable, either};
+use crate::model::{Affine, Family, Literal, Model, Quadratic, either};
 
 /// The program of a scene over a horizon: the [`HybridProgram`] of the scene's
 /// [system](Scene::hybrid_system), with the rules of the scene.
@@ -19,7 +21,9 @@ use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable, either};
 #[derive(Debug, Clone)]
 pub struct SceneProgram {
     pub(super) program: HybridProgram,
+    /// In units of its own.
     pub(super) scene: Scene,
+    pub(super) units: SceneUnits,
     pub(super) contacts: Vec<ContactPair>,
     /// Damage of each contact by step, if a rule needs it.
     pub(super) damage: Vec<Option<Family>>,
@@ -97,7 +101,9 @@ impl Stated {
     pub(super) fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         self.check_courses(steps)?;
         let mut model = Model::new("scene");
-        let hybrid = self.system.write(&mut model, "", steps)?;
+        let horizon = Horizon::new(steps, self.system.time_step)?;
+        let user = self.user_system()?;
+        let hybrid = user.write_restated(&self.restated(), &mut model, "", &horizon, None)?;
         let mut program = self.completed(HybridProgram::from_parts(model, hybrid))?;
         let price = program.price();
         program.minimize(price)?;
@@ -117,12 +123,13 @@ impl Stated {
 
     /// A program whose first system is that of the scene, with starts, goals and rules.
     pub(super) fn completed(&self, mut program: HybridProgram) -> Result<SceneProgram, Error> {
-        let Stated { scene, contacts, system } = self;
-        program.start(scene.ends(system, true))?;
-        program.goal(scene.ends(system, false))?;
+        let Stated { scene, contacts, system, .. } = self;
+        program.require_own("start", &scene.ends(system, true), 0)?;
+        program.require_own("goal", &scene.ends(system, false), program.steps())?;
         let mut program = SceneProgram {
             program,
             scene: scene.clone(),
+            units: self.units.clone(),
             contacts: contacts.clone(),
             damage: vec![None; contacts.len()],
             measured: Vec::new(),
@@ -146,9 +153,10 @@ impl SceneProgram {
     /// None for programs of scenes.
     pub fn effort(&self) -> Result<Quadratic, Error> {
         let mut effort = Quadratic::zero();
+        let factor = self.units.effort() * self.scene.time_step;
         for family in self.accelerations() {
             for variable in family {
-                effort.add_product(self.scene.time_step, variable, variable);
+                effort.add_product(factor, variable, variable);
             }
         }
         Ok(effort)
@@ -182,7 +190,7 @@ impl SceneProgram {
                 fuel += size;
             }
         }
-        Ok(fuel)
+        Ok(if self.units.is_plain() { fuel } else { self.units.acceleration() * fuel })
     }
 
     /// The inputs along the axes, by body.
@@ -207,12 +215,12 @@ impl SceneProgram {
         steps.map(|t| (0..self.contacts.len()).map(|c| self.hits_of(c, t)).sum::<Affine>()).sum()
     }
 
-    /// The largest damage of a hit, as a new variable `largest_damage` in m/s.
+    /// The largest damage of a hit, in m/s: that of a new variable `largest_damage`.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::DuplicateName`] at the second call.
-    pub fn largest_impact(&mut self) -> Result<Variable, Error> {
+    pub fn largest_impact(&mut self) -> Result<Affine, Error> {
         for c in 0..self.contacts.len() {
             if self.damage[c].is_none() && self.contacts[c].bounces() {
                 self.add_damage_of(c)?;
@@ -230,7 +238,7 @@ impl SceneProgram {
                 self.program.add((name.as_str(), t), largest.ge(variable))?;
             }
         }
-        Ok(largest)
+        Ok(self.units.speed() * largest)
     }
 
     /// The sum of the prices of the rules: what their damage and their hits cost.
@@ -260,7 +268,9 @@ impl SceneProgram {
             let kind = "rule with a total or a price";
             ErrorKind::UnknownName { name: rule.to_owned(), kind }.into()
         })?;
-        Ok(self.measured[k].iter().flatten().cloned().sum())
+        let unit = self.units.damage(&self.scene.rules[k].measure);
+        let sum: Affine = self.measured[k].iter().flatten().cloned().sum();
+        Ok(if unit == 1.0 { sum } else { unit * sum })
     }
 
     /// The binary of a contact's mode in a step.

@@ -19,7 +19,7 @@ use crate::hybrid::shortest_horizon::shortest_horizon;
 use crate::hybrid::shortest_horizon::{
     HorizonEvent, HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon_with,
 };
-use crate::hybrid::system::{HybridSystem, Region};
+use crate::hybrid::system::{HybridSystem, Region, Restated};
 use crate::interval::Interval;
 use crate::model::Affine;
 use crate::solver::{Solver, StopToken};
@@ -141,10 +141,19 @@ impl Stated {
 
     fn sets_of(&self, system: &HybridSystem) -> Result<ReachSets, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
+        system.check()?;
+        start.check(system, "the start")?;
+        goal.check(system, "the goal")?;
         let exclusive = exclusive(&self.scene, &self.contacts);
         let words = Arc::new(self.words());
         let options = SetOptions { exclusive, words, ..SetOptions::default() };
-        let sets = ReachSets::new(system, start, goal, options)?;
+        let coordinates = self.coordinates.clone();
+        let user = match coordinates.is_plain() {
+            true => None,
+            false => Some(Arc::new(coordinates.inverse().system(system)?)),
+        };
+        let own = Restated { system: system.clone(), coordinates };
+        let mut sets = ReachSets::restated(user, own, start, goal, options);
         let bodies = &self.scene.bodies;
         if bodies.iter().all(|body| body.first.is_none()) {
             return Ok(sets);
@@ -154,7 +163,8 @@ impl Stated {
             None => body.acceleration.clone(),
         });
         let first = first.chain(self.scene.spins().map(|(_, spin)| spin.torques()));
-        sets.with_first_inputs(&first.collect::<Vec<_>>())
+        sets.begin_with(first.collect());
+        Ok(sets)
     }
 
     /// Sets that take no longer than a few nodes of a search: of the scene where few moves couple its
@@ -217,8 +227,8 @@ impl Stated {
         };
         match self.scene.bodies.iter().any(moves) {
             // The first inputs are given, so that nobody can wait at the start.
-            true => system.waiting(&Region::from(self.domains()), &goal),
-            false => system.waiting(&start, &goal),
+            true => system.waits(&self.coordinates, &Region::from(self.domains()), &goal),
+            false => system.waits(&self.coordinates, &start, &goal),
         }
     }
 }
@@ -253,7 +263,7 @@ impl HorizonModel for ScenePrograms {
     }
 
     fn time_step(&self) -> Option<f64> {
-        Some(self.stated.scene.time_step)
+        Some(self.stated.source.time_step)
     }
 
     fn with_hybrid(

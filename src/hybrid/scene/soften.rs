@@ -49,7 +49,11 @@ impl SceneProgram {
     /// obstacle of the scene, or of another soft one. The model then stays as it was.
     pub fn soften_obstacle(&mut self, obstacle: &Solid) -> Result<Affine, Error> {
         let (axes, steps) = (self.scene.axes(), self.steps());
-        let obstacle = obstacle.checked(axes)?;
+        let checked = obstacle.checked(axes)?;
+        let obstacle = match self.units.is_plain() {
+            true => checked,
+            false => self.units.solid(obstacle).checked(axes)?,
+        };
         let last = obstacle.course.len().saturating_sub(1);
         if !obstacle.course.is_empty() && last < steps {
             let obstacle = obstacle.name.clone();
@@ -70,7 +74,8 @@ impl SceneProgram {
         if !obstacle.course.is_empty() {
             self.program.model.note_by_step(format!("the course of `{}`", obstacle.name));
         }
-        added
+        let sum = added?;
+        Ok(if self.units.is_plain() { sum } else { self.units.length * sum })
     }
 
     /// Adds the walls of a room along the axes, in m, that bodies may leave, and returns the sum of their

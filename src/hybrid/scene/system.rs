@@ -8,17 +8,37 @@ use super::contact::{ContactPair, at, contacts};
 use super::geometry::minus;
 use super::law::Writer;
 use super::statement::Scene;
+use super::units::SceneUnits;
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Choice, Halfspace, HybridSystem, NormLimit, Region, Transition};
+use crate::hybrid::system::{
+    Choice, Coordinates, Halfspace, HybridSystem, NormLimit, Region, Restated, Transition,
+};
 use crate::interval::Interval;
 
 /// A checked scene with its contacts and its hybrid system.
 #[derive(Debug, Clone)]
 pub(super) struct Stated {
+    /// The scene as the user stated it.
+    pub(super) source: Scene,
+    pub(super) units: SceneUnits,
+    /// In these units, with the rest.
     pub(super) scene: Scene,
     pub(super) contacts: Vec<ContactPair>,
     pub(super) system: HybridSystem,
+    pub(super) coordinates: Coordinates,
+}
+
+impl Stated {
+    /// The system in the user's units.
+    pub(super) fn user_system(&self) -> Result<HybridSystem, Error> {
+        self.coordinates.inverse().system(&self.system)
+    }
+
+    /// The system in the scene's units.
+    pub(super) fn restated(&self) -> Restated {
+        Restated { system: self.system.clone(), coordinates: self.coordinates.clone() }
+    }
 }
 
 impl Scene {
@@ -36,12 +56,12 @@ impl Scene {
     ///
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself.
     pub fn hybrid_system(&self) -> Result<HybridSystem, Error> {
-        Ok(self.stated()?.system)
+        self.stated()?.user_system()
     }
 
     /// Checks the scene and states its system.
     pub(super) fn stated(&self) -> Result<Stated, Error> {
-        let scene = self.checked()?;
+        let (scene, units) = self.in_units()?;
         let mut contacts = contacts(&scene);
         let flow = scene.flow()?;
         let mut system = HybridSystem::new(scene.time_step);
@@ -94,7 +114,8 @@ impl Scene {
             system = system.with_flow(flow);
         }
         system.check()?;
-        Ok(Stated { scene, contacts, system })
+        let (source, coordinates) = (self.clone(), units.coordinates(&scene));
+        Ok(Stated { source, units, scene, contacts, system, coordinates })
     }
 
     /// The names of the states: for each body, positions and then velocities; then spins.

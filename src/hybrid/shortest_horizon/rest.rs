@@ -2,7 +2,7 @@
 
 use super::Waiting;
 use crate::error::Error;
-use crate::hybrid::system::{Choice, HybridSystem, Region};
+use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Region, Restated};
 use crate::hybrid::terminal::{Limit, Stay};
 
 /// How far a held state may drift in a step relative to its domain, and how far a limit may be
@@ -24,13 +24,24 @@ impl HybridSystem {
         self.check()?;
         start.check(self, "the start")?;
         goal.check(self, "the goal")?;
+        let Restated { system, coordinates } = self.restated()?;
+        system.waits(&coordinates, &coordinates.region(start), &coordinates.region(goal))
+    }
+
+    /// The same of a system and regions in coordinates.
+    pub(in crate::hybrid) fn waits(
+        &self,
+        coordinates: &Coordinates,
+        start: &Region,
+        goal: &Region,
+    ) -> Result<Waiting, Error> {
         if self.settles() > 0 {
             let reason = "limits, ranges or guards of the system depend on the step";
             return Ok(Waiting::NotFree(reason.into()));
         }
         let mut obstacles = Vec::new();
         for (place, region) in [("start", start), ("goal", goal)] {
-            match self.rest(region)? {
+            match self.rest(coordinates, region)? {
                 Ok(how) => {
                     return Ok(Waiting::Free(format!(
                         "the {place} is held by {how}, and nothing depends on the step"
@@ -43,7 +54,11 @@ impl HybridSystem {
     }
 
     /// How the only state of a region can be held in all its modes, or why not.
-    fn rest(&self, region: &Region) -> Result<Result<String, String>, Error> {
+    fn rest(
+        &self,
+        coordinates: &Coordinates,
+        region: &Region,
+    ) -> Result<Result<String, String>, Error> {
         if region.ranges.iter().any(|range| range.lower != range.upper) {
             return Ok(Err("is not a single state".into()));
         }
@@ -73,7 +88,11 @@ impl HybridSystem {
                 }
             }
             match held {
-                Some((names, input)) if how.is_empty() => how = describe(self, &names, &input),
+                Some((names, input)) if how.is_empty() => {
+                    let stated = input.iter().enumerate();
+                    let stated = stated.map(|(k, u)| coordinates.input(k).outward(*u));
+                    how = describe(self, &names, &stated.collect::<Vec<f64>>());
+                }
                 Some(_) => {}
                 None => {
                     let named: Vec<&str> = modes.into_iter().flatten().collect();

@@ -9,7 +9,7 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::rows::{HybridRun, SystemVariables};
-use crate::hybrid::system::{HybridSystem, Transition};
+use crate::hybrid::system::{Coordinates, HybridSystem, Measure, Transition};
 use crate::solution::Solution;
 use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 
@@ -50,13 +50,23 @@ impl HybridSystem {
     /// [`ErrorKind::Other`] with a [`RunError`] as its source if the run is not what the system
     /// states: next states and outputs differ by more than [`tolerance::REPLAY`], or a condition is
     /// violated by more than that and [`tolerance::FEASIBILITY`] together; beyond a magnitude of
-    /// 1000 both grow in proportion. [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run
+    /// 1000 both grow in proportion, and for domains that are not of an ordinary size (some 0.02 to
+    /// 16,000) they are relative to the domain. [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run
     /// of another system. The errors of [`HybridSystem::check`].
     ///
     /// [`tolerance::REPLAY`]: crate::tolerance::REPLAY
     /// [`tolerance::FEASIBILITY`]: crate::tolerance::FEASIBILITY
     pub fn certify(&self, run: &HybridRun) -> Result<RunCertificate, Error> {
         self.check()?;
+        self.certify_in(&Coordinates::of(self), run)
+    }
+
+    /// The same of a checked system, with tolerances in the units of these coordinates.
+    fn certify_in(
+        &self,
+        coordinates: &Coordinates,
+        run: &HybridRun,
+    ) -> Result<RunCertificate, Error> {
         let plan = PlannedRun::new(self, run)?;
         let mut certificate = RunCertificate {
             time_step: self.time_step,
@@ -69,8 +79,9 @@ impl HybridSystem {
         let mut memory = Memory::new(self, &plan.first_modes())?;
         let mut open = plan.states[0].clone();
         for step in 0..plan.inputs.len() {
-            let start = plan.start(step);
-            certificate.sample(step, sample_conditions(self, step, &plan.states[step]))?;
+            let start = plan.start(coordinates, step);
+            let conditions = sample_conditions(self, coordinates, step, &plan.states[step]);
+            certificate.sample(step, conditions)?;
             certificate.sample(step, start.joint_limits())?;
             let taken = certificate.step(&plan, &start, &memory)?;
             let open_start = StepStart { state: &open, ..start.clone() };
@@ -90,10 +101,17 @@ impl HybridSystem {
             plan.check_modes(&memory, step + 1)?;
         }
         let last = plan.inputs.len();
-        certificate.sample(last, sample_conditions(self, last, &plan.states[last]))?;
+        let conditions = sample_conditions(self, coordinates, last, &plan.states[last]);
+        certificate.sample(last, conditions)?;
         certificate.events = memory.events;
         Ok(certificate)
     }
+}
+
+/// The difference of two values of a state that a tolerance of 1 allows, in the state's unit: that of its domain,
+/// and more for large numbers.
+fn difference_scale(measure: Measure, first: f64, second: f64) -> f64 {
+    measure.scale * margin_scale(measure.inward(first).abs(), measure.inward(second))
 }
 
 impl SystemVariables {
@@ -101,7 +119,10 @@ impl SystemVariables {
     /// the system states is an error.
     pub fn certified(&self, solution: &Solution) -> Result<(HybridRun, RunCertificate), Error> {
         let run = self.read(solution)?;
-        let certificate = self.system().certify(&run)?;
+        let certificate = match self.coordinates().is_plain() {
+            true => self.system().certify(&run)?,
+            false => self.system().certify_in(self.coordinates(), &run)?,
+        };
         Ok((run, certificate))
     }
 }
@@ -161,18 +182,24 @@ impl RunCertificate {
         let transitions: Vec<&Transition> =
             taken.iter().map(|&(transition, _)| transition).collect();
         let next = start.next_state(&flown)?;
-        self.compare(plan, step + 1, &next)?;
+        self.compare(plan, start.coordinates, step + 1, &next)?;
         let events = start.together(&transitions, &plan.states[step + 1], memory.events);
         self.sample(step + 1, events)?;
-        self.outputs(plan, step, &taken)?;
+        self.outputs(plan, start.coordinates, step, &taken)?;
         Ok(taken)
     }
 
     /// Compares a sample with the state to which the step leads.
-    fn compare(&mut self, plan: &PlannedRun<'_>, sample: usize, next: &[f64]) -> Result<(), Error> {
-        let names = plan.system.states.iter().map(|(name, _)| name);
-        for (name, (&own, &replayed)) in names.zip(plan.states[sample].iter().zip(next)) {
-            let allowed = REPLAY * margin_scale(replayed.abs(), own);
+    fn compare(
+        &mut self,
+        plan: &PlannedRun<'_>,
+        coordinates: &Coordinates,
+        sample: usize,
+        next: &[f64],
+    ) -> Result<(), Error> {
+        let names = plan.system.states.iter().map(|(name, _)| name).enumerate();
+        for ((i, name), (&own, &replayed)) in names.zip(plan.states[sample].iter().zip(next)) {
+            let allowed = REPLAY * difference_scale(coordinates.state(i), replayed, own);
             let residual = (own - replayed).abs();
             // NaN fails as well.
             if residual.is_nan() || residual > allowed {
@@ -188,6 +215,7 @@ impl RunCertificate {
     fn outputs(
         &mut self,
         plan: &PlannedRun<'_>,
+        coordinates: &Coordinates,
         step: usize,
         taken: &[(&Transition, Flown)],
     ) -> Result<(), Error> {
@@ -198,8 +226,9 @@ impl RunCertificate {
                 own.filter(|(output, _)| output.name == *name).map(|(_, value)| value)
             });
             let expected: f64 = parts.sum();
-            let (residual, allowed) =
-                ((value - expected).abs(), MISS * margin_scale(value.abs(), expected));
+            let unit = coordinates.output(name);
+            let scale = unit * margin_scale((value / unit).abs(), expected / unit);
+            let (residual, allowed) = ((value - expected).abs(), MISS * scale);
             if residual.is_nan() || residual > allowed {
                 let output = name.clone();
                 return Err(RunError::Output { step, output, residual, allowed }.into());

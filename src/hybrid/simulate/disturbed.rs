@@ -10,7 +10,7 @@ use super::stepper::Stepper;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::matrix::Matrix;
 use crate::hybrid::rows::HybridRun;
-use crate::hybrid::system::{HybridSystem, Reset, Transition};
+use crate::hybrid::system::{Coordinates, HybridSystem, Reset, Transition};
 use crate::interval::Interval;
 
 /// A run of a plan in a disturbed world.
@@ -132,6 +132,7 @@ impl HybridSystem {
             deviation: None,
             largest_violation: 0.0,
         };
+        let coordinates = &Coordinates::of(self);
         let options = SimulationOptions { tolerance: MISS, ..SimulationOptions::default() };
         let mut state = planned.states[0].clone();
         state.iter_mut().zip(off).for_each(|(x, by)| *x += by);
@@ -146,7 +147,7 @@ impl HybridSystem {
             let drawn = is_uncertain.then(|| self.drawn(draw));
             let by: Vec<f64> = self.disturbance.iter().map(|range| draw(*range)).collect();
             let system = drawn.as_ref().unwrap_or(self);
-            let start = StepStart { system, step, state: &state, input: &input };
+            let start = StepStart { system, coordinates, step, state: &state, input: &input };
             let transition = |c: usize, k: usize| system.choices[c].transitions.get(k);
             let of_plan = planned.taken.iter().map(|own| own[step]).collect::<Vec<usize>>();
             let (next, slacks) = disturbed.planned(&start, &of_plan, &by, &memory)?;
@@ -207,7 +208,7 @@ impl DisturbedRun {
         next.iter_mut().zip(by).for_each(|(x, w)| *x += w);
         slacks.extend(start.together(&members, &next, memory.events));
         if start.step == 0 {
-            slacks.extend(sample_conditions(system, 0, start.state));
+            slacks.extend(sample_conditions(system, start.coordinates, 0, start.state));
         }
         let violations = slacks.iter().map(|slack| -slack.slack);
         let most = violations.fold(0.0_f64, f64::max);

@@ -5,7 +5,7 @@ use super::memory::Memory;
 use super::step::StepStart;
 use crate::error::{Error, check_finite, check_length};
 use crate::hybrid::rows::HybridRun;
-use crate::hybrid::system::HybridSystem;
+use crate::hybrid::system::{Coordinates, HybridSystem};
 
 /// A run in the order of its system.
 pub(super) struct PlannedRun<'a> {
@@ -54,9 +54,9 @@ impl<'a> PlannedRun<'a> {
     }
 
     /// The sample and the input at which a step starts.
-    pub(super) fn start(&self, step: usize) -> StepStart<'_> {
+    pub(super) fn start<'s>(&'s self, coordinates: &'s Coordinates, step: usize) -> StepStart<'s> {
         let (state, input) = (&self.states[step], &self.inputs[step]);
-        StepStart { system: self.system, step, state, input }
+        StepStart { system: self.system, coordinates, step, state, input }
     }
 
     /// The modes at the first sample, as pairs of choice and mode.

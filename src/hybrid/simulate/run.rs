@@ -8,7 +8,7 @@ use super::stepper::{Stepper, Taken, violated};
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite, check_length};
-use crate::hybrid::system::{HybridSystem, Transition};
+use crate::hybrid::system::{Coordinates, HybridSystem, Transition};
 use crate::interval::Interval;
 
 impl HybridSystem {
@@ -70,6 +70,7 @@ impl HybridSystem {
     ) -> Result<Simulation, Error> {
         self.check()?;
         self.check_simulation(state, inputs, options)?;
+        let coordinates = &Coordinates::of(self);
         let mut memory = Memory::new(self, &options.modes)?;
         let modes = |memory: &Memory| {
             let modes = (0..self.choices.len()).map(|c| memory.mode(c).map(str::to_owned));
@@ -85,14 +86,19 @@ impl HybridSystem {
             modes: vec![modes(&memory)],
             inputs: Vec::new(),
             steps: Vec::new(),
-            dead_end: violated(0, sample_conditions(self, 0, state), options.tolerance),
+            dead_end: violated(
+                0,
+                sample_conditions(self, coordinates, 0, state),
+                options.tolerance,
+            ),
         };
         let mut state = state.to_vec();
         for (step, input) in inputs.iter().enumerate() {
             if run.dead_end.is_some() {
                 break;
             }
-            let start = StepStart { system: self, step, state: &state, input: input.as_ref() };
+            let input = input.as_ref();
+            let start = StepStart { system: self, coordinates, step, state: &state, input };
             let disturbance = options.disturbances.get(step).map_or(&[][..], Vec::as_slice);
             let plan = options.transitions.get(step).map(Vec::as_slice);
             let stepper = Stepper { start, memory: &memory, options, disturbance };
@@ -105,7 +111,7 @@ impl HybridSystem {
                     for (choice, transition) in transitions.iter().enumerate() {
                         memory.advance(choice, transition);
                     }
-                    run.inputs.push(input.as_ref().to_vec());
+                    run.inputs.push(input.to_vec());
                     run.steps.push(report);
                     run.states.push(next.clone());
                     run.modes.push(modes(&memory));

@@ -3,13 +3,15 @@
 use super::condition::{Condition, Slack};
 use super::memory::events;
 use crate::error::Error;
-use crate::hybrid::system::{Choice, HybridSystem, Transition};
+use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Transition};
 use crate::sum::Sum;
 
 /// A sample of a run and the input of the step that begins there.
 #[derive(Debug, Clone)]
 pub(super) struct StepStart<'a> {
     pub(super) system: &'a HybridSystem,
+    /// Of the system's domains, for tolerances.
+    pub(super) coordinates: &'a Coordinates,
     pub(super) step: usize,
     pub(super) state: &'a [f64],
     pub(super) input: &'a [f64],
@@ -25,18 +27,26 @@ pub(super) struct Flown {
 }
 
 /// The conditions of a sample: domains, and limits on states alone.
-pub(super) fn sample_conditions(system: &HybridSystem, step: usize, state: &[f64]) -> Vec<Slack> {
+pub(super) fn sample_conditions(
+    system: &HybridSystem,
+    coordinates: &Coordinates,
+    step: usize,
+    state: &[f64],
+) -> Vec<Slack> {
     let n = system.states.len();
-    let domains = system.states.iter().zip(state).map(|((name, domain), &value)| {
-        Slack::of_range(Condition::Domain { state: name.clone() }, *domain, value)
+    let named = system.states.iter().zip(state).enumerate();
+    let domains = named.map(|(i, ((name, domain), &value))| {
+        let condition = Condition::Domain { state: name.clone() };
+        Slack::of_range(condition, *domain, value, coordinates.state(i))
     });
     let limits = system.limits.iter().filter(|limit| !limit.is_joint(n));
     let limits = limits.filter_map(|limit| {
-        Slack::of_halfspace(|name| Condition::Limit { name }, limit, state, step)
+        Slack::of_halfspace(|name| Condition::Limit { name }, limit, coordinates, state, step)
     });
     let norms = system.norms.iter().filter(|norm| !norm.is_joint(n));
-    let norms =
-        norms.map(|norm| Slack::of_norm(|name| Condition::Limit { name }, norm, state, step));
+    let norms = norms.map(|norm| {
+        Slack::of_norm(|name| Condition::Limit { name }, norm, coordinates, state, step)
+    });
     domains.chain(limits).chain(norms).collect()
 }
 
@@ -50,11 +60,25 @@ impl StepStart<'_> {
     pub(super) fn joint_limits(&self) -> Vec<Slack> {
         let (n, point) = (self.system.states.len(), self.joint());
         let limits = self.system.limits.iter().filter(|limit| limit.is_joint(n));
-        let slack =
-            |limit| Slack::of_halfspace(|name| Condition::Limit { name }, limit, &point, self.step);
+        let slack = |limit| {
+            Slack::of_halfspace(
+                |name| Condition::Limit { name },
+                limit,
+                self.coordinates,
+                &point,
+                self.step,
+            )
+        };
         let norms = self.system.norms.iter().filter(|norm| norm.is_joint(n));
-        let norms = norms
-            .map(|norm| Slack::of_norm(|name| Condition::Limit { name }, norm, &point, self.step));
+        let norms = norms.map(|norm| {
+            Slack::of_norm(
+                |name| Condition::Limit { name },
+                norm,
+                self.coordinates,
+                &point,
+                self.step,
+            )
+        });
         limits.filter_map(slack).chain(norms).collect()
     }
 
@@ -67,24 +91,36 @@ impl StepStart<'_> {
         let prediction = transition.flow.step(self.state, self.input)?;
         let joint = self.joint();
         let guards = transition.guards.iter().filter_map(|guard| {
-            Slack::of_halfspace(|name| Condition::Guard { name }, guard, &joint, self.step)
+            Slack::of_halfspace(
+                |name| Condition::Guard { name },
+                guard,
+                self.coordinates,
+                &joint,
+                self.step,
+            )
         });
         let predicted = transition.prediction_guards.iter().filter_map(|guard| {
             let condition = |name| Condition::PredictionGuard { name };
-            Slack::of_halfspace(condition, guard, &prediction, self.step)
+            Slack::of_halfspace(condition, guard, self.coordinates, &prediction, self.step)
         });
         let own = self.system.inputs.iter().zip(self.input).enumerate();
         let ranges = own.filter_map(|(k, ((name, _), &value))| {
             let range = self.system.input_range(choice, transition, k, self.step)?;
-            Some(Slack::of_range(Condition::InputRange { input: name.clone() }, range, value))
+            let condition = Condition::InputRange { input: name.clone() };
+            Some(Slack::of_range(condition, range, value, self.coordinates.input(k)))
         });
-        let norms = transition
-            .norms
-            .iter()
-            .map(|norm| Slack::of_norm(|name| Condition::Guard { name }, norm, &joint, self.step));
+        let norms = transition.norms.iter().map(|norm| {
+            Slack::of_norm(
+                |name| Condition::Guard { name },
+                norm,
+                self.coordinates,
+                &joint,
+                self.step,
+            )
+        });
         let predicted_norms = transition.prediction_norms.iter().map(|norm| {
             let condition = |name| Condition::PredictionGuard { name };
-            Slack::of_norm(condition, norm, &prediction, self.step)
+            Slack::of_norm(condition, norm, self.coordinates, &prediction, self.step)
         });
         let norms = norms.chain(predicted_norms);
         let slacks = guards.chain(predicted).chain(ranges).chain(norms).collect();
@@ -137,7 +173,7 @@ impl StepStart<'_> {
         next: &[f64],
         events_before: usize,
     ) -> Vec<Slack> {
-        let mut slacks = sample_conditions(self.system, self.step + 1, next);
+        let mut slacks = sample_conditions(self.system, self.coordinates, self.step + 1, next);
         let count = transitions.iter().filter(|transition| transition.is_event).count();
         if let (Some(most), true) = (self.system.most_events, count > 0) {
             slacks.push(events(most, events_before + count));

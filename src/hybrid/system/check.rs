@@ -20,7 +20,8 @@ impl HybridSystem {
     /// [`ErrorKind::Shape`], [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
     /// [`ErrorKind::CrossedBounds`], [`ErrorKind::DuplicateName`], [`ErrorKind::UnknownName`];
     /// [`ErrorKind::OutOfRange`] for a system without states or transitions, for several choices
-    /// without a common flow, and for numbers of 1e20 and more in magnitude.
+    /// without a common flow, for numbers of 1e20 and more in magnitude, and for a domain or a range so
+    /// far from 0 that the digits of a float do not tell its points apart.
     pub fn check(&self) -> Result<(), Error> {
         check_time_step(self.time_step)?;
         at_least_one("states", self.states.len())?;
@@ -44,6 +45,7 @@ impl HybridSystem {
             range.check(&format!("the range of `{name}`"))?;
             range.values().try_for_each(|range| check_ends(name, *range))?;
         }
+        self.check_digits()?;
         let (n, m) = (self.states.len(), self.inputs.len());
         self.limits.iter().try_for_each(|limit| check_halfspace(limit, n, m))?;
         self.norms.iter().try_for_each(|limit| check_norm(limit, n, m))?;

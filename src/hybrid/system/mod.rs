@@ -20,6 +20,7 @@
 //! | a half-space | `system/halfspace.rs` |
 //! | a norm limit; its polygons | `system/norm_limit.rs`; `system/polygons.rs` |
 //! | values by step | `system/schedule.rs` |
+//! | in the units and about the centres of its domains | `system/coordinates.rs`, `system/measure.rs` |
 //! | building it from numbers | `system/matrices.rs` |
 //! | ranges of inputs under several choices | `system/input_range.rs` |
 //! | starts and goals | `system/region.rs`, `system/into_region.rs` |
@@ -33,6 +34,7 @@ mod by_step;
 mod check;
 mod choice;
 mod coefficients;
+mod coordinates;
 mod declarations;
 mod flow;
 mod flow_rows;
@@ -43,6 +45,7 @@ mod into_region;
 mod linear_complementarity;
 mod look_up;
 mod matrices;
+mod measure;
 mod mixed_logical_dynamical;
 mod mixed_logical_rows;
 mod modes;
@@ -63,12 +66,14 @@ mod transition;
 mod transition_mut;
 
 pub use choice::Choice;
+pub(crate) use coordinates::{Coordinates, Restated};
 
 pub use halfspace::Halfspace;
 pub use handles::State;
 pub use into_region::IntoRegion;
 pub(crate) use into_region::StatedRegion;
 pub use linear_complementarity::LinearComplementarity;
+pub(crate) use measure::{Measure, check_digits, power_of_two};
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub(crate) use norm_limit::{NormEntry, NormLimit};
 pub(crate) use polygons::Bracket;

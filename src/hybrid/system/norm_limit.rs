@@ -98,20 +98,25 @@ impl NormLimit {
         entries.le(at_step(&self.bound))
     }
 
-    /// By how much it holds at a point of states, or of states and then inputs, and the largest
-    /// magnitude that it is made of, both in its unit.
-    pub(crate) fn slack(&self, point: &[f64], step: usize) -> (f64, f64) {
-        let mut largest = 0.0_f64;
-        let mut value = |part: &NormEntry| {
+    /// The largest magnitude that it is made of at a point, in its unit.
+    pub(crate) fn size(&self, point: &[f64], step: usize) -> f64 {
+        let of = |part: &NormEntry| {
+            let terms = part.factors.iter().zip(point).map(|(factor, x)| (factor * x).abs());
+            terms.fold(part.constant_at(step).abs(), f64::max)
+        };
+        self.parts().map(of).fold(0.0, f64::max)
+    }
+
+    /// By how much it holds at a point of states, or of states and then inputs, in its unit.
+    pub(crate) fn slack(&self, point: &[f64], step: usize) -> f64 {
+        let value = |part: &NormEntry| {
             let mut sum = Sum::new(part.constant_at(step));
-            largest = largest.max(part.constant_at(step).abs());
             for (&factor, &x) in part.factors.iter().zip(point) {
                 sum.add_product(factor, x);
-                largest = largest.max((factor * x).abs());
             }
             sum.value()
         };
         let length = self.entries.iter().fold(0.0_f64, |length, entry| length.hypot(value(entry)));
-        (value(&self.bound) - length, largest)
+        value(&self.bound) - length
     }
 }

@@ -137,7 +137,7 @@ impl Region {
             let value: f64 = h.normal.iter().zip(state).map(|(n, x)| n * x).sum();
             value - h.limit_at(0)
         };
-        let in_disc = |disc: &NormLimit| disc.slack(state, 0).0 >= -tolerance;
+        let in_disc = |disc: &NormLimit| disc.slack(state, 0) >= -tolerance;
         Ok(inside
             && self.halfspaces.iter().all(|h| excess(h) <= tolerance)
             && self.norms.iter().all(in_disc))

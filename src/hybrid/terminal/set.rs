@@ -12,7 +12,7 @@ use super::lqr::{Lqr, spectral_radius};
 use super::polyhedron::Polyhedron;
 use super::stay::{Limit, Stay, unit};
 use crate::error::{Error, check_length};
-use crate::hybrid::system::{Halfspace, HybridSystem, Region};
+use crate::hybrid::system::{Halfspace, HybridSystem, Region, Restated};
 use crate::interval::Interval;
 use crate::setters::setters;
 use crate::solver::Solver;
@@ -126,7 +126,9 @@ impl TerminalSet {
         options: &TerminalOptions,
         solver: &mut dyn Solver,
     ) -> Result<Self, Error> {
-        let stay = Stay::new(system, transitions)?;
+        Stay::new(system, transitions)?;
+        let Restated { system: own, coordinates } = &system.restated()?;
+        let stay = Stay::new(own, transitions)?;
         let (n, m) = (system.states.len(), system.inputs.len());
         check_length("the target", target.len(), n)?;
         check_length("the rows of the gain", lqr.gain.nrows(), m)?;
@@ -136,8 +138,21 @@ impl TerminalSet {
             let what = "the contraction of a terminal set";
             return Err(Error::out_of_range(what, contraction, "from 1e-6 to 0.5"));
         }
-        let input = holding_input(system, &stay, target)?;
-        let gain = lqr.gain.faer();
+        // From here on everything is in the coordinates of the domains.
+        let (stated, system) = (target, own);
+        let target = &coordinates.inward(stated)[..];
+        let input = holding_input(system, &stay, target).map_err(|error| match error {
+            Held::Moves { state, drift } => {
+                let drift = drift * coordinates.state(state).scale;
+                let state = system.states[state].0.clone();
+                TerminalError::NoEquilibrium { state, drift }.into()
+            }
+            Held::Refused(error) => error,
+        })?;
+        let (of_state, of_input) =
+            (|i: usize| coordinates.state(i).scale, |u: usize| coordinates.input(u).scale);
+        let own_gain = Mat::from_fn(m, n, |u, i| lqr.gain[(u, i)] * of_state(i) / of_input(u));
+        let gain = &own_gain;
         let closed = stay.map.a().faer() + stay.map.b().faer() * gain;
         let radius = spectral_radius(&closed);
         if radius >= 1.0 {
@@ -168,8 +183,10 @@ impl TerminalSet {
         for (choice, mode) in stay.modes {
             region = region.with_mode(choice, mode);
         }
-        let (state, gain) = (target.to_vec(), gain.clone());
-        Ok(TerminalSet { region, state, input, iterations, gain })
+        let region = coordinates.inverse().region(&region);
+        let input = input.iter().enumerate().map(|(u, value)| coordinates.input(u).outward(*value));
+        let (state, gain) = (stated.to_vec(), lqr.gain.faer().clone());
+        Ok(TerminalSet { region, state, input: input.collect(), iterations, gain })
     }
 
     /// The input that keeps a state of the set in it: `u_e + K (x - x_e)`.
@@ -187,16 +204,25 @@ impl TerminalSet {
     }
 }
 
+/// Why no input holds a target.
+enum Held {
+    /// This state moves by so much in a step.
+    Moves {
+        state: usize,
+        drift: f64,
+    },
+    Refused(Error),
+}
+
 /// The input that holds the target, as near as possible to the middle of the ranges.
-fn holding_input(system: &HybridSystem, stay: &Stay, target: &[f64]) -> Result<Vec<f64>, Error> {
+fn holding_input(system: &HybridSystem, stay: &Stay, target: &[f64]) -> Result<Vec<f64>, Held> {
     let middle: Vec<f64> = stay.ranges.iter().map(|r| 0.5 * (r.lower + r.upper)).collect();
-    let input = stay.holding_input(target, &middle)?;
-    let (state, drift, relative) = stay.drift(system, target, &input)?;
+    let input = stay.holding_input(target, &middle).map_err(Held::Refused)?;
+    let (state, drift, relative) = stay.drift(system, target, &input).map_err(Held::Refused)?;
     if relative <= DRIFT {
         return Ok(input);
     }
-    let state = system.states[state].0.clone();
-    Err(TerminalError::NoEquilibrium { state, drift }.into())
+    Err(Held::Moves { state, drift })
 }
 
 /// The domains around the target, in their units.

@@ -125,12 +125,17 @@ pub(super) fn check_ends(scene: &Scene, bodies: &[BodyPath]) -> Result<(), Scene
     Played::new(scene, bodies, &mut Vec::new()).ends()
 }
 
-/// Replays a plan; completes its hits, and drops those that are rest.
+/// Replays a plan; completes its hits, and drops those that are rest. Its residual and its drift are in these units of
+/// places, velocities and spins, and all else is in those of the scene.
 pub(super) fn certify(
     scene: &Scene,
     bodies: &[BodyPath],
     hits: &mut Vec<SceneHit>,
+    units: [f64; 3],
 ) -> Result<SceneCertificate, SceneError> {
+    let most = |apart: [f64; 3]| {
+        apart.iter().zip(units).map(|(apart, unit)| apart * unit).fold(0.0, f64::max)
+    };
     let mut played = Played::new(scene, bodies, hits);
     let steps = played.inputs.len();
     let Some(first) = played.samples.first().cloned() else {
@@ -147,13 +152,14 @@ pub(super) fn certify(
         let start = played.samples[step].clone();
         let next = played.lead(step, &start);
         let end = played.samples[step + 1].clone();
-        let residual = apart(&next, &end);
+        let apart_by_kind = apart(&next, &end);
+        let residual = apart_by_kind.into_iter().fold(0.0, f64::max);
         let values = next.x.iter().chain(&next.v).flatten().chain(&next.w);
         let size = values.fold(0.0_f64, |a, b| a.max(b.abs()));
         let allowed = REPLAY * margin_scale(size, 0.0);
         played.refuse(step, "the next sample differs (m, m/s, rad/s)", residual, allowed)?;
         let certificate = &mut played.certificate;
-        certificate.largest_residual = certificate.largest_residual.max(residual);
+        certificate.largest_residual = certificate.largest_residual.max(most(apart_by_kind));
         open = played.lead(step, &open);
         played.account(step)?;
         let inputs = played.inputs[step].clone();
@@ -161,7 +167,7 @@ pub(super) fn certify(
         let gain = played.stepped_gain(step, &located);
         continuous = played.world.advance(&continuous, step, &inputs, &|_| 0.0).state;
         let certificate = &mut played.certificate;
-        certificate.drift = certificate.drift.max(apart(&open, &end));
+        certificate.drift = certificate.drift.max(most(apart(&open, &end)));
         certificate.stepped_gain = certificate.stepped_gain.max(gain);
         certificate.step_error = certificate.step_error.max(largest(&located.x, &end.x));
         certificate.step_speed_error =
@@ -185,10 +191,10 @@ pub fn advance_line(
     ([end.state.x[0][0], end.state.v[0][0]], end.impacts, end.rested)
 }
 
-/// Largest difference in place, velocity and spin.
-fn apart(a: &State, b: &State) -> f64 {
+/// Largest differences in place, velocity and spin.
+fn apart(a: &State, b: &State) -> [f64; 3] {
     let spins = largest(std::slice::from_ref(&a.w), std::slice::from_ref(&b.w));
-    largest(&a.x, &b.x).max(largest(&a.v, &b.v)).max(spins)
+    [largest(&a.x, &b.x), largest(&a.v, &b.v), spins]
 }
 
 /// Largest difference; NaN counts as infinite.

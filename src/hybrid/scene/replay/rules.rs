@@ -185,7 +185,7 @@ impl Played<'_> {
                     (terms().sum::<f64>() - limit) / margin_scale(size, limit)
                 });
                 let discs = region.norms.iter().map(|disc| {
-                    let (slack, size) = disc.slack(&state, 0);
+                    let (slack, size) = (disc.slack(&state, 0), disc.size(&state, 0));
                     -slack / margin_scale(size, 0.0)
                 });
                 let excess = misses.chain(sides).chain(discs).fold(f64::NEG_INFINITY, f64::max);
