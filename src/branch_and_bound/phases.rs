@@ -46,7 +46,10 @@ impl Solve<'_> {
                 None => return Ok(self.stopped()),
             },
         };
-        let mut solved = self.run_lowered(lowered, known, control)?;
+        let mut solved = match lowered.loss > 0.0 {
+            true => self.run_with_loss(lowered, known, control)?,
+            false => self.run_lowered(lowered, known, control)?,
+        };
         // Rows that are found while the program is searched belong to the proof of the last round.
         let is_whole = known.lowered.is_none() && self.rows.is_none();
         if let Some(path) = self.options.proof_path().filter(|_| is_whole) {
@@ -56,7 +59,7 @@ impl Solve<'_> {
     }
 
     /// Solves the lowered program.
-    fn run_lowered(
+    pub(super) fn run_lowered(
         &self,
         lowered: &LoweredProgram,
         known: &EarlierResults<'_>,

@@ -75,6 +75,7 @@ pub use text::read::{Read, Warning};
 pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;
+pub(crate) use convexity::WRITE_SQUARES;
 pub(crate) use conic::{StandardCone, StoredConic};
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;

@@ -10,6 +10,7 @@ mod torture;
 mod benchmark_programs;
 mod borderline;
 mod branching_rules;
+mod concave_binaries;
 mod cones;
 mod conformance;
 mod convexity;

@@ -1,0 +1,190 @@
+//! Objectives that are not convex, over binaries and integers with two values, alone or with continuous
+//! columns: the optimum is that of enumeration.
+
+use std::fs;
+use std::path::PathBuf;
+
+use carom::model::{Affine, Quadratic};
+use carom::prelude::*;
+use carom::solver::{MipStart, PoolMode};
+use carom_proof::{Claim, check};
+use proptest::prelude::*;
+
+use crate::common::config;
+
+/// A program over columns with two values, and continuous ones that products tie to these and to nothing else.
+#[derive(Debug, Clone)]
+struct Curved {
+    maximize: bool,
+    /// The lower value of each column with two values; `None` for a binary.
+    lower: Vec<Option<i32>>,
+    /// By column: linear cost.
+    cost: Vec<i32>,
+    products: Vec<(usize, usize, i32)>,
+    /// Bounds, cost and coefficient of the square (at least 0 where it is minimised).
+    continuous: Vec<(i32, i32, i32, i32)>,
+    /// Products of a continuous column with one that has two values.
+    ties: Vec<(usize, usize, i32)>,
+    /// Coefficients and right-hand side of `<=` rows over the columns with two values.
+    rows: Vec<(Vec<i32>, i32)>,
+}
+
+impl Curved {
+    fn model(&self) -> (Model, Vec<Variable>, Vec<Variable>) {
+        let mut model = Model::new("curved");
+        let two: Vec<Variable> = (0..)
+            .zip(&self.lower)
+            .map(|(k, lower)| match *lower {
+                None => model.binary(format!("b{k}")),
+                Some(l) => model.integer(format!("n{k}"), f64::from(l), f64::from(l + 1)),
+            })
+            .collect::<Result<_, _>>()
+            .expect("columns");
+        let free: Vec<Variable> = (0..)
+            .zip(&self.continuous)
+            .map(|(k, &(l, w, ..))| {
+                model.continuous(format!("x{k}"), f64::from(l), f64::from(l + w))
+            })
+            .collect::<Result<_, _>>()
+            .expect("columns");
+        for (k, (row, rhs)) in self.rows.iter().enumerate() {
+            let terms = row.iter().zip(&two).map(|(&a, &v)| f64::from(a) * v);
+            let sum = terms.fold(Affine::zero(), |sum, term| sum + term);
+            model.add(format!("r{k}"), sum.le(f64::from(*rhs))).expect("a row");
+        }
+        let sign = if self.maximize { -1.0 } else { 1.0 };
+        let mut objective = Quadratic::from(3.0);
+        for (&c, &v) in self.cost.iter().zip(&two) {
+            objective += f64::from(c) * v;
+        }
+        for &(a, b, q) in &self.products {
+            objective.add_product(f64::from(q), two[a], two[b]);
+        }
+        for (&(.., c, q), &x) in self.continuous.iter().zip(&free) {
+            objective += f64::from(c) * x;
+            objective.add_product(sign * f64::from(q), x, x);
+        }
+        for &(x, b, q) in &self.ties {
+            objective.add_product(f64::from(q), free[x], two[b]);
+        }
+        let sense = if self.maximize { Sense::Maximize } else { Sense::Minimize };
+        model.set_objective(sense, objective).expect("a convex form");
+        (model, two, free)
+    }
+
+    /// The optimum of each assignment of the columns with two values that satisfies the rows, the best first.
+    fn optima(&self) -> Vec<f64> {
+        let sign = if self.maximize { -1.0 } else { 1.0 };
+        let n = self.lower.len();
+        let mut optima = Vec::new();
+        for bits in 0..1_u32 << n {
+            let value = |k: usize| {
+                f64::from(self.lower[k].unwrap_or(0) + i32::from(bits >> k & 1 == 1))
+            };
+            let holds = |(row, rhs): &(Vec<i32>, i32)| {
+                let sum: f64 = row.iter().enumerate().map(|(k, &a)| f64::from(a) * value(k)).sum();
+                sum <= f64::from(*rhs)
+            };
+            if !self.rows.iter().all(holds) {
+                continue;
+            }
+            let mut sum = 3.0;
+            sum += (0..n).map(|k| f64::from(self.cost[k]) * value(k)).sum::<f64>();
+            let product = |&(a, b, q): &(usize, usize, i32)| f64::from(q) * value(a) * value(b);
+            sum += self.products.iter().map(product).sum::<f64>();
+            for (x, &(l, w, c, q)) in self.continuous.iter().enumerate() {
+                // min of q x^2 + slope x, in the direction of the sense.
+                let own = self.ties.iter().filter(|tie| tie.0 == x);
+                let slope = f64::from(c) + own.map(|&(_, b, q)| f64::from(q) * value(b)).sum::<f64>();
+                let (l, u, q) = (f64::from(l), f64::from(l + w), f64::from(q));
+                let at = |x: f64| sign * slope * x + q * x * x;
+                let middle = if q > 0.0 { (-sign * slope / (2.0 * q)).clamp(l, u) } else { l };
+                sum += sign * at(l).min(at(u)).min(at(middle));
+            }
+            optima.push(sign * sum);
+        }
+        optima.sort_by(f64::total_cmp);
+        optima.into_iter().map(|value| sign * value).collect()
+    }
+}
+
+prop_compose! {
+    fn curved()(n in 1_usize..8, m in 0_usize..3, density in 0_u32..100)(
+        maximize in any::<bool>(),
+        lower in prop::collection::vec(prop_oneof![4 => Just(None), 1 => (-3..4).prop_map(Some)], n),
+        cost in prop::collection::vec(-9..10, n),
+        products in prop::collection::vec((0..n, 0..n, -9..10), 0..=(n * n) * density as usize / 100 + 1),
+        continuous in prop::collection::vec((-3..3, 0..5, -5..6, 0..4), m),
+        ties in prop::collection::vec((0..m.max(1), 0..n, -9..10), if m > 0 { 0..6 } else { 0..1 }),
+        rows in prop::collection::vec((prop::collection::vec(-3..4, n), -4..9), 0..3),
+    ) -> Curved {
+        Curved { maximize, lower, cost, products, continuous, ties, rows }
+    }
+}
+
+/// The log of a kind of solve.
+fn log_file(seed: u64) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("concave_binaries_{seed}.proof"))
+}
+
+fn agree(case: &Curved, seed: u64) -> Result<(), TestCaseError> {
+    let (model, two, _) = case.model();
+    let optima = case.optima();
+    let plain = Options::default().with_relative_gap(1e-7).with_absolute_gap(1e-6);
+    let options = match seed % 4 {
+        0 => plain.clone(),
+        1 => plain.clone().with_presolve(false),
+        2 => plain.clone().with_pool(4, PoolMode::Best),
+        _ => plain.clone().with_proof(log_file(seed)),
+    };
+    let mut solver = BranchAndBound::new(options);
+    let mut solutions = vec![solver.solve(&model).expect("a convex form")];
+    if seed % 4 == 0 {
+        let mut prepared = solver.prepare(&model).expect("a convex form");
+        solutions.push(prepared.solve(&[], &mut Control::default()).expect("a solve"));
+        solutions.push(prepared.solve(&[], &mut Control::default()).expect("a solve"));
+        let given = MipStart::new().with_values(two.iter().map(|&v| (v, 1.0)));
+        let control = &mut Control::default().with_start(&given);
+        solutions.push(BranchAndBound::new(plain).solve_with(&model, control).expect("a solve"));
+    }
+    for solution in solutions {
+        let Some(&best) = optima.first() else {
+            prop_assert!(solution.is_infeasible(), "{:?}\n{model}", solution.termination());
+            continue;
+        };
+        prop_assert!(solution.is_optimal(), "{:?}, not {best}\n{model}", solution.termination());
+        let objective = solution.objective().expect("a point");
+        let near = |a: f64, b: f64| (a - b).abs() <= 2e-5 * b.abs().max(1.0);
+        prop_assert!(near(objective, best), "{objective}, not {best}\n{model}");
+        prop_assert!(near(solution.bound(), best), "bound {}, not {best}\n{model}", solution.bound());
+        prop_assert!(solution.verification().is_some_and(|check| check.holds()));
+        if seed % 4 == 3 {
+            let report = solution.proof().expect("a log");
+            let log = fs::read(log_file(seed)).expect("a log");
+            let checked = check(&log[..]);
+            prop_assert_eq!(report.is_complete, checked.is_ok(), "{:?}\n{}", checked, model);
+            prop_assert!(report.is_complete, "{model}");
+            if let Ok(Claim::Bound(bound)) = checked.map(|proved| proved.claim) {
+                let sign = model.sense().sign();
+                prop_assert!(near(sign * bound, best), "{bound} {best}\n{model}");
+            }
+        }
+        if seed % 4 == 2 {
+            prop_assert!(solution.pool().is_complete(), "{model}");
+            prop_assert_eq!(solution.pool().len(), optima.len().min(4), "{}", model);
+            for (found, value) in solution.pool().iter().zip(&optima) {
+                prop_assert!(near(found.objective(), *value), "{} {value}\n{model}", found.objective());
+            }
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(config(300, "tests/regressions/concave_binaries.txt"))]
+
+    #[test]
+    fn forms_over_binaries_have_the_optimum_of_enumeration(case in curved(), seed in 0_u64..400) {
+        agree(&case, seed)?;
+    }
+}
