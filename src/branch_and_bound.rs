@@ -5,6 +5,7 @@ mod answer;
 mod blocks;
 mod convex_objective;
 mod cut;
+mod cutoff;
 mod events;
 mod far;
 mod last_solve;
