@@ -101,9 +101,7 @@ impl Changes {
         block: &[Product],
         columns: &Columns<'_>,
     ) -> Result<(), Error> {
-        if negative_direction(block, &|_| 0.0).is_none() {
-            return Ok(());
-        }
+        let Some(direction) = negative_direction(block, &|_| 0.0) else { return Ok(()) };
         let two = |j: usize| columns.has_two_values[j];
         let refused = |direction, help| model.not_convex(model.sense(), direction, help);
         let (inner, with_two): (Vec<Product>, Vec<Product>) =
@@ -135,9 +133,8 @@ impl Changes {
             self.proof.extend(amounts.iter().filter(|(j, _)| is_binary(*j)));
         }
         let crossing = |(a, b, _): &&Product| a != b;
-        let is_bounded = |(a, b, _): &Product| {
-            columns.width(*a).is_finite() && columns.width(*b).is_finite()
-        };
+        let is_bounded =
+            |(a, b, _): &Product| columns.width(*a).is_finite() && columns.width(*b).is_finite();
         let count = with_two.iter().filter(crossing).count();
         let involved = with_two.iter().flat_map(|&(a, b, _)| [a, b]).collect::<BTreeSet<_>>();
         let is_sparse =
@@ -152,7 +149,7 @@ impl Changes {
             {
                 self.squares.extend(amounts);
             }
-            Err(direction) if !is_linear => return Err(refused(direction, GIVE_BOUNDS)),
+            Err(_) if !is_linear => return Err(refused(direction, GIVE_BOUNDS)),
             _ => self.products.extend(with_two),
         }
         Ok(())
@@ -194,8 +191,9 @@ impl Changes {
                 continue;
             }
             let name = format!("objective_product{number}");
-            let name = Name::from(name)
-                .free(|name| model.variable_by_name(name.clone()).is_ok() || model.has_statement(name));
+            let name = Name::from(name).free(|name| {
+                model.variable_by_name(name.clone()).is_ok() || model.has_statement(name)
+            });
             let w = convex.variable(name.clone(), VariableKind::Continuous, 0.0, height)?;
             objective.append(&Quadratic::from(sign * q * w), 1.0);
             let mut row = |suffix, terms: Vec<(Variable, f64)>, [lower, upper]: [f64; 2]| {
@@ -208,7 +206,11 @@ impl Changes {
                 let least = add_down(add_down(-height, -m), -height * l);
                 row("_least", vec![(w, 1.0), (ids[y], -1.0), (ids[x], -height)], [least, any])?;
             } else {
-                row("_switch", vec![(w, 1.0), (ids[x], -height)], [none, add_up(-height * l, 0.0)])?;
+                row(
+                    "_switch",
+                    vec![(w, 1.0), (ids[x], -height)],
+                    [none, add_up(-height * l, 0.0)],
+                )?;
                 row("_most", vec![(w, 1.0), (ids[y], -1.0)], [none, -m])?;
             }
         }
@@ -248,7 +250,13 @@ fn least_shift(
     let by_rows = least_multiple(products, &lacking).map(|t| (t * sum(&lacking), t, &lacking));
     let evenly = least_multiple(products, &even).map(|t| (t * sum(&even), t, &even));
     let (_, multiple, weights) = match (by_rows, evenly) {
-        (Ok(by_rows), Ok(evenly)) => if by_rows.0 < evenly.0 { by_rows } else { evenly },
+        (Ok(by_rows), Ok(evenly)) => {
+            if by_rows.0 < evenly.0 {
+                by_rows
+            } else {
+                evenly
+            }
+        }
         (Ok(one), Err(_)) | (Err(_), Ok(one)) => one,
         (Err(direction), Err(_)) => return Err(direction),
     };

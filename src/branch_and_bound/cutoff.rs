@@ -23,7 +23,8 @@ impl Solve<'_> {
     /// semi-continuous variable lacks a bound, or where no point is found or other points are asked for.
     pub(super) fn with_cutoff(&self) -> Result<Option<Model>, Error> {
         let Solve { model, options, rows, .. } = *self;
-        let is_open = model.variables().any(|v| v.semicontinuous().is_some_and(|s| !s.is_bounded()));
+        let is_open =
+            model.variables().any(|v| v.semicontinuous().is_some_and(|s| !s.is_bounded()));
         let objective = model.objective();
         let is_linear = objective.products().is_empty() && !objective.affine().terms().is_empty();
         if !is_open || !is_linear || rows.is_some() || options.pool > 1 || options.keep_leaves {

@@ -32,7 +32,8 @@ impl Solve<'_> {
         let constant = sign * model.objective_constant();
         // The gap is the larger, the further the objective is from its constant.
         let far = largest_objective(model);
-        let most = self.options.allowed_gap(far, constant).max(self.options.allowed_gap(-far, constant));
+        let most =
+            self.options.allowed_gap(far, constant).max(self.options.allowed_gap(-far, constant));
         if loss > most {
             return Err(too_lossy(model));
         }

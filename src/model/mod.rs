@@ -75,8 +75,8 @@ pub use text::read::{Read, Warning};
 pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;
-pub(crate) use convexity::WRITE_SQUARES;
 pub(crate) use conic::{StandardCone, StoredConic};
+pub(crate) use convexity::WRITE_SQUARES;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use name::is_name;

@@ -29,6 +29,7 @@ mod lazy_constraints;
 mod limits;
 mod multipliers;
 mod notes;
+mod open_semicontinuous;
 mod oracle;
 mod prepared;
 mod proofs;

@@ -2,8 +2,8 @@
 
 use super::build::at;
 use super::functions::{LpArgument, LpFunction, LpFunctionKind};
-use super::read::{LpColumn, LpFile};
 use super::names;
+use super::read::{LpColumn, LpFile};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
@@ -33,7 +33,8 @@ pub(super) fn definitions<'a, 'b>(
     loop {
         let is_ready = |function: &&LpFunction<'_>| columns(function).all(|column| is_made[column]);
         let open = definitions.iter().enumerate().filter(|(j, _)| !is_made[*j]);
-        let ready: Vec<usize> = open.filter(|(_, f)| f.as_ref().is_some_and(is_ready)).map(|(j, _)| j).collect();
+        let ready: Vec<usize> =
+            open.filter(|(_, f)| f.as_ref().is_some_and(is_ready)).map(|(j, _)| j).collect();
         if ready.is_empty() {
             break;
         }

@@ -92,13 +92,15 @@ impl<'a> LpFile<'a> {
             "OR" => LpFunctionKind::Or,
             "NORM" => LpFunctionKind::OneNorm,
             "PWL" => LpFunctionKind::Piecewise,
-            "EXP" | "EXPA" | "LOG" | "LOGA" | "LOG_A" | "LOGISTIC" | "SIN" | "COS" | "TAN" | "POW"
-            | "POLY" | "SIGNPOW" | "TANH" => {
+            "EXP" | "EXPA" | "LOG" | "LOGA" | "LOG_A" | "LOGISTIC" | "SIN" | "COS" | "TAN"
+            | "POW" | "POLY" | "SIGNPOW" | "TANH" => {
                 let text = word.text;
                 return Err(word.error(format!("`{text}` cannot be read: {SMOOTH_HELP}")));
             }
             _ => {
-                return Err(rest.expected(word, "`MAX`, `MIN`, `ABS`, `AND`, `OR`, `NORM` or `PWL`"));
+                return Err(
+                    rest.expected(word, "`MAX`, `MIN`, `ABS`, `AND`, `OR`, `NORM` or `PWL`")
+                );
             }
         };
         if word.text.eq_ignore_ascii_case("NORM") {

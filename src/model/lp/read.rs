@@ -213,7 +213,8 @@ impl<'a> LpFile<'a> {
         let is_rest = |rest: &str| rest.starts_with(|digit: char| digit.is_ascii_digit());
         match next.text.strip_prefix(',').filter(|rest| is_rest(rest)) {
             Some(rest) if number.joins(&next) => {
-                let (whole, digits) = (number.text, rest.trim_end_matches(|c: char| !c.is_ascii_digit()));
+                let (whole, digits) =
+                    (number.text, rest.trim_end_matches(|c: char| !c.is_ascii_digit()));
                 Err(number.error(format!(
                     "`{whole},{digits}` has a decimal comma; numbers have a decimal point, as \
                      `{whole}.{digits}`"
