@@ -3,10 +3,13 @@
 mod alternation;
 mod answer;
 mod blocks;
+mod convex_objective;
 mod cut;
+mod cutoff;
 mod events;
 mod far;
 mod last_solve;
+mod lossy;
 mod lower;
 mod mip_start;
 mod multipliers;

@@ -2,6 +2,8 @@
 
 use std::fs::OpenOptions;
 
+use carom::explain::Explanation;
+use carom::model::Name;
 use carom::prelude::{Model, Solution, Termination};
 use carom::solution::{ProofReport, StartStatus};
 
@@ -66,7 +68,7 @@ pub(crate) fn start_report(status: Option<&StartStatus>) -> String {
 }
 
 /// The outcome in a line.
-pub(crate) fn summary(solution: &Solution, seconds: f64) -> String {
+pub(crate) fn summary(model: &Model, solution: &Solution, seconds: f64) -> String {
     let statistics = solution.statistics();
     let effort = format!(
         "{seconds:.2} s, {} nodes and {} relaxations",
@@ -74,10 +76,11 @@ pub(crate) fn summary(solution: &Solution, seconds: f64) -> String {
     );
     let found = match solution.objective() {
         Some(objective) => format!(
-            "objective {}, proved bound {}, gap {}",
+            "objective {}, proved bound {}, gap {}{}",
             twelve_digits(objective),
             twelve_digits(solution.bound()),
-            percent(solution.relative_gap())
+            percent(solution.relative_gap()),
+            without_constant(model, solution, objective)
         ),
         None => "no point".into(),
     };
@@ -87,6 +90,42 @@ pub(crate) fn summary(solution: &Solution, seconds: f64) -> String {
         format!("; the nearest point that was refused violates {violation}")
     });
     format!("{}: {found}, after {effort}{refused}{notes}", solution.termination())
+}
+
+/// That a gap is relative to the objective without its constant, if there is a gap and that makes a difference.
+fn without_constant(model: &Model, solution: &Solution, objective: f64) -> String {
+    let fixed = |variable| {
+        let bounds = model.variable_ref(variable).ok()?.bounds();
+        (bounds.lower == bounds.upper).then_some(bounds.lower)
+    };
+    let terms = model.objective().affine().terms();
+    let sum: f64 = terms.iter().filter_map(|&(v, cost)| Some(cost * fixed(v)?)).sum();
+    let constant = model.objective().affine().offset() + sum;
+    let is_smaller = (objective - constant).abs() < objective.abs();
+    match is_smaller && solution.relative_gap() > 0.0 {
+        true => format!(" of the objective without its constant {}", twelve_digits(constant)),
+        false => String::new(),
+    }
+}
+
+/// The domains that play a part in a contradiction, with their bounds.
+pub(crate) fn domains(model: &Model, explanation: &Explanation, is_lp: bool) -> Vec<String> {
+    let line = |name: &Name| {
+        let variable = model.variable_ref(model.variable_by_name(name.clone()).ok()?).ok()?;
+        let bounds = variable.bounds();
+        let is_default = is_lp && bounds.lower == 0.0 && !variable.kind().is_integral();
+        let default = match (is_default, bounds.upper.is_infinite()) {
+            (true, true) => " (the default of LP files, where the file gives no bounds)",
+            (true, false) => " (a lower bound of 0 is the default of LP files)",
+            _ => "",
+        };
+        let lower =
+            if bounds.lower.is_finite() { format!("{} <= ", bounds.lower) } else { String::new() };
+        let upper =
+            if bounds.upper.is_finite() { format!(" <= {}", bounds.upper) } else { String::new() };
+        Some(format!("domain: {lower}{name}{upper}{default}"))
+    };
+    explanation.domains().iter().filter_map(line).collect()
 }
 
 /// The line about a proof that was written.

@@ -32,7 +32,7 @@ FILE is `-` for the standard input. It may be compressed by gzip.
   --deterministic      the same search for any number of threads
   --pool K             print the proved objectives of the K best points with distinct integers
   --log                a long summary on the standard error
-  --quiet              no progress and no summary on the standard error
+  --quiet              no warnings, progress and summary on the standard error
   --write OUT          write the model without solving it
   --lowered OUT        write the lowered model, with indicators and logic as rows, and solve it
   --without PART       leave out `presolve` or a part of it (`reductions`, `disjunctive-tightening`,

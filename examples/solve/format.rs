@@ -4,10 +4,11 @@ use std::error::Error;
 use std::path::Path;
 use std::str::FromStr;
 
-use carom::model::{cbf, lp, mps};
+use carom::model::{Warning, cbf, lp, mps};
 use carom::prelude::Model;
 
 use crate::input::{self, STANDARD_INPUT};
+use crate::warnings;
 
 /// A format of model files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,20 +53,19 @@ fn of_contents(text: &str) -> Format {
     }
 }
 
-/// Reads the model of a file. Returns also what the reader warns of.
+/// Reads the model of a file. Returns also what the reader warns of, and whether it is an LP file.
 pub(crate) fn read(
     path: &str,
     asked: Option<Format>,
-) -> Result<(Model, Vec<String>), Box<dyn Error>> {
+) -> Result<(Model, Vec<String>, bool), Box<dyn Error>> {
     let text = input::text(path)?;
     let format = asked.or_else(|| of_extension(path)).unwrap_or_else(|| of_contents(&text));
     let name = if path == STANDARD_INPUT { "standard input" } else { path };
     let read = parse(format, &text).map_err(|error| format!("{name}: {error}"))?;
-    let warnings = read.1.into_iter().map(|warning| format!("warning: {name}: {warning}"));
-    Ok((read.0, warnings.collect()))
+    Ok((read.0, warnings::lines(name, &read.1), format == Format::Lp))
 }
 
-fn parse(format: Format, text: &str) -> Result<(Model, Vec<String>), Box<dyn Error>> {
+fn parse(format: Format, text: &str) -> Result<(Model, Vec<Warning>), Box<dyn Error>> {
     let read = match format {
         Format::Mps => mps::read(text)?,
         Format::Lp => lp::read(text)?,
@@ -75,8 +75,7 @@ fn parse(format: Format, text: &str) -> Result<(Model, Vec<String>), Box<dyn Err
         #[cfg(not(feature = "serde"))]
         Format::Json => return Err("JSON needs `--features serde`".into()),
     };
-    let warnings = read.warnings.iter().map(ToString::to_string).collect();
-    Ok((read.model, warnings))
+    Ok((read.model, read.warnings))
 }
 
 /// Writes a model in the format that the extension tells, compressed for `.gz`.

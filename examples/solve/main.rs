@@ -31,6 +31,7 @@ mod format;
 mod header;
 mod input;
 mod live;
+mod warnings;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -74,9 +75,10 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
     let mut live = Live::new(arguments.quiet);
     live.doing("reading");
-    let (model, warnings) = format::read(&arguments.file, arguments.format)?;
+    let (model, warnings, is_lp) = format::read(&arguments.file, arguments.format)?;
     live.aside(|| {
-        warnings.iter().for_each(|warning| eprintln!("{warning}"));
+        let shown = warnings.iter().filter(|_| !arguments.quiet);
+        shown.for_each(|warning| eprintln!("{warning}"));
         println!("{}", header::counts(&model));
     });
     if let Some(path) = arguments.write {
@@ -115,7 +117,7 @@ fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
     if arguments.log {
         live.summarise(&solution);
     } else {
-        live.say(&answer::summary(&solution, seconds));
+        live.say(&answer::summary(&model, &solution, seconds));
     }
     if solver.options().pool > 1 {
         println!("{}", answer::pool(&solution));
@@ -130,7 +132,10 @@ fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
     let mut ended = solution.termination();
     if arguments.explain && ended == Termination::Infeasible {
         let options = ExplainOptions::default().with_interrupt(&interrupt);
-        println!("{}", infeasibility(&model, &mut solver, &options)?);
+        let explanation = infeasibility(&model, &mut solver, &options)?;
+        println!("{explanation}");
+        let domains = answer::domains(&model, &explanation, is_lp);
+        domains.iter().for_each(|line| println!("{line}"));
         if signals.came() {
             ended = Termination::Interrupted;
         }

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use super::convex_objective::convex_form;
 use crate::error::Error;
 use crate::model::Model;
 use crate::presolve::root::Postsolve;
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
-use crate::reformulate::{self, WayBack};
+use crate::reformulate::{self, Lowered, WayBack};
 use crate::solver::StopToken;
 
 /// The program of a lowered model, and the way back to the model.
@@ -21,18 +22,56 @@ pub(super) struct LoweredProgram {
     pub(super) rounding: f64,
     /// The names of the columns and of the rows, if they were asked for.
     pub(super) names: Option<[Vec<String>; 2]>,
+    /// By how much the program's objective may be below that of the model at a point, in its unit.
+    pub(super) loss: f64,
+    /// The program that the model states, if its objective is not convex.
+    stated: Option<Box<StatedProgram>>,
+}
+
+/// A program whose objective is not convex.
+#[derive(Debug)]
+struct StatedProgram {
+    program: Program,
+    /// Multiples of `z^2 - z` of columns between 0 and 1 that make the objective as it was convex.
+    squares: Vec<(usize, f64)>,
 }
 
 impl LoweredProgram {
     /// A program whose first columns are the variables of a model.
     pub(super) fn new(program: Program, way_back: Arc<WayBack>) -> Self {
-        LoweredProgram { program, way_back, postsolve: None, rounding: 0.0, names: None }
+        LoweredProgram {
+            program,
+            way_back,
+            postsolve: None,
+            rounding: 0.0,
+            names: None,
+            loss: 0.0,
+            stated: None,
+        }
+    }
+
+    /// The same, with what its objective has to do with that of the model.
+    pub(super) fn in_form(self, form: AssembledForm) -> Self {
+        let AssembledForm { loss, stated } = form;
+        LoweredProgram { loss, stated, ..self }
+    }
+
+    /// The program that the model states, and multiples of `z^2 - z` that make its objective convex.
+    pub(super) fn stated(&self) -> (&Program, &[(usize, f64)]) {
+        match &self.stated {
+            Some(stated) => (&stated.program, &stated.squares),
+            None => (&self.program, &[]),
+        }
     }
 
     /// The program that a presolve for all values of the parameters has left.
     pub(super) fn presolved(&self, program: Program, postsolve: Postsolve, rounding: f64) -> Self {
-        let way_back = self.way_back.clone();
-        LoweredProgram { program, way_back, postsolve: Some(postsolve), rounding, names: None }
+        LoweredProgram {
+            postsolve: Some(postsolve),
+            rounding,
+            loss: self.loss,
+            ..LoweredProgram::new(program, self.way_back.clone())
+        }
     }
 
     /// From values of the program's columns to values of the model's variables.
@@ -60,6 +99,13 @@ impl LoweredProgram {
     }
 }
 
+/// What a convex objective has to do with that of the model.
+#[derive(Debug, Default)]
+pub(super) struct AssembledForm {
+    loss: f64,
+    stated: Option<Box<StatedProgram>>,
+}
+
 /// Lowers and assembles a model; `None` if a limit comes first.
 ///
 /// # Arguments
@@ -75,23 +121,26 @@ pub(super) fn lower(
         let rows = model.constraints().map(|row| row.name().to_string());
         names.then(|| [columns.collect(), rows.collect()])
     };
-    let (mut program, way_back, names) = if model.has_only_rows() {
-        (Program::assemble(model)?, WayBack::to_rows(model), names_of(model))
+    let lowered = if model.has_only_rows() {
+        None
     } else {
         let Some(lowered) = reformulate::lower_until(model, None, token)? else {
             return Ok(None);
         };
-        let names = names_of(lowered.model());
-        (Program::assemble(lowered.model())?, lowered.into_way_back(), names)
+        Some(lowered)
     };
-    check_curvature(model, &program, false)?;
-    program.constant = program.sign * model.objective_constant();
-    let lowered = LoweredProgram::new(program, Arc::new(way_back));
-    Ok(Some(LoweredProgram { names, ..lowered }))
+    let rows = lowered.as_ref().map_or(model, Lowered::model);
+    let names = names_of(rows);
+    let (program, form) = assemble(rows, false)?;
+    let way_back = lowered.map_or_else(|| WayBack::to_rows(model), Lowered::into_way_back);
+    let mut lowered = LoweredProgram::new(program, Arc::new(way_back)).in_form(form);
+    lowered.program.constant = lowered.program.sign * model.objective_constant();
+    lowered.names = names;
+    Ok(Some(lowered))
 }
 
-/// Refuses an objective whose distance from a convex one is seen within the bounds of the program of a
-/// model, and within those that its rows imply.
+/// Assembles a model that has only rows. An objective that is not seen to be convex within the bounds of the
+/// program, and within those that its rows imply, becomes one that is.
 ///
 /// # Arguments
 ///
@@ -99,25 +148,32 @@ pub(super) fn lower(
 ///
 /// # Errors
 ///
-/// [`ErrorKind::NotConvex`](crate::ErrorKind::NotConvex).
-pub(super) fn check_curvature(
-    model: &Model,
-    program: &Program,
+/// [`ErrorKind::NotConvex`](crate::ErrorKind::NotConvex); those of [`Program::assemble`].
+pub(super) fn assemble(
+    rows: &Model,
     for_all_parameters: bool,
-) -> Result<(), Error> {
-    if !model.is_convex_within_bounds() {
-        return Ok(());
+) -> Result<(Program, AssembledForm), Error> {
+    let mut program = Program::assemble(rows)?;
+    if !rows.is_convex_within_bounds() {
+        return Ok((program, AssembledForm::default()));
     }
-    let mut domain = Domain::new(program);
-    for parameter in model.parameters().filter(|_| for_all_parameters) {
-        if let Some(range) = model.variable_ref(parameter)?.parameter_range() {
+    let mut domain = Domain::new(&program);
+    for parameter in rows.parameters().filter(|_| for_all_parameters) {
+        if let Some(range) = rows.variable_ref(parameter)?.parameter_range() {
             domain.set_lower(parameter.index(), range.lower);
             domain.set_upper(parameter.index(), range.upper);
         }
     }
-    // Without a point there is nothing to be seen.
-    if Propagator::new(program).propagate_all(program, &mut domain).is_err() {
-        return Ok(());
+    if Propagator::new(&program).propagate_all(&program, &mut domain).is_err() {
+        // Without a point there is nothing to be seen.
+        program.make_feasibility_problem();
+        return Ok((program, AssembledForm::default()));
     }
-    model.check_convexity(|j| domain.upper(j) - domain.lower(j))
+    if rows.concave_direction(|j| domain.upper(j) - domain.lower(j)).is_none() {
+        return Ok((program, AssembledForm::default()));
+    }
+    let form = convex_form(rows, &domain)?;
+    let convex = Program::assemble(&form.model)?;
+    let stated = Box::new(StatedProgram { program, squares: form.squares });
+    Ok((convex, AssembledForm { loss: form.loss, stated: Some(stated) }))
 }

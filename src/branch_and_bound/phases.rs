@@ -23,6 +23,7 @@ use super::verify::ModelJudge;
 use crate::error::Error;
 use crate::presolve::root::PresolveRule;
 use crate::proof::count_blocks;
+use crate::reformulate::is_missing_bound;
 use crate::search::{SearchResult, SolveTask};
 use crate::slips;
 use crate::solution::Termination;
@@ -36,27 +37,48 @@ impl Solve<'_> {
         control: &mut Control<'_>,
     ) -> Result<SolveResult, Error> {
         let own;
+        let mut is_stated = true;
         let lowered = match known.lowered {
             Some(lowered) => lowered,
-            None => match lower(self.model, self.token, self.options.proof_path().is_some())? {
-                Some(lowered) => {
+            None => match self.lower()? {
+                Some((lowered, has_cutoff)) => {
                     own = lowered;
+                    is_stated = !has_cutoff;
                     &own
                 }
                 None => return Ok(self.stopped()),
             },
         };
-        let mut solved = self.run_lowered(lowered, known, control)?;
+        let mut solved = match lowered.loss > 0.0 {
+            true => self.run_with_loss(lowered, known, control)?,
+            false => self.run_lowered(lowered, known, control)?,
+        };
         // Rows that are found while the program is searched belong to the proof of the last round.
-        let is_whole = known.lowered.is_none() && self.rows.is_none();
+        let is_whole = known.lowered.is_none() && self.rows.is_none() && is_stated;
         if let Some(path) = self.options.proof_path().filter(|_| is_whole) {
             solved.proof = self.write_proof(path, lowered, &mut solved, control.interrupt())?;
         }
         Ok(solved)
     }
 
+    /// Lowers the model, with a row about a point's cost if bounds are missing that follow from it; and
+    /// whether it has that row, which no proof can use.
+    fn lower(&self) -> Result<Option<(LoweredProgram, bool)>, Error> {
+        let names = self.options.proof_path().is_some();
+        match lower(self.model, self.token, names) {
+            Err(error) if is_missing_bound(&error) => match self.with_cutoff()? {
+                Some(model) => {
+                    let lowered = lower(&model, self.token, names).map_err(|_| error)?;
+                    Ok(lowered.map(|lowered| (lowered, true)))
+                }
+                None => Err(error),
+            },
+            lowered => Ok(lowered?.map(|lowered| (lowered, false))),
+        }
+    }
+
     /// Solves the lowered program.
-    fn run_lowered(
+    pub(super) fn run_lowered(
         &self,
         lowered: &LoweredProgram,
         known: &EarlierResults<'_>,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::answer::answer;
 use super::last_solve::LastSolve;
-use super::lower::{LoweredProgram, check_curvature};
+use super::lower::{LoweredProgram, assemble};
 use super::mip_start::GivenStart;
 use super::refusals::Refusals;
 use super::row_rounds::{finds_rows, solve_in_rounds};
@@ -64,11 +64,11 @@ impl<'a> PreparedProgram<'a> {
     pub(super) fn new(options: &'a mut Options, model: &Model) -> Result<Self, Error> {
         options.check()?;
         let rows = reformulate::lower(model)?;
-        let program = Program::assemble(rows.model())?;
-        check_curvature(model, &program, true)?;
+        let (program, form) = assemble(rows.model(), true)?;
         let parameters: Vec<Variable> = model.parameters().collect();
         let names: Vec<Name> = rows.model().variables().map(|v| v.name().clone()).collect();
         let lowered = LoweredProgram::new(program, Arc::new(rows.into_way_back()));
+        let lowered = lowered.in_form(form);
         let reduction = match options.reductions && !lowered.program.integers.is_empty() {
             true => ReducedProgram::of(options, model, &lowered, &names, &parameters)?,
             false => Reduction::Off,

@@ -34,7 +34,10 @@ impl Solve<'_> {
         interrupt: &Interrupt,
     ) -> Result<Option<ProofReport>, Error> {
         let found = &mut solved.found;
-        let program = &lowered.program;
+        let (program, squares) = lowered.stated();
+        if let Some(point) = &mut solved.lowered_point {
+            point.truncate(program.column_count());
+        }
         let claim = match found.termination {
             Termination::Infeasible => Claim::Infeasible,
             _ if found.bound.is_finite() => {
@@ -58,6 +61,7 @@ impl Solve<'_> {
         let (options, token, ladders) = (self.options, &token, self.ladders);
         let asked = ProofRequest {
             program,
+            squares,
             names,
             claim,
             options,
@@ -96,8 +100,10 @@ pub fn write_proof_of(
     let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
     let claim = bound.map_or(Claim::Infeasible, Claim::Bound);
     let ladders = &LadderPool::new(options);
+    let (program, squares) = lowered.stated();
     let asked = ProofRequest {
-        program: &lowered.program,
+        program,
+        squares,
         names,
         claim,
         options,

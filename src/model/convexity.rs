@@ -14,12 +14,20 @@ const NAMED_STEPS: usize = 6;
 /// a part of its coefficient (no unit).
 const UNDECIDED_CURVATURE: f64 = 1e-9;
 
+/// The part of its coefficient that the square of a variable with bounds may lack until a solve compares
+/// the loss of a convex form with its gap (no unit).
+const SLIGHT_CURVATURE: f64 = 1e-3;
+
+/// The help of an error about a direction without binaries.
+pub(crate) const WRITE_SQUARES: &str = "only convex costs to minimise (concave ones to maximise) have a \
+                                        proof of optimality here; write squares";
+
 /// The convexity of an objective that may be set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Convexity {
     Proved,
-    /// It is not convex, and the difference is within the tolerance over bounds, which may change, or may
-    /// follow from rows.
+    /// It is not convex, and has a convex form over binaries and bounds, which may change, or may follow from
+    /// rows: a solve finds it, or returns the error.
     WithinBounds,
 }
 
@@ -34,53 +42,61 @@ impl Model {
         let Some(direction) = negative_direction(&products, &|_| 0.0) else {
             return Ok(Convexity::Proved);
         };
+        let has_two_values = |j: usize| {
+            let data = &self.stored.variables[j];
+            data.kind.is_integral() && data.range.is_none() && data.upper - data.lower <= 1.0
+        };
+        // Products with binaries have linear forms.
+        let others = |(a, b, _): &Product| !has_two_values(*a) && !has_two_values(*b);
+        let others: Vec<Product> = products.iter().copied().filter(others).collect();
         let count = variables(&products);
         let squares = squares(&products);
         let allowed = |j: usize| {
             let data = &self.stored.variables[j];
-            let ends = match data.range {
-                Some(range) => range,
-                None => (data.lower, data.upper),
-            };
-            let width = ends.1 - ends.0;
-            if width.is_finite() { slack(width, count) } else { UNDECIDED_CURVATURE * squares(j) }
-        };
-        match negative_direction(&products, &allowed) {
-            None => Ok(Convexity::WithinBounds),
-            Some(worse) => {
-                Err(self.not_convex(sense, if worse.curvature < 0.0 { worse } else { direction }))
+            if let Some((lower, upper)) = data.range {
+                return slack(upper - lower, count);
             }
+            let width = data.upper - data.lower;
+            match width.is_finite() {
+                true => slack(width, count).max(SLIGHT_CURVATURE * squares(j)),
+                false => UNDECIDED_CURVATURE * squares(j),
+            }
+        };
+        match negative_direction(&others, &allowed) {
+            None => Ok(Convexity::WithinBounds),
+            Some(worse) if worse.curvature < 0.0 || others.len() < products.len() => {
+                Err(self.not_convex(sense, worse, WRITE_SQUARES))
+            }
+            Some(_) => Err(self.not_convex(sense, direction, WRITE_SQUARES)),
         }
     }
 
-    /// Checks the objective with what is known of bounds before a solve; needed only where the objective is
-    /// convex only as far as they tell.
+    /// The products of the objective, as of one that is minimised, by the numbers of their variables.
+    pub(crate) fn minimized_products(&self) -> Vec<Product> {
+        indexed(self.sense(), &self.objective().products())
+    }
+
+    /// A direction along which the objective is not convex, with what is known of bounds before a solve.
     ///
     /// # Arguments
     ///
     /// * `width`: by variable, the distance of its bounds.
-    pub(crate) fn check_convexity(&self, width: impl Fn(usize) -> f64) -> Result<(), Error> {
-        let sense = self.sense();
-        let products = indexed(sense, &self.objective().products());
+    pub(crate) fn concave_direction(&self, width: impl Fn(usize) -> f64) -> Option<Direction> {
+        let products = self.minimized_products();
         let count = variables(&products);
-        match negative_direction(&products, &|j| slack(width(j), count)) {
-            None => Ok(()),
-            Some(direction) => Err(self.not_convex(sense, direction)),
-        }
+        negative_direction(&products, &|j| slack(width(j), count))
     }
 
-    fn not_convex(&self, sense: Sense, direction: Direction) -> Error {
+    /// The error that the objective is not convex along a direction.
+    pub(crate) fn not_convex(
+        &self,
+        sense: Sense,
+        direction: Direction,
+        help: &'static str,
+    ) -> Error {
         let curvature = direction.curvature;
         let (name, direction) = self.direction_text(direction);
-        ErrorKind::NotConvex {
-            sense: sense.word(),
-            curvature,
-            name,
-            direction,
-            help: "only convex costs to minimise (concave ones to maximise) have a proof of \
-                   optimality here; write squares, or linearise products with a binary",
-        }
-        .into()
+        ErrorKind::NotConvex { sense: sense.word(), curvature, name, direction, help }.into()
     }
 
     /// The variable with the largest step of a direction, and its steps in words, the largest ones first.

@@ -78,6 +78,7 @@ pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;
 pub(crate) use conic::{StandardCone, StoredConic};
+pub(crate) use convexity::WRITE_SQUARES;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use name::is_name;

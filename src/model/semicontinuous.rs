@@ -21,8 +21,8 @@ impl Model {
     /// at least at half its power.
     ///
     /// Its [`bounds`](super::VariableRef::bounds) are `[lower, upper]` extended to 0. Setting other
-    /// bounds narrows both parts. A limit may be infinite, but a model is solved only if both
-    /// bounds are finite (unless 0 lies within the limits).
+    /// bounds narrows both parts. A limit may be infinite (also where 0 does not lie within the limits) if rows
+    /// imply the bound that is missing, or if the cost of any point does: a solve looks for one.
     ///
     /// ```
     /// use carom::prelude::*;

@@ -30,7 +30,7 @@ pub struct Model {
     pub(super) statement_names: NameTable<StatementIndex>,
     /// Changes with every modification except values of parameters, and is never used twice.
     pub(super) revision: u64,
-    /// Whether the objective is convex only as far as bounds tell.
+    /// Whether the objective is convex, or has a convex form, only as far as bounds tell.
     pub(super) is_convex_within_bounds: bool,
     /// The words with which new names begin, empty for most models.
     pub(super) scope: String,
@@ -280,6 +280,12 @@ impl Model {
         self.touch();
         self.stored.sense = sense;
         self.stored.objective = objective;
+    }
+
+    /// Replaces the expression of the objective by one that is proved to be convex.
+    pub(crate) fn replace_convex_objective(&mut self, objective: Quadratic) {
+        self.replace_objective(self.stored.sense, objective);
+        self.is_convex_within_bounds = false;
     }
 
     pub(crate) fn push_constraint(

@@ -77,6 +77,8 @@ use zero_products::ObjectiveTerms;
 pub(crate) struct ProofRequest<'a> {
     /// The lowered program.
     pub(crate) program: &'a Program,
+    /// Multiples of `z^2 - z`, of columns between 0 and 1, that make an objective convex which is not.
+    pub(crate) squares: &'a [(usize, f64)],
     /// The names of its columns and of its rows, as far as there are any.
     pub(crate) names: [&'a [String]; 2],
     pub(crate) claim: Claim,
@@ -107,6 +109,7 @@ impl ProofRequest<'_> {
     ) -> io::Result<ProofReport> {
         let ProofRequest {
             program,
+            squares,
             names: [columns, rows],
             claim,
             options,
@@ -149,6 +152,7 @@ impl ProofRequest<'_> {
             facts,
             bounds,
             relaxer,
+            squares,
             splits_left: most_splits,
             trial_left: None,
             lemma_splits: 0,

@@ -20,8 +20,20 @@ use crate::sum::exact_sum;
 const CONVEX_IN_SPITE: f64 = 1e-10;
 
 impl ProofWriter<'_, '_> {
-    /// Adds products to the objective, if they lift the bound of the relaxation.
+    /// Adds products to the objective: those that make it convex, or else those that lift the bound of the
+    /// relaxation.
     pub(super) fn add_zero_products(&mut self) {
+        if !self.squares.is_empty() {
+            let squares = self.squares.iter().map(|&(binary, amount)| ZeroProduct {
+                column: binary,
+                value: 0.0,
+                binary,
+                is_off_at_one: false,
+                factor: -amount,
+                facts: Vec::new(),
+            });
+            return self.add_products(&squares.collect::<Vec<ZeroProduct>>());
+        }
         let bounded = self.bounded();
         let (options, token) = (self.relaxer.options, self.relaxer.token);
         let mut squares = switched_squares(&bounded, token);
@@ -32,9 +44,13 @@ impl ProofWriter<'_, '_> {
         let ladder = &mut self.relaxer.ladder;
         let slopes = lifting_slopes(&bounded, squares, options, token, ladder);
         let products = self.zero_products(&slopes);
-        let Some((program, terms)) = self.with_products(&products) else { return };
+        self.add_products(&products);
+    }
+
+    fn add_products(&mut self, products: &[ZeroProduct]) {
+        let Some((program, terms)) = self.with_products(products) else { return };
         let mut sides = Vec::new();
-        for product in &products {
+        for product in products {
             let &ZeroProduct { column, binary, .. } = product;
             sides.extend([column, binary].iter().flat_map(|&j| [(j, false), (j, true)]));
             for &(is_upper, fact) in &product.facts {
@@ -43,7 +59,7 @@ impl ProofWriter<'_, '_> {
             }
         }
         self.write_bounds(sides.into_iter());
-        self.log.zero_products(&products);
+        self.log.zero_products(products);
         self.relaxer.terms = terms;
         self.relaxer.within = program.clone();
         self.relaxer.program = program;

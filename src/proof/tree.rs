@@ -83,6 +83,8 @@ pub(super) struct ProofWriter<'a, 'b> {
     pub(super) facts: Facts,
     pub(super) bounds: Bounds,
     pub(super) relaxer: Relaxer<'a>,
+    /// Multiples of `z^2 - z` that make the objective convex.
+    pub(super) squares: &'a [(usize, f64)],
     /// Own splits that may still be made.
     pub(super) splits_left: u64,
     /// Splits that a trial may still make; `None` outside of trials.

@@ -20,7 +20,7 @@ const LEAST: f64 = 1e-200;
 const TINY: f64 = 1e-60;
 
 /// A direction along which a form is concave.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Direction {
     /// Variables and their steps, the largest of which is 1, in the order of the variables.
     pub steps: Vec<(usize, f64)>,

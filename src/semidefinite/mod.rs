@@ -19,10 +19,12 @@ mod block;
 mod dense;
 mod direction;
 mod scaled;
+mod shift;
 mod sparse;
 
 use block::MatrixBlock;
 pub use direction::Direction;
+pub(crate) use shift::{least_multiple, with_squares};
 
 /// A product of two variables with its coefficient; the first one is not larger, and none is repeated.
 pub type Product = (usize, usize, f64);

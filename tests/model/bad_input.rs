@@ -267,13 +267,13 @@ fn objectives_that_are_not_convex() {
         format!(
             "the objective is not convex: in the {sense} direction its quadratic part has \
              curvature {curvature} along the direction `{name}` 1; only convex costs to minimise \
-             (concave ones to maximise) have a proof of optimality here; write squares, or \
-             linearise products with a binary"
+             (concave ones to maximise) have a proof of optimality here; write squares"
         )
     };
     assert_eq!(text(model.minimize(-1.0 * x.square())), bent("minimize", "-2.000e0", "x"));
     assert_eq!(text(model.maximize(x.square())), bent("maximize", "-2.000e0", "x"));
-    let product = text(model.minimize(x * z));
+    let y = model.continuous("y", 0.0, 1.0).unwrap();
+    let product = text(model.minimize(x * y));
     assert!(product.starts_with("the objective is not convex"), "{product}");
     assert!(product.contains("curvature -1.000e0"), "{product}");
     // The objective before is still there.

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::defined;
 use super::names;
 use super::read::{LpColumn, LpFile};
 use super::rows::LpRow;
@@ -26,7 +27,7 @@ pub(super) fn model(mut file: LpFile<'_>) -> Result<Read, Error> {
     file.take_constant();
     let mut model = Model::new(file.name);
     let mut warnings = std::mem::take(&mut file.warnings);
-    let variables = variables(&file, &mut model, &mut warnings)?;
+    let (variables, is_defined) = variables(&file, &mut model, &mut warnings)?;
     let mut rows = Vec::with_capacity(file.rows.len());
     for row in &file.rows {
         let terms = row.terms.iter().map(|&(column, value)| (variables[column], value));
@@ -80,6 +81,9 @@ pub(super) fn model(mut file: LpFile<'_>) -> Result<Read, Error> {
     }
     for (set, position) in file.sets.iter().zip(1..) {
         set.add(&mut model, &variables, position, names::read, &mut warnings)?;
+    }
+    for (k, function) in file.functions.iter().enumerate().filter(|(k, _)| !is_defined[*k]) {
+        defined::add(&mut model, function, k + 1, &variables)?;
     }
     model.set_objective(file.sense, objective(&file, &variables))?;
     Ok(Read { model, warnings })
@@ -138,47 +142,86 @@ fn add_quadratic(
     add_quadratic_row(model, name, expression, condition).map_err(|error| at(row.place, &error))
 }
 
-fn at(place: Token<'_>, error: &Error) -> Error {
+pub(super) fn at(place: Token<'_>, error: &Error) -> Error {
     place.error(error.to_string())
 }
 
+/// The variables in the order of the columns, and which functions define one of them.
 fn variables(
     file: &LpFile<'_>,
     model: &mut Model,
     warnings: &mut Vec<Warning>,
-) -> Result<Vec<Variable>, Error> {
+) -> Result<(Vec<Variable>, Vec<bool>), Error> {
     let mut switches = vec![None; file.columns.len()];
     for condition in file.rows.iter().filter_map(|row| row.condition) {
         switches[condition.column].get_or_insert(condition.place);
     }
-    let mut variables = Vec::with_capacity(file.columns.len());
-    for (column, switch) in file.columns.iter().zip(switches) {
-        let mut binary = column.binary;
-        if let (Some(place), false) = (switch, binary || column.integer) {
-            let name = column.name.text;
-            let message = format!("`{name}` is a condition, so it is taken as a binary");
-            warnings.push(place.warning(message));
-            binary = true;
+    let is_plain = |column: &LpColumn<'_>, j: usize| {
+        !column.binary && !column.integer && !column.semicontinuous && switches[j].is_none()
+    };
+    let definitions = match file.functions.is_empty() {
+        true => Vec::new(),
+        false => defined::definitions(file, is_plain),
+    };
+    let definition = |j: usize| definitions.get(j).copied().flatten();
+    let mut variables = vec![None; file.columns.len()];
+    for (j, column) in file.columns.iter().enumerate() {
+        if definition(j).is_none() {
+            variables[j] = Some(variable(column, switches[j], model, warnings)?);
         }
-        let name = names::read(column.name.text);
-        if column.semicontinuous {
-            let added = semicontinuous(column, binary, name, model, warnings);
-            variables.push(added.map_err(|error| at(column.name, &error))?);
-            continue;
-        }
-        let (lower, upper) = bounds(column, binary, warnings)?;
-        let added = match (column.integer, binary) {
-            (_, true) => model.variable(name, VariableKind::Binary, lower, upper),
-            // Only a binary can be the condition of an indicator.
-            (true, _) if switch.is_some() && lower >= 0.0 && upper <= 1.0 => {
-                model.variable(name, VariableKind::Binary, lower, upper)
-            }
-            (true, _) => model.integer(name, lower, upper),
-            (false, false) => model.continuous(name, lower, upper),
-        };
-        variables.push(added.map_err(|error| at(column.name, &error))?);
     }
-    Ok(variables)
+    // Functions follow their arguments.
+    let mut is_defined = vec![false; file.functions.len()];
+    while variables.iter().any(Option::is_none) {
+        for (k, function) in file.functions.iter().enumerate() {
+            let j = function.result;
+            let is_own = definition(j).is_some_and(|own| std::ptr::eq(own, function));
+            let is_ready = defined::columns(function).all(|argument| variables[argument].is_some());
+            if !is_own || variables[j].is_some() || !is_ready {
+                continue;
+            }
+            let column = &file.columns[j];
+            let name = names::read(column.name.text);
+            let known = |argument: usize| variables[argument].unwrap_or_else(|| unreachable!());
+            let own = defined::define(model, name, function, known)?;
+            let (lower, upper) = bounds(column, false, warnings)?;
+            model.set_bounds(own, lower, upper).map_err(|error| at(column.name, &error))?;
+            (variables[j], is_defined[k]) = (Some(own), true);
+        }
+    }
+    Ok((variables.into_iter().flatten().collect(), is_defined))
+}
+
+/// Adds a variable; it is the condition of an indicator if `switch` is its place there.
+fn variable(
+    column: &LpColumn<'_>,
+    switch: Option<Token<'_>>,
+    model: &mut Model,
+    warnings: &mut Vec<Warning>,
+) -> Result<Variable, Error> {
+    let mut binary = column.binary;
+    if let (Some(place), false) = (switch, binary || column.integer) {
+        let name = column.name.text;
+        let message = format!("`{name}` is a condition, so it is taken as a binary");
+        warnings.push(place.warning(message));
+        binary = true;
+    }
+    let name = names::read(column.name.text);
+    if column.semicontinuous {
+        let added = semicontinuous(column, binary, name, model, warnings);
+        return added.map_err(|error| at(column.name, &error));
+    }
+    let (lower, upper) = bounds(column, binary, warnings)?;
+    let added = match (column.integer, binary) {
+        (_, true) => model.variable(name, VariableKind::Binary, lower, upper),
+        // Only a binary can be the condition of an indicator.
+        (true, _) if switch.is_some() && lower >= 0.0 && upper <= 1.0 => {
+            model.variable(name, VariableKind::Binary, lower, upper)
+        }
+        (true, _) => model.integer(name, lower, upper),
+        (false, false) => model.continuous(name, lower, upper),
+    };
+    added.map_err(|error| at(column.name, &error))
 }
 
 /// Adds a semi-continuous or semi-integer variable, or a binary that is listed as such.

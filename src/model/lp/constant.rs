@@ -1,5 +1,7 @@
 //! The constant of the objective as a column that is fixed to 1.
 
+use super::defined;
+use super::functions::LpArgument;
 use super::names::CONSTANT;
 use super::read::LpFile;
 use crate::model::text::row_condition::RowCondition;
@@ -34,6 +36,14 @@ impl LpFile<'_> {
         }
         let members = self.sets.iter_mut().flat_map(|set| &mut set.members);
         members.for_each(|(at, _)| close(at, index));
+        for function in &mut self.functions {
+            close(&mut function.result, index);
+            for argument in &mut function.arguments {
+                if let LpArgument::Column(at) = argument {
+                    close(at, index);
+                }
+            }
+        }
     }
 
     fn is_constant(&self, index: usize) -> bool {
@@ -48,8 +58,11 @@ impl LpFile<'_> {
             row.terms.iter().map(|(at, _)| *at).chain(products).chain(condition)
         });
         let mut sets = self.sets.iter().flat_map(|set| set.members.iter().map(|(at, _)| *at));
+        let mut functions =
+            self.functions.iter().flat_map(|f| defined::columns(f).chain([f.result]));
         is_fixed
             && is_plain
+            && !functions.any(|at| at == index)
             && objective.terms.iter().any(|(at, _)| *at == index)
             && !products.any(|at| at == index)
             && !rows.any(|at| at == index)

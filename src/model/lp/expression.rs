@@ -60,6 +60,7 @@ impl<'a> LpFile<'a> {
             match self.kind() {
                 TokenKind::Number => {
                     self.step();
+                    self.check_decimal_point(token)?;
                     if self.at_name() {
                         let coefficient = sign * token.finite()?;
                         expression.terms.push((self.column()?, coefficient));
@@ -99,7 +100,9 @@ impl<'a> LpFile<'a> {
             let place = self.token();
             let mut coefficient = sign * signed.unwrap_or(1.0);
             if self.kind() == TokenKind::Number {
-                coefficient *= self.step().raw()?;
+                let number = self.step();
+                self.check_decimal_point(number)?;
+                coefficient *= number.raw()?;
                 self.accept(TokenKind::Times);
             }
             let first = self.factor()?;

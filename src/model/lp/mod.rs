@@ -3,8 +3,10 @@
 mod bounds;
 mod build;
 mod constant;
+mod defined;
 mod dialect;
 mod expression;
+mod functions;
 mod lexer;
 pub(crate) mod names;
 mod read;

@@ -1,6 +1,7 @@
 //! Reading: from tokens to objective, rows and columns as the file lists them.
 
 use super::expression::Expression;
+use super::functions::LpFunction;
 use super::lexer::{self, TokenKind, TypedToken};
 use super::rows::LpRow;
 use super::section::{self, LpSection};
@@ -22,6 +23,7 @@ pub(super) struct LpFile<'a> {
     pub(super) columns: Vec<LpColumn<'a>>,
     pub(super) rows: Vec<LpRow<'a>>,
     pub(super) sets: Vec<Set<'a>>,
+    pub(super) functions: Vec<LpFunction<'a>>,
     pub(super) warnings: Vec<Warning>,
     names: NameIndex<'a>,
     pieces: Vec<TypedToken<'a>>,
@@ -50,6 +52,7 @@ impl<'a> LpFile<'a> {
             columns: Vec::new(),
             rows: Vec::new(),
             sets: Vec::new(),
+            functions: Vec::new(),
             warnings: Vec::new(),
             names: NameIndex::default(),
             pieces,
@@ -84,6 +87,7 @@ impl<'a> LpFile<'a> {
                     file.read_kinds(|column| column.semicontinuous = true)?
                 }
                 LpSection::Sets(kind) => file.read_sets(kind)?,
+                LpSection::Functions => file.read_functions()?,
                 LpSection::Minimize | LpSection::Maximize => {
                     return Err(place.error("a second objective; a model has one, keep one"));
                 }
@@ -182,6 +186,44 @@ impl<'a> LpFile<'a> {
         Some(token)
     }
 
+    /// Skips the name of a row with its colon, if it is next. It may have signs in it, as other programs write
+    /// it, if there is no blank.
+    pub(super) fn row_label(&mut self) -> Option<Token<'a>> {
+        let pieces = &self.pieces[self.at..];
+        let joined = pieces.windows(2).take_while(|pair| {
+            let is_part = !matches!(
+                pair[0].kind,
+                TokenKind::AtMost | TokenKind::AtLeast | TokenKind::Equal | TokenKind::Colon
+            );
+            is_part && pair[0].token.joins(&pair[1].token)
+        });
+        let length = joined.count();
+        let begins = matches!(self.kind(), TokenKind::Word | TokenKind::Number);
+        if length < 2 || !begins || pieces[length].kind != TokenKind::Colon {
+            return self.label();
+        }
+        let label = pieces[0].token.through(&pieces[length - 1].token);
+        self.at += length + 1;
+        Some(label)
+    }
+
+    /// The error about a number with a decimal comma, if what follows it is the rest of one.
+    pub(super) fn check_decimal_point(&self, number: Token<'a>) -> Result<(), Error> {
+        let next = self.token();
+        let is_rest = |rest: &str| rest.starts_with(|digit: char| digit.is_ascii_digit());
+        match next.text.strip_prefix(',').filter(|rest| is_rest(rest)) {
+            Some(rest) if number.joins(&next) => {
+                let (whole, digits) =
+                    (number.text, rest.trim_end_matches(|c: char| !c.is_ascii_digit()));
+                Err(number.error(format!(
+                    "`{whole},{digits}` has a decimal comma; numbers have a decimal point, as \
+                     `{whole}.{digits}`"
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Whether the name of a variable is next.
     pub(super) fn at_name(&self) -> bool {
         self.kind() == TokenKind::Word
@@ -205,6 +247,11 @@ impl<'a> LpFile<'a> {
     /// The column of the next name, added if it is new.
     pub(super) fn column(&mut self) -> Result<usize, Error> {
         let name = self.step();
+        self.column_of(name)
+    }
+
+    /// The column of a name, added if it is new.
+    pub(super) fn column_of(&mut self, name: Token<'a>) -> Result<usize, Error> {
         if let Some(column) = self.names.find(name.text) {
             return Ok(column);
         }
@@ -239,6 +286,7 @@ impl<'a> LpFile<'a> {
             _ => return Err(self.unexpected("a number")),
         }
         self.step();
+        self.check_decimal_point(token)?;
         Ok((sign * token.number()?, token))
     }
 

@@ -46,7 +46,7 @@ impl<'a> LpFile<'a> {
     }
 
     fn row(&mut self) -> Result<LpRow<'a>, Error> {
-        let label = self.label();
+        let label = self.row_label();
         let place = self.token();
         let mut comparison = self.comparison()?;
         let mut condition = None;

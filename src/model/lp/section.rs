@@ -14,6 +14,8 @@ pub(super) enum LpSection {
     SemiContinuous,
     /// Special ordered sets, and of which kind those are that do not say it.
     Sets(Option<u8>),
+    /// Functions, which Gurobi calls general constraints.
+    Functions,
     End,
     /// A section that cannot be read unless it is empty, and what to do instead.
     Refused(&'static str),
@@ -21,8 +23,8 @@ pub(super) enum LpSection {
 
 const SEMI_INTEGER_HELP: &str = "list its variables under `Semi-Continuous` and under `General`";
 const LAZY_HELP: &str = "move its rows to `Subject To`, where they always hold";
-const FUNCTION_HELP: &str = "functions cannot be read from LP files; write them as rows, or in a \
-                         program with the functions of a model";
+const FUNCTION_HELP: &str = "write each function under `General Constraints`, as `y = PWL ( x ) : ( 0 , 0 ) \
+                             ( 1 , 2 )`, and `y` in the objective";
 const SCENARIO_HELP: &str = "a model has one objective and one set of limits; keep one";
 
 /// Spellings of one word; sections of two words are below.
@@ -63,10 +65,10 @@ const ONE_WORD_SECTIONS: [(&str, LpSection); 42] = [
     ("usercuts", LpSection::Refused(LAZY_HELP)),
     ("pwlobj", LpSection::Refused(FUNCTION_HELP)),
     ("pwl", LpSection::Refused(FUNCTION_HELP)),
-    ("gencons", LpSection::Refused(FUNCTION_HELP)),
-    ("gencon", LpSection::Refused(FUNCTION_HELP)),
-    ("genconstr", LpSection::Refused(FUNCTION_HELP)),
-    ("genconstrs", LpSection::Refused(FUNCTION_HELP)),
+    ("gencons", LpSection::Functions),
+    ("gencon", LpSection::Functions),
+    ("genconstr", LpSection::Functions),
+    ("genconstrs", LpSection::Functions),
     ("scenario", LpSection::Refused(SCENARIO_HELP)),
     ("scenarios", LpSection::Refused(SCENARIO_HELP)),
 ];
@@ -77,8 +79,8 @@ const TWO_WORD_SECTIONS: [(&str, &[&str], LpSection); 7] = [
     ("such", &["that"], LpSection::Rows),
     ("lazy", &["constraints", "constraint"], LpSection::Refused(LAZY_HELP)),
     ("user", &["cuts", "cut"], LpSection::Refused(LAZY_HELP)),
-    ("general", &["constraints", "constraint"], LpSection::Refused(FUNCTION_HELP)),
-    ("generals", &["constraints", "constraint"], LpSection::Refused(FUNCTION_HELP)),
+    ("general", &["constraints", "constraint"], LpSection::Functions),
+    ("generals", &["constraints", "constraint"], LpSection::Functions),
     ("multi", &["objectives"], LpSection::Refused(SCENARIO_HELP)),
 ];
 

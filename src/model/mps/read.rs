@@ -1,5 +1,7 @@
 //! Reading: from lines to rows and columns as the file lists them.
 
+use std::collections::HashSet;
+
 use super::bounds::MpsBounds;
 use super::products::MpsMatrix;
 use super::section::MpsSection;
@@ -20,6 +22,10 @@ pub(super) struct MpsFile<'a> {
     pub(super) sense: Option<Sense>,
     pub(super) rows: Vec<MpsRow<'a>>,
     pub(super) columns: Vec<MpsColumn<'a>>,
+    /// The column whose entries are being read.
+    at_column: Option<usize>,
+    /// Columns and rows of all entries, once a column has gone on in a second place.
+    entries: Option<HashSet<(usize, usize)>>,
     pub(super) objective: Option<usize>,
     /// The products of the objective.
     pub(super) matrix: Option<MpsMatrix<'a>>,
@@ -90,6 +96,9 @@ impl<'a> MpsFile<'a> {
                 file.data(section, &tokens)?;
             } else if first.text.eq_ignore_ascii_case("ENDATA") {
                 file.check_chosen()?;
+                if file.entries.is_some() {
+                    file.rows.iter_mut().for_each(|row| row.terms.sort_by_key(|term| term.0));
+                }
                 return Ok(file);
             } else {
                 section = file.header(line, &tokens)?;
@@ -237,15 +246,23 @@ impl<'a> MpsFile<'a> {
                  spaces)",
             ));
         }
-        let index = match self.columns.last() {
-            Some(column) if column.name.text == name.text => self.columns.len() - 1,
-            _ => self.new_column(name)?,
+        let index = match self.at_column {
+            Some(at) if self.columns[at].name.text == name.text => at,
+            _ => match self.column_names.find(name.text) {
+                Some(known) => self.return_to(known, &name),
+                None => self.new_column(name)?,
+            },
         };
+        self.at_column = Some(index);
         for entry in entries.chunks_exact(2) {
             let value = entry[1].finite()?;
-            let Some(row) = self.find_row_or_warn(&entry[0]) else { continue };
-            let row = &mut self.rows[row];
-            if row.last_column.replace(index) == Some(index) {
+            let Some(place) = self.find_row_or_warn(&entry[0]) else { continue };
+            let row = &mut self.rows[place];
+            let is_second = match &mut self.entries {
+                Some(entries) => !entries.insert((index, place)),
+                None => false,
+            };
+            if row.last_column.replace(index) == Some(index) || is_second {
                 let (column, text) = (name.text, row.name.text);
                 let message = format!("column `{column}` has a second entry in row `{text}`");
                 match row.kind {
@@ -262,14 +279,23 @@ impl<'a> MpsFile<'a> {
         Ok(())
     }
 
+    /// Goes on with a column whose entries stand in two places.
+    fn return_to(&mut self, column: usize, name: &Token<'a>) -> usize {
+        let (text, line) = (name.text, self.columns[column].name.line());
+        self.warnings.push(name.warning(format!(
+            "column `{text}` began in line {line} and goes on here; its entries are taken together"
+        )));
+        if self.entries.is_none() {
+            let rows = self.rows.iter().enumerate();
+            let entries = rows.flat_map(|(k, row)| row.terms.iter().map(move |&(j, _)| (j, k)));
+            self.entries = Some(entries.collect());
+        }
+        column
+    }
+
     fn new_column(&mut self, name: Token<'a>) -> Result<usize, Error> {
         check_name(&name)?;
-        let index = self.column_names.declare(name.text).map_err(|first| {
-            let (text, line) = (name.text, self.columns[first].name.line());
-            name.error(format!(
-                "column `{text}` already began in line {line}; its entries must stand together"
-            ))
-        })?;
+        let index = self.column_names.declare(name.text).unwrap_or_else(|known| known);
         let integer = self.integers.is_some();
         self.columns.push(MpsColumn { name, integer, bounds: MpsBounds::default() });
         self.join_open_set(index);

@@ -20,6 +20,22 @@ impl<'a> Token<'a> {
         Token { text: &line_text[start..start + length], line_text, line, start }
     }
 
+    /// Whether another token of the line begins where this one ends.
+    pub(crate) fn joins(&self, next: &Token<'_>) -> bool {
+        self.line == next.line && self.start + self.text.len() == next.start
+    }
+
+    /// The text from this token to the end of a later one in the same line.
+    pub(crate) fn through(&self, last: &Token<'a>) -> Token<'a> {
+        let length = last.start + last.text.len() - self.start;
+        Token::new(self.line_text, self.line, self.start, length)
+    }
+
+    /// The bytes of the token from `start` on, `length` of them.
+    pub(crate) fn part(&self, start: usize, length: usize) -> Token<'a> {
+        Token::new(self.line_text, self.line, self.start + start, length)
+    }
+
     pub(crate) fn error(&self, message: impl Into<String>) -> Error {
         self.parse_error(message).into()
     }

@@ -185,9 +185,9 @@ fn errors_in_later_sections() {
          always hold"
     );
     assert_eq!(
-        with("General Constraints\n g: z = max(x)"),
-        "line 2, column 1: section `General` cannot be read: functions cannot be read from LP \
-         files; write them as rows, or in a program with the functions of a model"
+        with("PWLObj\n x: (0, 1) (1, 1)"),
+        "line 2, column 1: section `PWLObj` cannot be read: write each function under `General \
+         Constraints`, as `y = PWL ( x ) : ( 0 , 0 ) ( 1 , 2 )`, and `y` in the objective"
     );
     assert_eq!(
         error("min x[1] + x{1}\nend"),
@@ -247,4 +247,20 @@ fn files_of_lp_solve_are_known_as_such() {
     assert!(
         error("max x\nst\n r: x <= \\ 4;\nend").starts_with("line 4, column 1: expected a number")
     );
+}
+
+/// Numbers as some spreadsheets write them.
+#[test]
+fn decimal_commas_are_named() {
+    let comma = |at: &str| {
+        format!(
+            "line {at}: `0,66667` has a decimal comma; numbers have a decimal point, as `0.66667`"
+        )
+    };
+    assert_eq!(error("min x\nst\n c: 0,66667 x >= 1\nend"), comma("3, column 5"));
+    assert_eq!(error("min x\nst\n c: x >= 0,66667\nend"), comma("3, column 10"));
+    assert_eq!(error("min x\nst\n c: x >= 1\nbounds\n x <= 0,66667\nend"), comma("5, column 7"));
+    assert_eq!(error("min [ 0,66667 x ^2 ]\nst\n c: x >= 1\nend"), comma("1, column 7"));
+    // A comma that begins a name is none.
+    assert!(lp::read("min 2 ,x\nst\n c: 3 ,x >= 1\nend").is_ok());
 }

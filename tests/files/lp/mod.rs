@@ -1,6 +1,7 @@
 //! LP files: what each section means, what damaged files say, and exact round trips.
 
 mod damaged;
+mod functions;
 mod quadratic_rows;
 mod random;
 mod repeated;

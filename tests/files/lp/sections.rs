@@ -303,3 +303,18 @@ fn words_numbers_and_symbols() {
     assert_eq!(names("a \\ b\n\tc\r\n"), ["a", "c"]);
     assert_eq!(names("höhe\u{a0}.x s.t."), ["höhe", ".x"]);
 }
+
+/// Names of rows as other programs write them.
+#[test]
+fn row_names_may_have_signs() {
+    let text = "Maximize\n 3 x[A,B] + 2 y[A,B]\nSubject To\n C1_Capacity[A,B]: x[A,B] + y[A,B] <= 12\n \
+                C1*_Transfer[A,B]: y[A,B] <= 5\n a-b+c: x[A,B] <= 9\n 3rd:x[A,B] >= 1\n x[A,B]-y[A,B] <= 8\n \
+                Generals\n x[A,B] y[A,B]\nEnd\n";
+    let model = read(text);
+    let names: Vec<String> = model.constraints().map(|row| row.name().to_string()).collect();
+    assert_eq!(names, ["C1_Capacity[A,B]", "C1*_Transfer[A,B]", "a-b+c", "3rd", "c5"]);
+    // They are written so that all readers take them.
+    let written = lp::write(&model).unwrap();
+    assert!(written.contains(" C1%2A_Transfer"), "{written}");
+    assert_eq!(read(&written).to_string(), model.to_string());
+}

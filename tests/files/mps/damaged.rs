@@ -72,8 +72,8 @@ fn errors_in_columns() {
         "line 7, column 4: column `x` has a second entry in row `c`"
     );
     assert_eq!(
-        columns(" x r 1\n y r 1\n x c 1\n"),
-        "line 7, column 2: column `x` already began in line 5; its entries must stand together"
+        columns(" x c 1\n y r 1\n x c 1\n"),
+        "line 7, column 4: column `x` has a second entry in row `c`"
     );
     assert_eq!(
         columns(" M 'MARKER' 'OTHER'\n"),

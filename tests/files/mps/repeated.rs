@@ -9,6 +9,28 @@ fn check(text: &str, warning: &str, part: &str) {
     assert!(model.contains(part), "{model}");
 }
 
+/// Some programs write a column again for its further entries.
+#[test]
+fn columns_may_go_on_in_another_place() {
+    let text = |more: &str| {
+        format!(
+            "ROWS\n N c\n L r\n G s\nCOLUMNS\n x c 1 r 2\n y c 3 r 4\n x s 5\n{more}RHS\n B r 9 s 1\nENDATA\n"
+        )
+    };
+    let goes_on = "line 8, column 2: column `x` began in line 6 and goes on here; its entries are taken together";
+    let (warnings, model) = warned(&text(""));
+    assert_eq!(warnings, [goes_on]);
+    assert!(model.contains("r: 2 x + 4 y <= 9") && model.contains("s: 5 x >= 1"), "{model}");
+    let (warnings, model) = warned(&text(" y s 6\n x r 7\n"));
+    let others = [
+        "line 9, column 2: column `y` began in line 7 and goes on here; its entries are taken together",
+        "line 10, column 2: column `x` began in line 6 and goes on here; its entries are taken together",
+        "line 10, column 4: column `x` has a second entry in row `r`; the first one counts",
+    ];
+    assert_eq!(warnings[1..], others);
+    assert!(model.contains("r: 2 x + 4 y <= 9") && model.contains("s: 5 x + 6 y >= 1"), "{model}");
+}
+
 #[test]
 fn the_first_of_repeated_bounds_counts() {
     check(

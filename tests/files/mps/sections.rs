@@ -176,8 +176,7 @@ fn quadratic_objectives() {
         error(&with("QUADOBJ\n x x -2\n")),
         "the objective is not convex: in the minimize direction its quadratic part has curvature \
          -2.000e0 along the direction `x` 1; only convex costs to minimise (concave ones to \
-         maximise) have a proof of optimality here; write squares, or linearise products with a \
-         binary"
+         maximise) have a proof of optimality here; write squares"
     );
 }
 
