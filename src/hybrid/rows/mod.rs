@@ -13,12 +13,14 @@
 //! | the statements of a step | `rows/statements.rs` |
 //! | lengths that are constant | `rows/lengths.rs` |
 //! | modes with memory, dwell times | `rows/modes.rs` |
+//! | the memory with which a run begins | `rows/memory.rs` |
 //! | names | `rows/names.rs` |
 
 mod bound;
 mod change;
 mod extreme;
 mod lengths;
+mod memory;
 mod modes;
 mod names;
 mod program;
@@ -28,9 +30,11 @@ mod switch;
 mod write;
 
 pub(crate) use extreme::push_outward;
+pub(crate) use memory::MemoryRow;
 #[doc(hidden)]
 pub use program::SystemVariables;
 pub use run::HybridRun;
+pub(crate) use run::Named;
 pub(in crate::hybrid) use write::expression;
 
 use super::horizon::Horizon;

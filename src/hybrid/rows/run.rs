@@ -8,6 +8,9 @@ use crate::model::Variable;
 use crate::number::{DIGITS, rounded};
 use crate::solution::{Point, Solution};
 
+/// Names over the steps or samples, for each choice with its name.
+pub(crate) type Named = Vec<(String, Vec<String>)>;
+
 /// A run of a hybrid system over a horizon, in numbers and names.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
@@ -132,10 +135,27 @@ impl SystemVariables {
     /// The run of a point.
     pub fn read_point(&self, point: &Point) -> Result<HybridRun, Error> {
         let system = &self.system;
-        let steps = self.horizon.steps();
         let family = |variables: &crate::model::Family| -> Result<Vec<f64>, Error> {
             variables.iter().map(|variable| point.value(variable)).collect()
         };
+        let mut run = HybridRun { time_step: self.horizon.time_step(), ..HybridRun::default() };
+        for ((name, _), variables) in system.states.iter().zip(&self.states) {
+            run.states.push((name.clone(), family(variables)?));
+        }
+        for ((name, _), variables) in system.inputs.iter().zip(&self.inputs) {
+            run.inputs.push((name.clone(), family(variables)?));
+        }
+        [run.transitions, run.modes] = self.chosen(point)?;
+        for (name, values) in &self.outputs {
+            let values = values.iter().map(|value| point.value(value));
+            run.outputs.push((name.clone(), values.collect::<Result<_, _>>()?));
+        }
+        Ok(run)
+    }
+
+    /// The transitions of each choice in the steps of a point, and the modes at its samples.
+    pub(crate) fn chosen(&self, point: &Point) -> Result<[Named; 2], Error> {
+        let steps = self.horizon.steps();
         let which = |of: &OneOf, names: &[&str], count: usize| -> Result<Vec<String>, Error> {
             let one = |t: usize| -> Result<String, Error> {
                 let mut best = (f64::NEG_INFINITY, 0);
@@ -149,27 +169,16 @@ impl SystemVariables {
             };
             (0..count).map(one).collect()
         };
-        let mut run = HybridRun { time_step: self.horizon.time_step(), ..HybridRun::default() };
-        for ((name, _), variables) in system.states.iter().zip(&self.states) {
-            run.states.push((name.clone(), family(variables)?));
-        }
-        for ((name, _), variables) in system.inputs.iter().zip(&self.inputs) {
-            run.inputs.push((name.clone(), family(variables)?));
-        }
-        for (choice, program) in system.choices.iter().zip(&self.choices) {
+        let (mut transitions, mut held) = (Named::new(), Named::new());
+        for (choice, program) in self.system.choices.iter().zip(&self.choices) {
             let names: Vec<&str> = choice.transitions.iter().map(|t| t.name.as_str()).collect();
-            run.transitions.push((choice.name.clone(), which(&program.taken, &names, steps)?));
+            transitions.push((choice.name.clone(), which(&program.taken, &names, steps)?));
             let modes = choice.modes();
             if !modes.is_empty() {
-                let at = which(&program.modes, &modes, steps + 1)?;
-                run.modes.push((choice.name.clone(), at));
+                held.push((choice.name.clone(), which(&program.modes, &modes, steps + 1)?));
             }
         }
-        for (name, values) in &self.outputs {
-            let values = values.iter().map(|value| point.value(value));
-            run.outputs.push((name.clone(), values.collect::<Result<_, _>>()?));
-        }
-        Ok(run)
+        Ok([transitions, held])
     }
 
     /// The values of all variables of the program in a run: a MIP start, or a point to check. Only

@@ -91,6 +91,8 @@ pub struct TerminalSet {
     /// After how many steps limits no longer cut the set.
     pub iterations: usize,
     gain: Mat<f64>,
+    /// By choice.
+    transitions: Vec<String>,
 }
 
 /// A row `normal . e <= 1`, and the slack at the target that is its unit.
@@ -169,7 +171,13 @@ impl TerminalSet {
             region = region.with_mode(choice, mode);
         }
         let (state, gain) = (target.to_vec(), gain.clone());
-        Ok(TerminalSet { region, state, input, iterations, gain })
+        let transitions = transitions.iter().map(|name| (*name).to_owned()).collect();
+        Ok(TerminalSet { region, state, input, iterations, gain, transitions })
+    }
+
+    /// The transitions that are taken for ever, by choice.
+    pub(in crate::hybrid) fn transitions(&self) -> &[String] {
+        &self.transitions
     }
 
     /// The input that keeps a state of the set in it: `u_e + K (x - x_e)`.
