@@ -27,7 +27,7 @@ pub struct ClosedLoop {
 /// A loop that an error ended: the error, and what happened until then.
 ///
 /// `?` in a function that returns a [`carom::Error`](crate::Error) keeps the error alone.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 #[non_exhaustive]
 pub struct BrokenLoop {
     /// The states and moves before the error; the last move too if the plant did not take it.
@@ -40,6 +40,13 @@ impl fmt::Display for BrokenLoop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let step = self.record.states.len().saturating_sub(1);
         write!(f, "the loop ended in step {step}: {}", self.error)
+    }
+}
+
+/// The words of the error, so that a program that ends with it says why.
+impl fmt::Debug for BrokenLoop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "BrokenLoop: {self}")
     }
 }
 

@@ -89,9 +89,12 @@ impl Fallback<'_> {
         let mut input = last.inputs.first().cloned().unwrap_or_default();
         if let Some(system) = present.system {
             input.resize(system.inputs.len(), 0.0);
-            for (value, (_, range)) in input.iter_mut().zip(&system.inputs) {
+            for (u, (value, (_, range))) in input.iter_mut().zip(&system.inputs).enumerate() {
                 if let Some(range) = range.get(0) {
                     *value = value.max(range.lower).min(range.upper);
+                }
+                if let Some(values) = system.values_of_input(u) {
+                    *value = values.nearest(*value);
                 }
             }
         }

@@ -163,7 +163,7 @@ impl<'a> RecedingHorizon<'a> {
             measured: measured.to_vec(),
             states: states.to_vec(),
             inputs: inputs.to_vec(),
-            memory: Vec::new(),
+            ..Handles::default()
         };
         check_moves(model)?;
         let planner =

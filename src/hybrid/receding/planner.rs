@@ -10,6 +10,7 @@ use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::memory::Memory;
 use crate::hybrid::program::{HybridProgram, Members};
 use crate::hybrid::rows::MemoryRow;
+use crate::hybrid::system::InputValues;
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Variable};
 use crate::solution::{Point, Solution};
@@ -65,6 +66,8 @@ pub(super) struct Handles {
     pub(super) measured: Vec<Variable>,
     pub(super) states: Vec<Family>,
     pub(super) inputs: Vec<Family>,
+    /// The values that these inputs take, where they take some only.
+    pub(super) values: Vec<Option<InputValues>>,
     /// Parameters that are the limits of rows, from the memory.
     pub(super) memory: Vec<(Variable, MemoryRow)>,
 }
@@ -103,6 +106,8 @@ impl Handles {
             }
             if shared.is_none() {
                 handles.inputs.extend(own.inputs().iter().cloned());
+                let values = (0..own.inputs().len()).map(|u| own.system().values_of_input(u));
+                handles.values.extend(values.map(Option::<&_>::cloned));
             }
         }
         if members.memory.is_none() {
@@ -165,6 +170,11 @@ impl Planned {
             inputs: Handles::read(&handles.inputs, point)?,
             ..LoopPlan::default()
         };
+        for (u, values) in handles.values.iter().enumerate() {
+            let Some(values) = values else { continue };
+            let own = plan.inputs.iter_mut().filter_map(|input| input.get_mut(u));
+            own.for_each(|value| *value = values.nearest(*value));
+        }
         if let Some(members) = members {
             plan.choose(members, point)?;
         }

@@ -11,6 +11,7 @@
 //! | which rows hold in every transition, which are left out | `rows/switch.rs` |
 //! | bounds of linear functions without a solver | `rows/bound.rs` |
 //! | the statements of a step | `rows/statements.rs` |
+//! | inputs that take some values only | `rows/levels.rs` |
 //! | lengths that are constant | `rows/lengths.rs` |
 //! | modes with memory, dwell times | `rows/modes.rs` |
 //! | the memory with which a run begins | `rows/memory.rs` |
@@ -20,6 +21,7 @@ mod bound;
 mod change;
 mod extreme;
 mod lengths;
+mod levels;
 mod memory;
 mod modes;
 mod names;

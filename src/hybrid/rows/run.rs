@@ -142,8 +142,9 @@ impl SystemVariables {
         for ((name, _), variables) in system.states.iter().zip(&self.states) {
             run.states.push((name.clone(), family(variables)?));
         }
-        for ((name, _), variables) in system.inputs.iter().zip(&self.inputs) {
-            run.inputs.push((name.clone(), family(variables)?));
+        for (u, ((name, _), variables)) in system.inputs.iter().zip(&self.inputs).enumerate() {
+            let values = family(variables)?.into_iter().map(|value| self.of_level(u, value));
+            run.inputs.push((name.clone(), values.collect()));
         }
         [run.transitions, run.modes] = self.chosen(point)?;
         for (name, values) in &self.outputs {
@@ -200,6 +201,12 @@ impl SystemVariables {
         for ((name, _), family) in self.system.inputs.iter().zip(&self.inputs) {
             series.push(run.input(name)?);
             assign(family, run.input(name)?)?;
+        }
+        for ((name, _), levels) in self.system.inputs.iter().zip(&self.levels) {
+            let Some(levels) = levels else { continue };
+            for (t, value) in run.input(name)?.iter().enumerate() {
+                levels.assign(*value, t, &mut values);
+            }
         }
         let z = |t: usize| -> Vec<f64> {
             series.iter().map(|values| values.get(t).copied().unwrap_or(0.0)).collect()

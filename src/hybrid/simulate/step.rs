@@ -76,7 +76,14 @@ impl StepStart<'_> {
         let own = self.system.inputs.iter().zip(self.input).enumerate();
         let ranges = own.filter_map(|(k, ((name, _), &value))| {
             let range = self.system.input_range(choice, transition, k, self.step)?;
-            Some(Slack::of_range(Condition::InputRange { input: name.clone() }, range, value))
+            let condition = Condition::InputRange { input: name.clone() };
+            let mut slack = Slack::of_range(condition, range, value);
+            if let Some(values) = self.system.values_of_input(k) {
+                // Between two values an input is off by the distance to the nearer one.
+                let off = (value - values.nearest(value)).abs();
+                slack.slack = if off > 0.0 { slack.slack.min(-off) } else { slack.slack };
+            }
+            Some(slack)
         });
         let norms = transition
             .norms

@@ -11,7 +11,7 @@ use super::error::TerminalError;
 use super::lqr::{Lqr, spectral_radius};
 use super::polyhedron::Polyhedron;
 use super::stay::{Limit, Stay, unit};
-use crate::error::{Error, check_length};
+use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::system::{Halfspace, HybridSystem, Region};
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -129,6 +129,13 @@ impl TerminalSet {
         solver: &mut dyn Solver,
     ) -> Result<Self, Error> {
         let stay = Stay::new(system, transitions)?;
+        if let Some(input) = system.input_values.keys().next() {
+            let solver = "a terminal set, whose feedback is linear,".to_owned();
+            let what = format!("the input `{input}`, which takes some values only");
+            let help =
+                "make the set from a system in which it is an `input` with its range".to_owned();
+            return Err(ErrorKind::Unsupported { solver, what, help }.into());
+        }
         let (n, m) = (system.states.len(), system.inputs.len());
         check_length("the target", target.len(), n)?;
         check_length("the rows of the gain", lqr.gain.nrows(), m)?;
