@@ -8,6 +8,7 @@ mod flaws;
 pub(crate) mod horizon;
 pub mod linear;
 mod matrix;
+mod memory;
 pub(crate) mod mission;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
@@ -30,12 +31,13 @@ pub use damage::ImpactEstimate;
 pub use flaws::{Flaw, Witness};
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
+pub use memory::Memory;
 pub use mission::{IntoWindow, Mission};
 pub use program::When;
 pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit};
 #[doc(alias("MPC", "model predictive control", "receding horizon"))]
 pub use receding::RecedingHorizon;
-pub use receding::{ClosedLoop, Disturbance, Move, MoveSource};
+pub use receding::{BrokenLoop, ClosedLoop, Disturbance, Move, MoveSource};
 #[doc(alias("tube", "robust control"))]
 pub use robust::RobustProgram;
 pub use robust::{Feedback, RobustCertificate, RobustError, RobustPlan};
@@ -46,8 +48,8 @@ pub use shortest_horizon::{
     shortest_horizon, shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, DeadEnd, DisturbedRun, RunCertificate, RunError, SimulatedStep,
-    Simulation, SimulationOptions,
+    Candidate, Condition, DeadEnd, Decisions, DisturbedRun, RunCertificate, RunError,
+    SimulatedStep, Simulation, SimulationOptions,
 };
 #[doc(alias("LCP", "complementarity"))]
 pub use system::LinearComplementarity;

@@ -5,11 +5,13 @@
 //! | the program, which owns its model | `program/mod.rs` |
 //! | expressions of a system, taken at a sample | `program/sample.rs` |
 //! | starts, goals, way-points, time windows | `program/require.rs` |
+//! | the memory of the start | `program/memory.rs` |
 //! | sums over the steps, magnitudes, soft limits | `program/costs.rs` |
 //! | certified plans | `program/plan.rs` |
 //! | scenes and others that own such a program | `program/owner.rs` |
 
 mod costs;
+mod memory;
 mod owner;
 mod plan;
 mod require;

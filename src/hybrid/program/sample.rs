@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::{Error, ErrorKind};
+use crate::hybrid::memory::Memory;
 use crate::hybrid::mission::RequiredMission;
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow, power_of_two};
@@ -30,13 +31,16 @@ pub(crate) struct Members {
     pub(crate) missions: Vec<RequiredMission>,
     /// Bounds before and after what sets have proved about them, which says nothing that the program does not.
     pub(super) implied: BTreeMap<Variable, (Interval, Interval)>,
+    /// The memory with which plans begin, if the program says it.
+    pub(crate) memory: Option<Memory>,
 }
 
 impl Members {
     pub(super) fn new(tag: ModelTag, variables: SystemVariables) -> Self {
         let steps = variables.horizon().steps();
         let (cases, implied, missions) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
-        Members { tag, steps, all: vec![(String::new(), variables)], cases, missions, implied }
+        let all = vec![(String::new(), variables)];
+        Members { tag, steps, all, cases, missions, implied, memory: None }
     }
 
     /// The first system's variables.

@@ -24,35 +24,82 @@ pub struct ClosedLoop {
     pub moves: Vec<Move>,
 }
 
+/// A loop that an error ended: the error, and what happened until then.
+///
+/// `?` in a function that returns a [`carom::Error`](crate::Error) keeps the error alone.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct BrokenLoop {
+    /// The states and moves before the error; the last move too if the plant did not take it.
+    pub record: ClosedLoop,
+    /// Why the loop ended.
+    pub error: Error,
+}
+
+impl fmt::Display for BrokenLoop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let step = self.record.states.len().saturating_sub(1);
+        write!(f, "the loop ended in step {step}: {}", self.error)
+    }
+}
+
+/// The words of the error, so that a program that ends with it says why.
+impl fmt::Debug for BrokenLoop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "BrokenLoop: {self}")
+    }
+}
+
+impl std::error::Error for BrokenLoop {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.error)
+    }
+}
+
+impl From<BrokenLoop> for Error {
+    fn from(broken: BrokenLoop) -> Self {
+        broken.error
+    }
+}
+
 impl RecedingHorizon<'_> {
     /// Runs the controller in a loop with a plant.
     ///
     /// # Arguments
     ///
     /// * `start`: the first state.
-    /// * `plant`: the state after a move from a state: a simulation of the system, or anything
-    ///   else with other dynamics, noise (see [`Disturbance`](super::Disturbance)), or a delay
-    ///   according to [`Move::time`].
+    /// * `plant`: the state after a move from a state: a simulation of the system with the whole move, such
+    ///   as `system.simulate(state, next)?.end()`, or anything else with other dynamics, noise (see
+    ///   [`Disturbance`](super::Disturbance)), or a delay according to [`Move::time`]. Modes with memory are
+    ///   taken to be those of the moves; where a plant measures them, call [`step`](Self::step) and
+    ///   [`set_memory`](Self::set_memory) in a loop of your own.
     ///
     /// # Errors
     ///
-    /// Those of [`step`](Self::step) and of the plant; [`ErrorKind::Length`](crate::ErrorKind::Length)
-    /// and [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite) for the states that it returns.
+    /// A [`BrokenLoop`] with what happened until then and one of the errors of [`step`](Self::step) and of
+    /// the plant; [`ErrorKind::Length`](crate::ErrorKind::Length) and
+    /// [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite) for the states that it returns.
     pub fn run(
         &mut self,
         start: &[f64],
         steps: usize,
         mut plant: impl FnMut(&[f64], &Move) -> Result<Vec<f64>, Error>,
-    ) -> Result<ClosedLoop, Error> {
+    ) -> Result<ClosedLoop, BrokenLoop> {
         let mut record = ClosedLoop { states: vec![start.to_vec()], moves: Vec::new() };
         let mut state = start.to_vec();
         for _ in 0..steps {
-            let next = self.step(&state)?;
-            let after = plant(&state, &next)?;
-            check_length("the state of the plant", after.len(), state.len())?;
-            check_finite("the state of the plant", "an entry", after.iter().copied())?;
-            state = after;
-            record.moves.push(next);
+            let taken = self.step(&state).and_then(|next| {
+                let after = plant(&state, &next);
+                record.moves.push(next);
+                let after = after?;
+                check_length("the state of the plant", after.len(), state.len())?;
+                check_finite("the state of the plant", "an entry", after.iter().copied())?;
+                Ok(after)
+            });
+            match taken {
+                Ok(after) => state = after,
+                Err(error) => return Err(BrokenLoop { record, error }),
+            }
             record.states.push(state.clone());
         }
         Ok(record)

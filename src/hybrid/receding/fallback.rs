@@ -1,8 +1,10 @@
-//! Inputs when there is no plan.
+//! Moves when there is no plan.
 
+use super::loop_plan::LoopPlan;
 use super::step::MoveSource;
 use crate::error::{Error, check_finite, check_length};
-use crate::hybrid::simulate::SimulationOptions;
+use crate::hybrid::memory::Memory;
+use crate::hybrid::simulate::{Simulation, SimulationOptions};
 use crate::hybrid::system::HybridSystem;
 use crate::hybrid::terminal::TerminalSet;
 
@@ -24,89 +26,130 @@ pub(super) type Given<'a> = dyn FnMut(&[f64]) -> Vec<f64> + 'a;
 /// Whether inputs, an entry per step, are admissible from a state on.
 pub(super) type Check<'a> = dyn FnMut(&[f64], &[Vec<f64>]) -> bool + 'a;
 
-/// An input, where it comes from, and whether a simulation allows it.
-pub(super) type Answer = (Vec<f64>, MoveSource, Option<bool>);
+/// What a step begins with.
+#[derive(Clone, Copy)]
+pub(super) struct Present<'p> {
+    pub(super) system: Option<&'p HybridSystem>,
+    pub(super) state: &'p [f64],
+    pub(super) memory: &'p Memory,
+}
+
+/// Steps to hand out, where they come from, and whether a simulation allows them.
+pub(super) struct Substitute {
+    pub(super) plan: LoopPlan,
+    pub(super) source: MoveSource,
+    pub(super) is_admissible: Option<bool>,
+}
+
+/// The options of the simulations that judge a substitute: the transitions of a plan as far as they are possible.
+pub(super) fn judging(memory: &Memory) -> SimulationOptions {
+    let options = SimulationOptions { prefers: true, ..SimulationOptions::default() };
+    options.with_tolerance(TOLERANCE).with_first_possible(true).with_memory(memory.clone())
+}
 
 impl Fallback<'_> {
     /// The first input that a simulation allows: of the rest of the last plan, the terminal feedback, the
     /// given input, and the next input of the last plan alone. If it allows none, the given input, or
-    /// the last. The rest of the last plan gets a step shorter.
+    /// the last.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::Length`](crate::ErrorKind::Length) and
     /// [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite) for the input that the user gives.
-    pub(super) fn input(
+    pub(super) fn instead(
         &mut self,
-        system: Option<&HybridSystem>,
-        state: &[f64],
-        rest: &mut Vec<Vec<f64>>,
-    ) -> Result<Answer, Error> {
-        let planned = rest.clone();
-        rest.drain(..usize::from(!rest.is_empty()));
-        if let Some(first) = planned.first() {
-            let allowed = self.allows(system, state, &planned);
-            if allowed != Some(false) {
-                return Ok((first.clone(), MoveSource::LastPlan, allowed));
+        present: Present<'_>,
+        last: &LoopPlan,
+    ) -> Result<Substitute, Error> {
+        if !last.inputs.is_empty() {
+            let own = self.judged(present, last.clone(), MoveSource::LastPlan);
+            if own.is_admissible != Some(false) {
+                return Ok(own);
             }
         }
         if let Some(set) = &self.terminal
-            && set.region.contains(state, 0.0)?
+            && set.region.contains(present.state, 0.0)?
         {
-            return Ok((set.feedback(state)?, MoveSource::TerminalFeedback, Some(true)));
+            let mut plan = last.with_first_input(&set.feedback(present.state)?);
+            if let Some(system) = present.system {
+                let stay = system.choices.iter().zip(set.transitions());
+                plan.transitions =
+                    stay.map(|(choice, stay)| (choice.name.clone(), vec![stay.clone()])).collect();
+            }
+            let own = self.judged(present, plan, MoveSource::TerminalFeedback);
+            // Whether the set may be entered is a matter of the modes, which the region does not know.
+            if own.is_admissible != Some(false) {
+                return Ok(Substitute { is_admissible: Some(true), ..own });
+            }
         }
-        let given = match self.given(system, state)? {
-            Some(given) if given.2 != Some(false) => return Ok(given),
+        let given = match self.given(present, last)? {
+            Some(given) if given.is_admissible != Some(false) => return Ok(given),
             given => given,
         };
-        let mut input = planned.into_iter().next().unwrap_or_default();
-        if let Some(system) = system {
+        let mut input = last.inputs.first().cloned().unwrap_or_default();
+        if let Some(system) = present.system {
             input.resize(system.inputs.len(), 0.0);
-            for (value, (_, range)) in input.iter_mut().zip(&system.inputs) {
+            for (u, (value, (_, range))) in input.iter_mut().zip(&system.inputs).enumerate() {
                 if let Some(range) = range.get(0) {
                     *value = value.max(range.lower).min(range.upper);
+                }
+                if let Some(values) = system.values_of_input(u) {
+                    *value = values.nearest(*value);
                 }
             }
         }
         // Without a system, nobody knows how many inputs there are.
-        let allowed = match system {
-            None if input.is_empty() => None,
-            _ => self.allows(system, state, std::slice::from_ref(&input)),
+        let plan = last.with_first_input(&input);
+        let own = match present.system {
+            None if input.is_empty() => {
+                Substitute { plan, source: MoveSource::Emergency, is_admissible: None }
+            }
+            _ => self.judged(present, plan, MoveSource::Emergency),
         };
         Ok(match given {
-            Some(given) if allowed != Some(true) => given,
-            _ => (input, MoveSource::Emergency, allowed),
+            Some(given) if own.is_admissible != Some(true) => given,
+            _ => own,
         })
     }
 
     /// The user's input, if there is one.
     fn given(
         &mut self,
-        system: Option<&HybridSystem>,
-        state: &[f64],
-    ) -> Result<Option<Answer>, Error> {
+        present: Present<'_>,
+        last: &LoopPlan,
+    ) -> Result<Option<Substitute>, Error> {
         let Some(given) = &mut self.given else { return Ok(None) };
-        let input = given(state);
-        if let Some(system) = system {
+        let input = given(present.state);
+        if let Some(system) = present.system {
             check_length("the input of the fallback", input.len(), system.inputs.len())?;
         }
         check_finite("the input of the fallback", "an entry", input.iter().copied())?;
-        let allowed = self.allows(system, state, std::slice::from_ref(&input));
-        Ok(Some((input, MoveSource::Given, allowed)))
+        let plan = last.with_first_input(&input);
+        Ok(Some(self.judged(present, plan, MoveSource::Given)))
     }
 
-    /// Whether a simulation from a state comes to the end of some inputs; `None` without one.
-    fn allows(
-        &mut self,
-        system: Option<&HybridSystem>,
-        state: &[f64],
-        inputs: &[Vec<f64>],
-    ) -> Option<bool> {
+    /// A plan with what a simulation says of it: whether it comes to the end, and if it does, with which
+    /// states and transitions. Where it does not, the transitions are those of the plan, or stay in the modes.
+    fn judged(&mut self, present: Present<'_>, plan: LoopPlan, source: MoveSource) -> Substitute {
+        let Present { system, state, memory } = present;
         if let Some(check) = &mut self.check {
-            return Some(check(state, inputs));
+            let is_admissible = Some(check(state, &plan.inputs));
+            let plan = LoopPlan { states: Vec::new(), ..plan };
+            return Substitute { plan, source, is_admissible };
         }
-        let options = SimulationOptions::default().with_tolerance(TOLERANCE);
-        let run = system?.simulate_with(state, inputs, &options);
-        Some(run.is_ok_and(|run| run.is_complete()))
+        let Some(system) = system else {
+            let plan = LoopPlan { states: Vec::new(), ..plan };
+            return Substitute { plan, source, is_admissible: None };
+        };
+        let run = system.simulate_with(state, &plan, &judging(memory)).ok();
+        let (plan, is_admissible) = match run.filter(Simulation::is_complete) {
+            Some(run) => (LoopPlan::of_simulation(&run), true),
+            None if plan.transitions.is_empty() => {
+                let input = plan.inputs.first().map_or(&[][..], Vec::as_slice);
+                (LoopPlan::idle(system, memory, input), false)
+            }
+            None => (LoopPlan { states: Vec::new(), ..plan }, false),
+        };
+        Substitute { plan, source, is_admissible: Some(is_admissible) }
     }
 }

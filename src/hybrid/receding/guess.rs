@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::fallback::TOLERANCE;
+use super::fallback::judging;
+use super::loop_plan::LoopPlan;
 use crate::error::Error;
+use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::simulate::SimulationOptions;
 use crate::model::{Model, Variable};
 use crate::solution::Point;
 use crate::solver::MipStart;
@@ -60,15 +61,16 @@ impl LastIntegers {
     }
 }
 
-/// The transitions and modes that a simulation of the last plan's inputs takes from a measured state,
-/// as far as it comes.
+/// The transitions and modes that a simulation of the rest of the last plan takes from a measured state, as far
+/// as it comes: those of the plan where they are possible.
 pub(super) fn simulated(
     program: &SystemVariables,
     state: &[f64],
-    inputs: &[Vec<f64>],
+    memory: &Memory,
+    rest: &LoopPlan,
 ) -> Result<Option<MipStart>, Error> {
-    let options = SimulationOptions::default().with_tolerance(TOLERANCE);
-    let Ok(run) = program.system().simulate_with(state, inputs, &options) else { return Ok(None) };
+    let run = program.system().simulate_with(state, rest, &judging(memory));
+    let Ok(run) = run else { return Ok(None) };
     let mut guess = Vec::new();
     let steps = program.horizon().steps();
     for (t, step) in run.steps.iter().enumerate().take(steps) {

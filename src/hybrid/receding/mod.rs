@@ -2,12 +2,12 @@
 //!
 //! | part | file |
 //! | --- | --- |
-//! | a controller: plan, move, fall back | `receding/mod.rs` |
+//! | a controller and its settings; a step: plan, move, fall back | `receding/mod.rs`; `receding/next_move.rs` |
 //! | where plans come from | `receding/planner.rs` |
 //! | what a step proposes to the next one | `receding/guess.rs` |
 //! | values of parameters by step of the loop | `receding/forecast.rs` |
-//! | a move and where it comes from | `receding/step.rs` |
-//! | inputs when there is no plan | `receding/fallback.rs` |
+//! | a plan, whole; a move and where it comes from | `receding/loop_plan.rs`; `receding/step.rs` |
+//! | moves when there is no plan; plans from another state | `receding/fallback.rs`; `receding/recovery.rs` |
 //! | closed loops with a plant, and their records | `receding/closed_loop.rs` |
 //! | disturbances from a seed | `receding/disturbance.rs` |
 
@@ -16,27 +16,32 @@ mod disturbance;
 mod fallback;
 mod forecast;
 mod guess;
+mod loop_plan;
+mod next_move;
 mod planner;
+mod recovery;
 mod step;
 
-pub use closed_loop::ClosedLoop;
+pub use closed_loop::{BrokenLoop, ClosedLoop};
 pub use disturbance::Disturbance;
 pub use step::{Move, MoveSource};
 
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
+use super::memory::Memory;
 use super::program::HybridProgram;
 use super::system::HybridSystem;
 use super::terminal::TerminalSet;
-use crate::error::{Error, ErrorKind, check_finite, check_length};
+use crate::error::{Error, ErrorKind, check_length};
 use crate::model::{Affine, Family, Model, Variable};
 use crate::solver::Solver;
 use fallback::Fallback;
 use forecast::Forecasts;
 use guess::LastIntegers;
-use planner::{Clock, Handles, Planned, Planner, Question};
+use loop_plan::LoopPlan;
+use planner::{Clock, Handles, Planner};
 
-/// A controller that plans anew from every measured state and hands out the first input of the plan.
+/// A controller that plans anew from every measured state and hands out the first step of the plan.
 ///
 /// The program is prepared once. Each [`step`](Self::step) gives the parameters of the measured
 /// state their values, and begins with the last plan, moved one step ahead. A step always has an input: see [`MoveSource`] for what comes instead of a plan.
@@ -66,9 +71,7 @@ use planner::{Clock, Handles, Planned, Planner, Question};
 ///
 /// let mut solver = BranchAndBound::default();
 /// let mut controller = RecedingHorizon::new(program, &mut solver)?;
-/// let plant = |state: &[f64], next: &Move| {
-///     cart.simulate(state, &[&next.input])?.end()
-/// };
+/// let plant = |state: &[f64], next: &Move| cart.simulate(state, next)?.end();
 /// let run = controller.run(&[4.0, 0.0], 20, plant)?;
 /// assert!(run.states[20].iter().all(|x| x.abs() < 0.1));
 /// assert!(run.moves.iter().all(|next| next.source == MoveSource::Optimal));
@@ -83,10 +86,12 @@ pub struct RecedingHorizon<'a> {
     budget: Option<Duration>,
     first_budget: Option<Duration>,
     steps: usize,
-    /// The rest of the last plan: an input a step.
-    rest: Vec<Vec<f64>>,
+    /// The rest of the last plan.
+    rest: LoopPlan,
     /// Whether the last step had no plan.
     missed: bool,
+    /// What the next step begins with beside the state.
+    memory: Memory,
 }
 
 impl<'a> RecedingHorizon<'a> {
@@ -107,15 +112,15 @@ impl<'a> RecedingHorizon<'a> {
     /// Those of [`Solver::prepare`]; [`ErrorKind::OutOfRange`] for a
     /// [case](HybridProgram::add_case) that does not share the first step; [`ErrorKind::DuplicateName`] if the model has a variable
     /// `measured_x` for a state `x`; [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of
-    /// the system, or a [series](HybridSystem::series), depends on the step, and for systems with modes
-    /// that last, because nothing measures in which mode a step begins.
+    /// the system, or a [series](HybridSystem::series), depends on the step, and for a program that fixes
+    /// the mode or the [memory](HybridProgram::start_from) of its start, which the controller carries.
     pub fn new(
         program: impl Into<HybridProgram>,
         solver: &'a mut dyn Solver,
     ) -> Result<Self, Error> {
         let mut program = program.into();
         check_moves(&program.model)?;
-        check_memory(&program)?;
+        check_start(&program)?;
         let handles = Handles::measure(&mut program)?;
         let HybridProgram { model, members } = program;
         let system = members.steered().map(|only| only.system().clone());
@@ -202,7 +207,7 @@ impl<'a> RecedingHorizon<'a> {
     /// let mut solver = BranchAndBound::default();
     /// let mut controller = RecedingHorizon::moving(build, &mut solver);
     /// let plant = |state: &[f64], next: &Move| {
-    ///     cart.from_step(next.step).simulate(state, &[&next.input])?.end()
+    ///     cart.from_step(next.step).simulate(state, next)?.end()
     /// };
     /// let run = controller.run(&[0.0, 0.0], 14, plant)?;
     /// assert!(run.states.iter().any(|state| state[0] > 1.5));
@@ -213,7 +218,9 @@ impl<'a> RecedingHorizon<'a> {
     /// # Arguments
     ///
     /// * `build`: the program that begins with a step of the loop, of a system or of a scene. See
-    ///   [`HybridSystem::from_step`] and [`Scene::from_step`](super::scene::Scene::from_step).
+    ///   [`HybridSystem::from_step`] and [`Scene::from_step`](super::scene::Scene::from_step). It need not say
+    ///   in which modes it begins; if it does, by [`start_from`](HybridProgram::start_from) or by a row of a
+    ///   mode at sample 0, this counts instead of what the controller remembers.
     pub fn moving<P: Into<HybridProgram>>(
         mut build: impl FnMut(usize) -> Result<P, Error> + 'a,
         solver: &'a mut dyn Solver,
@@ -223,7 +230,8 @@ impl<'a> RecedingHorizon<'a> {
     }
 
     fn built(solver: &'a mut dyn Solver, build: Box<planner::Build<'a>>, clock: Clock) -> Self {
-        let planner = Planner::Built { solver, build, clock, last: LastIntegers::default() };
+        let last = LastIntegers::default();
+        let planner = Planner::Built { solver, build, clock, last, program: None };
         RecedingHorizon::of(planner, None)
     }
 
@@ -237,8 +245,9 @@ impl<'a> RecedingHorizon<'a> {
             budget: None,
             first_budget: None,
             steps: 0,
-            rest: Vec::new(),
+            rest: LoopPlan::default(),
             missed: false,
+            memory: Memory::default(),
         }
     }
 
@@ -352,63 +361,44 @@ impl<'a> RecedingHorizon<'a> {
         self
     }
 
-    /// The next move from a measured state.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Length`] and [`ErrorKind::NotFinite`] for the state; errors of the solver; for a
-    /// shrinking or moving horizon those of building the program, and [`ErrorKind::OutOfRange`] after the
-    /// last step of a shrinking one; those of [`Model::set_parameter`] for
-    /// [parameters](Self::with_parameters). A state outside the declared ranges, an infeasible program and a limit without a
-    /// point are no errors: the move then comes from a fallback.
-    pub fn step(&mut self, state: &[f64]) -> Result<Move, Error> {
-        let began = Instant::now();
-        check_finite("the measured state", "an entry", state.iter().copied())?;
-        let planned = self.plan(state)?;
-        let mut next = match planned {
-            Planned::Found(solution, states, inputs, excess) => {
-                self.rest = inputs.get(1..).unwrap_or_default().to_vec();
-                self.missed = false;
-                Move::planned(&solution, states, inputs, excess)
-            }
-            Planned::Nothing(solution, why) => {
-                self.missed = true;
-                let system = self.system.as_ref();
-                let input = self.fallback.input(system, state, &mut self.rest)?;
-                let mut next = Move::without_plan(input);
-                next.reason = Some(why);
-                if let Some(solution) = solution {
-                    next.count(&solution);
-                }
-                next
-            }
-        };
-        next.step = self.steps;
-        next.state = state.to_vec();
-        self.steps += 1;
-        self.planner.shift();
-        next.time = began.elapsed();
-        Ok(next)
+    /// What the next step begins with beside the state: the modes to which the moves so far lead, how long they
+    /// have lasted, the number of events.
+    pub fn memory(&self) -> &Memory {
+        &self.memory
     }
 
-    /// Plans from a state.
-    fn plan(&mut self, state: &[f64]) -> Result<Planned, Error> {
-        let parameters = match self.planner.model() {
-            Some(model) if !self.forecasts.is_empty() => {
-                self.forecasts.at(model, self.steps, state)?
-            }
-            _ => Vec::new(),
-        };
-        let first = self.first_budget.filter(|_| self.steps == 0);
-        let question = Question {
-            step: self.steps,
-            state,
-            parameters: &parameters,
-            budget: first.or(self.budget),
-            excess: self.excess.as_ref(),
-            missed: self.missed.then_some(&self.rest[..]),
-        };
-        self.planner.plan(&question, &mut self.system)
+    /// Tells what the next step begins with, where it is not what the moves so far lead to: at the start of a
+    /// loop, and where modes are measured.
+    ///
+    /// ```
+    /// use carom::hybrid::Memory;
+    /// use carom::prelude::*;
+    ///
+    /// // A heater that stays on and off for 3 samples or more.
+    /// let mut room = HybridSystem::new(600.0); // s
+    /// let t = room.state("temperature", 5.0, 30.0)?; // °C
+    /// let [off, on] = room.modes("heater", ["off", "on"])?;
+    /// room.stay(off)?.next([t.is(t - 0.5)])?;
+    /// room.stay(on)?.next([t.is(t + 0.75)])?;
+    /// room.switch(off, on)?;
+    /// room.switch(on, off)?;
+    /// room.dwell(on, 3, None)?;
+    /// room.dwell(off, 3, None)?;
+    /// let mut program = room.program(5)?;
+    /// program.minimize(program.sum((t - 20.0).square())?)?;
+    /// let mut solver = BranchAndBound::default();
+    /// let mut controller = RecedingHorizon::new(program, &mut solver)?;
+    /// // It has been off for a long time.
+    /// controller.set_memory(Memory::default().with_mode("heater", "off", 9));
+    /// let run = controller.run(&[18.0], 12, |state: &[f64], next: &Move| {
+    ///     room.simulate(state, next)?.end()
+    /// })?;
+    /// let modes: Vec<_> = run.moves.iter().filter_map(|next| next.mode("heater")).collect();
+    /// assert_eq!(modes[..7], ["on", "on", "on", "off", "off", "off", "on"]);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn set_memory(&mut self, memory: Memory) {
+        self.memory = memory;
     }
 }
 
@@ -417,21 +407,22 @@ fn check_moves(model: &Model) -> Result<(), Error> {
     model.by_step().map_or(Ok(()), |what| Err(cannot_move(what)))
 }
 
-/// Refuses systems with modes that last, because nothing measures in which mode a step begins.
-fn check_memory(program: &HybridProgram) -> Result<(), Error> {
-    let systems = program.members.iter().map(|own| own.system());
-    let mut choices = systems.flat_map(|system| &system.choices);
-    match choices.find(|choice| !choice.modes().is_empty()) {
-        None => Ok(()),
-        Some(choice) => Err(ErrorKind::Unsupported {
-            solver: "a receding horizon with one program for all steps".into(),
-            what: format!("the modes of `{}`, which last from step to step", choice.name),
-            help: "build the program of each step with `RecedingHorizon::moving`, and state in it the \
-                   mode in which it starts"
+/// Refuses programs that say with which modes they begin, because every step would begin with them.
+fn check_start(program: &HybridProgram) -> Result<(), Error> {
+    let what = match (&program.members.memory, program.members.fixed_mode(&program.model)) {
+        (Some(_), _) => "a memory of the start".to_owned(),
+        (None, Some(choice)) => format!("a start in a mode of `{choice}`"),
+        (None, None) => return Ok(()),
+    };
+    Err(ErrorKind::Unsupported {
+        solver: "a receding horizon with one program for all steps".into(),
+        what: format!("{what}, because every step would begin with it"),
+        help:
+            "leave it out, because the controller carries modes along, and tell the first one by \
+               `RecedingHorizon::set_memory`"
                 .into(),
-        }
-        .into()),
     }
+    .into())
 }
 
 fn cannot_move(what: &str) -> Error {
@@ -461,7 +452,7 @@ impl std::fmt::Debug for RecedingHorizon<'_> {
         f.debug_struct("RecedingHorizon")
             .field("budget", &self.budget)
             .field("steps", &self.steps)
-            .field("rest", &self.rest)
+            .field("memory", &self.memory)
             .finish_non_exhaustive()
     }
 }

@@ -5,9 +5,13 @@ use std::sync::Arc;
 use web_time::Duration;
 
 use super::guess::{LastIntegers, simulated};
+use super::loop_plan::LoopPlan;
 use crate::error::{Error, ErrorKind, check_length};
+use crate::hybrid::memory::Memory;
 use crate::hybrid::program::{HybridProgram, Members};
-use crate::hybrid::system::{HybridSystem, Measure};
+use crate::hybrid::rows::MemoryRow;
+use crate::hybrid::system::{InputValues, Measure};
+use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Variable};
 use crate::solution::{Point, Solution};
 use crate::solver::{Control, Prepared, Solver};
@@ -17,7 +21,20 @@ pub(super) enum Planner<'a> {
     /// One program for all steps.
     Receding { prepared: Box<dyn Prepared + 'a>, handles: Handles, members: Option<Arc<Members>> },
     /// A program for each step.
-    Built { solver: &'a mut dyn Solver, build: Box<Build<'a>>, clock: Clock, last: LastIntegers },
+    Built {
+        solver: &'a mut dyn Solver,
+        build: Box<Build<'a>>,
+        clock: Clock,
+        last: LastIntegers,
+        program: Option<BuiltProgram>,
+    },
+}
+
+/// The program of the present step.
+pub(super) struct BuiltProgram {
+    model: Model,
+    members: Arc<Members>,
+    handles: Handles,
 }
 
 /// Builds the program of a step.
@@ -33,24 +50,28 @@ pub(super) enum Clock {
 
 /// The request of a step to its planner.
 pub(super) struct Question<'q> {
-    /// The number of the step.
-    pub(super) step: usize,
     pub(super) state: &'q [f64],
+    pub(super) memory: &'q Memory,
     /// Values of parameters other than the measured state.
     pub(super) parameters: &'q [(Variable, f64)],
     pub(super) budget: Option<Duration>,
     pub(super) excess: Option<&'q Affine>,
-    /// The rest of the last plan, an input a step, where the last step had no plan.
-    pub(super) missed: Option<&'q [Vec<f64>]>,
+    /// The rest of the last plan, where the last step had no plan.
+    pub(super) missed: Option<&'q LoopPlan>,
 }
 
 /// The variables of a program that a controller reads and writes.
+#[derive(Default)]
 pub(super) struct Handles {
     pub(super) measured: Vec<Variable>,
     pub(super) states: Vec<Family>,
     pub(super) inputs: Vec<Family>,
     /// The measures of the states and of the inputs.
     measures: [Vec<Measure>; 2],
+    /// The values that these inputs take, where they take some only.
+    pub(super) values: Vec<Option<InputValues>>,
+    /// Parameters that are the limits of rows, from the memory.
+    pub(super) memory: Vec<(Variable, MemoryRow)>,
 }
 
 impl Handles {
@@ -61,18 +82,15 @@ impl Handles {
             states: states.to_vec(),
             inputs: inputs.to_vec(),
             measures: [states, inputs].map(|families| vec![Measure::PLAIN; families.len()]),
+            ..Handles::default()
         }
     }
 
-    /// Adds parameters for the states at the first sample of a program.
+    /// Adds parameters for the states at the first sample of a program, and for its memory unless the program
+    /// states that.
     pub(super) fn measure(program: &mut HybridProgram) -> Result<Self, Error> {
         let HybridProgram { model, members } = program;
-        let mut handles = Handles {
-            measured: Vec::new(),
-            states: Vec::new(),
-            inputs: Vec::new(),
-            measures: [Vec::new(), Vec::new()],
-        };
+        let mut handles = Handles::default();
         let first = members.first().computed();
         for (k, (name, own)) in members.named().enumerate() {
             // Cases begin in the state of the first system.
@@ -114,14 +132,29 @@ impl Handles {
                 handles.inputs.extend(own.inputs().iter().cloned());
                 let count = own.inputs().len();
                 handles.measures[1].extend((0..count).map(|u| own.coordinates().input(u)));
+                let values = (0..count).map(|u| own.system().values_of_input(u));
+                handles.values.extend(values.map(Option::<&_>::cloned));
+            }
+        }
+        if members.memory.is_none() {
+            for (_, prefix, row) in members.memory_rows() {
+                let Interval { lower, upper } = row.range;
+                let name = row.name(&["remembered", prefix], "");
+                let parameter = model.parameter(name, upper, lower, upper)?;
+                let name = row.name(&["remembered", prefix], "row");
+                model.add(name, (row.expression.clone() - parameter).le(0.0))?;
+                handles.memory.push((parameter, row));
             }
         }
         Ok(handles)
     }
 
-    fn values(&self, state: &[f64]) -> Vec<(Variable, f64)> {
-        let state = state.iter().zip(&self.measures[0]).map(|(x, measure)| measure.inward(*x));
-        self.measured.iter().copied().zip(state).collect()
+    fn values(&self, question: &Question<'_>) -> Vec<(Variable, f64)> {
+        let state = question.state.iter().zip(&self.measures[0]);
+        let state = state.map(|(x, measure)| measure.inward(*x));
+        let memory = self.memory.iter();
+        let memory = memory.map(|(parameter, row)| (*parameter, row.limit(question.memory)));
+        self.measured.iter().copied().zip(state).chain(memory).collect()
     }
 
     /// The values of families, by step.
@@ -141,8 +174,8 @@ impl Handles {
 
 /// The result of planning.
 pub(super) enum Planned {
-    /// A solution with its states, inputs and excess.
-    Found(Box<Solution>, Vec<Vec<f64>>, Vec<Vec<f64>>, Option<f64>),
+    /// A solution with its plan and excess.
+    Found(Box<Solution>, LoopPlan, Option<f64>),
     /// No point, and why.
     Nothing(Option<Box<Solution>>, String),
 }
@@ -151,6 +184,7 @@ impl Planned {
     fn of(
         result: Result<Solution, Error>,
         handles: &Handles,
+        members: Option<&Members>,
         excess: Option<&Affine>,
     ) -> Result<Self, Error> {
         let solution = match result {
@@ -165,10 +199,21 @@ impl Planned {
             let why = solution.termination().to_string();
             return Ok(Planned::Nothing(Some(solution), why));
         };
-        let states = Handles::read(&handles.states, &handles.measures[0], point)?;
-        let inputs = Handles::read(&handles.inputs, &handles.measures[1], point)?;
+        let mut plan = LoopPlan {
+            states: Handles::read(&handles.states, &handles.measures[0], point)?,
+            inputs: Handles::read(&handles.inputs, &handles.measures[1], point)?,
+            ..LoopPlan::default()
+        };
+        for (u, values) in handles.values.iter().enumerate() {
+            let Some(values) = values else { continue };
+            let own = plan.inputs.iter_mut().filter_map(|input| input.get_mut(u));
+            own.for_each(|value| *value = values.nearest(*value));
+        }
+        if let Some(members) = members {
+            plan.choose(members, point)?;
+        }
         let excess = excess.map(|excess| point.value(excess)).transpose()?;
-        Ok(Planned::Found(solution, states, inputs, excess))
+        Ok(Planned::Found(solution, plan, excess))
     }
 }
 
@@ -195,71 +240,111 @@ impl Planner<'_> {
         }
     }
 
-    /// Plans from a state. The system of the step's own program takes the place of `system`.
-    pub(super) fn plan(
-        &mut self,
-        question: &Question<'_>,
-        system: &mut Option<HybridSystem>,
-    ) -> Result<Planned, Error> {
-        let state = question.state;
+    /// The systems of the present step, if there are any.
+    pub(super) fn members(&self) -> Option<&Members> {
+        match self {
+            Planner::Receding { members, .. } => members.as_deref(),
+            Planner::Built { program, .. } => program.as_ref().map(|own| &*own.members),
+        }
+    }
+
+    fn handles(&self) -> Option<&Handles> {
+        match self {
+            Planner::Receding { handles, .. } => Some(handles),
+            Planner::Built { program, .. } => program.as_ref().map(|own| &own.handles),
+        }
+    }
+
+    /// Builds the program of a step, if each step has its own. What that says of the memory of its start takes
+    /// the place of what is remembered.
+    pub(super) fn begin(&mut self, number: usize, memory: &mut Memory) -> Result<(), Error> {
+        if let Planner::Built { build, clock, program, .. } = self {
+            let step = match clock {
+                Clock::Left(0) => {
+                    let what = "the step of a shrinking horizon";
+                    return Err(Error::out_of_range(what, number as f64, "before its end"));
+                }
+                Clock::Left(left) => *left,
+                Clock::Passed(passed) => *passed,
+            };
+            let mut own = build(step)?;
+            match &own.members.memory {
+                Some(told) => *memory = told.clone(),
+                None => {
+                    for told in own.members.told_modes(&own.model, memory) {
+                        memory.forget(&told);
+                    }
+                }
+            }
+            let handles = Handles::measure(&mut own)?;
+            let HybridProgram { model, members } = own;
+            *program = Some(BuiltProgram { model, members, handles });
+        }
+        match self.members() {
+            Some(members) => memory.check_choices(&members.choices()),
+            None => Ok(()),
+        }
+    }
+
+    /// The ranges of the measured states.
+    pub(super) fn ranges(&self) -> Result<Vec<Interval>, Error> {
+        let model = match self {
+            Planner::Receding { prepared, .. } => Some(prepared.model()),
+            Planner::Built { program, .. } => program.as_ref().map(|own| &own.model),
+        };
+        let measured = self.handles().map_or(&[][..], |handles| &handles.measured);
+        let range = |parameter: &Variable| -> Result<Interval, Error> {
+            let Some(model) = model else { return Ok(Interval::REALS) };
+            let range = model.variable_ref(*parameter)?.parameter_range();
+            Ok(range.unwrap_or(Interval::REALS))
+        };
+        measured.iter().map(range).collect()
+    }
+
+    /// Plans from a state by the program of the present step.
+    pub(super) fn plan(&mut self, question: &Question<'_>) -> Result<Planned, Error> {
+        let measured = self.handles().map_or(0, |handles| handles.measured.len());
+        check_length("the measured state", question.state.len(), measured)?;
+        let start = match (self.members().and_then(Members::only), question.missed) {
+            (Some(variables), Some(rest)) => {
+                simulated(variables, question.state, question.memory, rest)?
+            }
+            _ => None,
+        };
         match self {
             Planner::Receding { prepared, handles, members } => {
-                check_length("the measured state", state.len(), handles.measured.len())?;
                 if question.budget.is_some() {
                     prepared.options_mut().time_limit = question.budget;
                 }
-                let mut values = handles.values(state);
+                let mut values = handles.values(question);
                 values.extend(question.parameters);
-                let only = members.as_ref().and_then(|members| members.only());
-                let start = match (only, question.missed) {
-                    (Some(variables), Some(rest)) => simulated(variables, state, rest)?,
-                    _ => None,
-                };
                 let mut control = Control::default();
                 if let Some(start) = &start {
                     control = control.with_start(start);
                 }
                 let result = prepared.solve(&values, &mut control);
-                Planned::of(result, handles, question.excess)
+                Planned::of(result, handles, members.as_deref(), question.excess)
             }
-            Planner::Built { solver, build, clock, last } => {
-                let step = match clock {
-                    Clock::Left(0) => {
-                        let what = "the step of a shrinking horizon";
-                        return Err(Error::out_of_range(
-                            what,
-                            question.step as f64,
-                            "before its end",
-                        ));
-                    }
-                    Clock::Left(left) => *left,
-                    Clock::Passed(passed) => *passed,
+            Planner::Built { solver, last, program, .. } => {
+                let Some(BuiltProgram { model, members, handles }) = program else {
+                    return Ok(Planned::Nothing(None, "there is no program".to_owned()));
                 };
-                let mut program = build(step)?;
-                let handles = Handles::measure(&mut program)?;
-                check_length("the measured state", state.len(), handles.measured.len())?;
-                let HybridProgram { mut model, members } = program;
-                *system = members.steered().map(|only| only.system().clone());
                 if question.budget.is_some() {
                     solver.options_mut().time_limit = question.budget;
                 }
-                let start = match (members.only(), question.missed) {
-                    (Some(variables), Some(rest)) => simulated(variables, state, rest)?,
-                    _ => None,
-                };
-                let start = start.or_else(|| last.start(&model));
+                let start = start.or_else(|| last.start(model));
                 let mut control = Control::default();
                 if let Some(start) = &start {
                     control = control.with_start(start);
                 }
                 let result = model
-                    .set_parameters(&handles.values(state))
-                    .and_then(|()| solver.solve_with(&model, &mut control));
-                let planned = Planned::of(result, &handles, question.excess)?;
+                    .set_parameters(&handles.values(question))
+                    .and_then(|()| solver.solve_with(model, &mut control));
+                let planned = Planned::of(result, handles, Some(members), question.excess)?;
                 if let Planned::Found(solution, ..) = &planned
                     && let Some(point) = solution.point()
                 {
-                    last.take_in(&model, point)?;
+                    last.take_in(model, point)?;
                 }
                 Ok(planned)
             }

@@ -31,6 +31,15 @@ pub enum RobustError {
         /// The states of the program's system.
         expected: usize,
     },
+    /// A feedback that corrects an input that takes some values only.
+    #[error(
+        "the feedback corrects the input `{input}`, which takes some values only and cannot be corrected; give \
+         it a gain with zeros in the row of this input, as `Feedback::regulator` does"
+    )]
+    FiniteInput {
+        /// The input.
+        input: String,
+    },
     /// A statement that holds at one value alone, where disturbed runs differ.
     #[error(
         "`{statement}` requires one value, but disturbed runs differ there by {width:.3e} or more; \

@@ -138,7 +138,12 @@ impl Feedback {
             let Ok(lqr) = Lqr::new(flow, weight(&states, 1.0), weight(&inputs, factor)) else {
                 continue;
             };
-            let own = Feedback::shaped(system, &lqr.gain);
+            // An input that takes some values only cannot be corrected.
+            let entry = |u: usize, i: usize| match system.values_of_input(u) {
+                Some(_) => 0.0,
+                None => lqr.gain[(u, i)],
+            };
+            let own = Feedback::shaped(system, &Matrix::from(Mat::from_fn(m, n, entry)));
             if own.1 < best.1 {
                 best = own;
             }

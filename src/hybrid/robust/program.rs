@@ -128,6 +128,12 @@ impl HybridProgram {
         if found != expected || feedback.gain().nrows() != own.system().inputs.len() {
             return Err(RobustError::OtherSystem { found, expected }.into());
         }
+        for (u, (name, _)) in own.system().inputs.iter().enumerate() {
+            let corrects = (0..expected).any(|i| feedback.gain()[(u, i)] != 0.0);
+            if corrects && own.system().values_of_input(u).is_some() {
+                return Err(RobustError::FiniteInput { input: name.clone() }.into());
+            }
+        }
         let mut robust = RobustProgram {
             program: self.clone(),
             feedback: feedback.clone(),

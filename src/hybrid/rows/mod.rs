@@ -11,14 +11,18 @@
 //! | which rows hold in every transition, which are left out | `rows/switch.rs` |
 //! | bounds of linear functions without a solver | `rows/bound.rs` |
 //! | the statements of a step | `rows/statements.rs` |
+//! | inputs that take some values only | `rows/levels.rs` |
 //! | lengths that are constant | `rows/lengths.rs` |
 //! | modes with memory, dwell times | `rows/modes.rs` |
+//! | the memory with which a run begins | `rows/memory.rs` |
 //! | names | `rows/names.rs` |
 
 mod bound;
 mod change;
 mod extreme;
 mod lengths;
+mod levels;
+mod memory;
 mod modes;
 mod names;
 mod program;
@@ -28,9 +32,11 @@ mod switch;
 mod write;
 
 pub(crate) use extreme::push_outward;
+pub(crate) use memory::MemoryRow;
 #[doc(hidden)]
 pub use program::SystemVariables;
 pub use run::HybridRun;
+pub(crate) use run::Named;
 pub(in crate::hybrid) use write::expression;
 
 use super::horizon::Horizon;

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::change::Changes;
+use super::levels::Levels;
 use crate::error::Error;
 use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::horizon::Horizon;
@@ -80,6 +81,8 @@ pub struct SystemVariables {
     pub(super) horizon: Horizon,
     pub(super) states: Vec<Family>,
     pub(super) inputs: Vec<Family>,
+    /// How the values of each input are counted, if it takes some only.
+    pub(super) levels: Vec<Option<Levels>>,
     pub(super) choices: Vec<ChoiceProgram>,
     /// Names and values over the steps.
     pub(super) outputs: Vec<(String, Vec<Affine>)>,

@@ -9,6 +9,9 @@ use crate::model::Variable;
 use crate::number::{DIGITS, TableColumn, rounded};
 use crate::solution::{Point, Solution};
 
+/// Names over the steps or samples, for each choice with its name.
+pub(crate) type Named = Vec<(String, Vec<String>)>;
+
 /// A run of a hybrid system over a horizon, in numbers and names.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
@@ -144,10 +147,39 @@ impl SystemVariables {
 
     fn read_in(&self, point: &Point, coordinates: &Coordinates) -> Result<HybridRun, Error> {
         let system = &self.system;
-        let steps = self.horizon.steps();
         let family = |variables: &crate::model::Family| -> Result<Vec<f64>, Error> {
             variables.iter().map(|variable| point.value(variable)).collect()
         };
+        let mut run = HybridRun { time_step: self.horizon.time_step(), ..HybridRun::default() };
+        let outward = |measure: Measure, values: Vec<f64>| -> Vec<f64> {
+            values.into_iter().map(|value| measure.outward(value)).collect()
+        };
+        for (i, ((name, _), variables)) in system.states.iter().zip(&self.states).enumerate() {
+            let values = outward(coordinates.state(i), family(variables)?);
+            run.states.push((name.clone(), values));
+        }
+        for (u, ((name, _), variables)) in system.inputs.iter().zip(&self.inputs).enumerate() {
+            let values = family(variables)?.into_iter().map(|value| self.of_level(u, value));
+            let mut values = outward(coordinates.input(u), values.collect());
+            if let Some(stated) =
+                self.system().values_of_input(u).filter(|_| !coordinates.is_plain())
+            {
+                values.iter_mut().for_each(|value| *value = stated.nearest(*value));
+            }
+            run.inputs.push((name.clone(), values));
+        }
+        [run.transitions, run.modes] = self.chosen(point)?;
+        for (name, values) in &self.outputs {
+            let unit = coordinates.output(name);
+            let values = values.iter().map(|value| Ok::<f64, Error>(unit * point.value(value)?));
+            run.outputs.push((name.clone(), values.collect::<Result<_, _>>()?));
+        }
+        Ok(run)
+    }
+
+    /// The transitions of each choice in the steps of a point, and the modes at its samples.
+    pub(crate) fn chosen(&self, point: &Point) -> Result<[Named; 2], Error> {
+        let steps = self.horizon.steps();
         let which = |of: &OneOf, names: &[&str], count: usize| -> Result<Vec<String>, Error> {
             let one = |t: usize| -> Result<String, Error> {
                 let mut best = (f64::NEG_INFINITY, 0);
@@ -161,33 +193,16 @@ impl SystemVariables {
             };
             (0..count).map(one).collect()
         };
-        let mut run = HybridRun { time_step: self.horizon.time_step(), ..HybridRun::default() };
-        let outward = |measure: Measure, values: Vec<f64>| -> Vec<f64> {
-            values.into_iter().map(|value| measure.outward(value)).collect()
-        };
-        for (i, ((name, _), variables)) in system.states.iter().zip(&self.states).enumerate() {
-            let values = outward(coordinates.state(i), family(variables)?);
-            run.states.push((name.clone(), values));
-        }
-        for (u, ((name, _), variables)) in system.inputs.iter().zip(&self.inputs).enumerate() {
-            let values = outward(coordinates.input(u), family(variables)?);
-            run.inputs.push((name.clone(), values));
-        }
-        for (choice, program) in system.choices.iter().zip(&self.choices) {
+        let (mut transitions, mut held) = (Named::new(), Named::new());
+        for (choice, program) in self.system.choices.iter().zip(&self.choices) {
             let names: Vec<&str> = choice.transitions.iter().map(|t| t.name.as_str()).collect();
-            run.transitions.push((choice.name.clone(), which(&program.taken, &names, steps)?));
+            transitions.push((choice.name.clone(), which(&program.taken, &names, steps)?));
             let modes = choice.modes();
             if !modes.is_empty() {
-                let at = which(&program.modes, &modes, steps + 1)?;
-                run.modes.push((choice.name.clone(), at));
+                held.push((choice.name.clone(), which(&program.modes, &modes, steps + 1)?));
             }
         }
-        for (name, values) in &self.outputs {
-            let unit = coordinates.output(name);
-            let values = values.iter().map(|value| Ok::<f64, Error>(unit * point.value(value)?));
-            run.outputs.push((name.clone(), values.collect::<Result<_, _>>()?));
-        }
-        Ok(run)
+        Ok([transitions, held])
     }
 
     /// The values of all variables of the program in a run: a MIP start, or a point to check. Only
@@ -214,6 +229,11 @@ impl SystemVariables {
             let own = inward(self.coordinates.input(u), run.input(name)?);
             assign(family, &own)?;
             series.push(own);
+        }
+        let of_inputs = &series[self.states.len()..];
+        for (own, levels) in of_inputs.iter().zip(&self.levels) {
+            let Some(levels) = levels else { continue };
+            own.iter().enumerate().for_each(|(t, value)| levels.assign(*value, t, &mut values));
         }
         let z = |t: usize| -> Vec<f64> {
             series.iter().map(|values| values.get(t).copied().unwrap_or(0.0)).collect()

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
 use super::lengths::telling;
+use super::levels;
 use super::modes;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
@@ -15,7 +16,7 @@ use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem};
 use crate::interval::Interval;
-use crate::model::{Affine, Family, Method, Model, Variable};
+use crate::model::{Affine, Family, Method, Model, Variable, VariableKind};
 
 /// The changes and rows of a choice, known before its variables are made.
 struct Plan {
@@ -102,6 +103,7 @@ pub(super) fn write(
             background: BTreeSet::new(),
         };
         writer.limits()?;
+        writer.levels()?;
         writer.steps()?;
         writer.modes()?;
         writer.events()?;
@@ -133,6 +135,7 @@ fn variables(
         horizon: *horizon,
         states: Vec::new(),
         inputs: Vec::new(),
+        levels: Vec::new(),
         choices: Vec::new(),
         outputs: Vec::new(),
         own_outputs: Vec::new(),
@@ -146,11 +149,13 @@ fn variables(
     for (u, (name, _)) in system.inputs.iter().enumerate() {
         let [above, below] = ["above", "below"].map(|end| names.family(&[name, end, "ranges"]));
         let name = names.family(&[name]);
+        let is_whole = system.values_of_input(u).is_some_and(levels::is_whole);
+        let kind = if is_whole { VariableKind::Integer } else { VariableKind::Continuous };
         let member = |t: usize| {
             let Interval { lower, upper } = input_ranges(system, t)[u];
             // Ranges of different choices may have nothing in common.
-            let variable =
-                model.continuous((name.as_str(), t), lower.min(upper), lower.max(upper))?;
+            let (least, most) = (lower.min(upper), lower.max(upper));
+            let variable = model.variable((name.as_str(), t), kind, least, most)?;
             if lower > upper {
                 model.add((above.as_str(), t), variable.ge(lower))?;
                 model.add((below.as_str(), t), variable.le(upper))?;
@@ -158,6 +163,7 @@ fn variables(
             Ok(variable)
         };
         program.inputs.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
+        program.levels.push(levels::variables(system, u, model, names, steps)?);
     }
     for (choice, plan) in system.choices.iter().zip(plans) {
         // A single choice needs no name.
@@ -333,6 +339,15 @@ impl Writer<'_> {
             if any && !limit.is_limit {
                 self.background.insert(family);
             }
+        }
+        Ok(())
+    }
+
+    /// The values that inputs take, if they take some only.
+    fn levels(&mut self) -> Result<(), Error> {
+        for input in 0..self.program.inputs.len() {
+            let families = levels::add(self.model, &mut self.names, self.program, input)?;
+            self.background.extend(families);
         }
         Ok(())
     }

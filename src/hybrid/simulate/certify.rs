@@ -2,12 +2,13 @@
 
 use super::condition::{Slack, tightest};
 use super::error::RunError;
-use super::memory::Memory;
+use super::memory;
 use super::plan::PlannedRun;
 use super::step::{Flown, StepStart, sample_conditions};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
+use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::{HybridRun, SystemVariables};
 use crate::hybrid::system::{Coordinates, HybridSystem, Measure, Transition};
 use crate::solution::Solution;
@@ -76,7 +77,7 @@ impl HybridSystem {
             events: 0,
             ties: Vec::new(),
         };
-        let mut memory = Memory::new(self, &plan.first_modes())?;
+        let mut memory = plan.first_memory()?;
         let mut open = plan.states[0].clone();
         for step in 0..plan.inputs.len() {
             let start = plan.start(coordinates, step);
@@ -95,8 +96,8 @@ impl HybridSystem {
             let next = &plan.states[step + 1];
             let apart = open.iter().zip(next).map(|(a, b)| (a - b).abs());
             certificate.drift = apart.fold(certificate.drift, f64::max);
-            for (choice, (transition, _)) in taken.iter().enumerate() {
-                memory.advance(choice, transition);
+            for (choice, (transition, _)) in self.choices.iter().zip(&taken) {
+                memory.advance(&choice.name, transition);
             }
             plan.check_modes(&memory, step + 1)?;
         }
@@ -160,7 +161,7 @@ impl RunCertificate {
         for (c, choice) in system.choices.iter().enumerate() {
             for (k, transition) in choice.transitions.iter().enumerate() {
                 let (flown, mut slacks) = start.fly(choice, transition)?;
-                slacks.extend(memory.conditions(system, c, transition));
+                slacks.extend(memory::conditions(memory, system, choice, transition));
                 if k != plan.taken[c][step] {
                     is_tie |= slacks.iter().all(|slack| slack.holds(MISS));
                     continue;

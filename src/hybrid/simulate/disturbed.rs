@@ -2,13 +2,14 @@
 
 use super::certify::MISS;
 use super::condition::{Slack, tightest};
-use super::memory::Memory;
+use super::memory;
 use super::options::SimulationOptions;
 use super::plan::PlannedRun;
 use super::step::{Flown, StepStart, sample_conditions};
 use super::stepper::Stepper;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::matrix::Matrix;
+use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{Coordinates, HybridSystem, Reset, Transition};
 use crate::interval::Interval;
@@ -119,7 +120,7 @@ impl HybridSystem {
             .into());
         }
         let planned = PlannedRun::new(self, plan)?;
-        let mut memory = Memory::new(self, &planned.first_modes())?;
+        let mut memory = planned.first_memory()?;
         let mut disturbed = DisturbedRun {
             run: HybridRun {
                 time_step: self.time_step,
@@ -133,7 +134,7 @@ impl HybridSystem {
             largest_violation: 0.0,
         };
         let coordinates = &Coordinates::of(self);
-        let options = SimulationOptions { tolerance: MISS, ..SimulationOptions::default() };
+        let options = SimulationOptions::default().with_tolerance(MISS).with_first_possible(true);
         let mut state = planned.states[0].clone();
         state.iter_mut().zip(off).for_each(|(x, by)| *x += by);
         let is_uncertain = self.transitions().any(|own| !own.uncertain.is_empty());
@@ -160,14 +161,14 @@ impl HybridSystem {
                     disturbed.deviation.get_or_insert(step);
                     let stepper =
                         Stepper { start, memory: &memory, options: &options, disturbance: &by };
-                    let Ok(taken) = stepper.take(None)? else { return Ok(disturbed) };
+                    let Ok(taken) = stepper.take(&[])? else { return Ok(disturbed) };
                     picked = taken.picked;
                     taken.next
                 }
             };
             for (c, k) in picked.iter().enumerate() {
                 let Some(own) = transition(c, *k) else { continue };
-                memory.advance(c, own);
+                memory.advance(&self.choices[c].name, own);
                 disturbed.run.transitions[c].1.push(own.name.clone());
             }
             let inputs = disturbed.run.inputs.iter_mut().zip(&input);
@@ -196,11 +197,11 @@ impl DisturbedRun {
         let system = start.system;
         let mut slacks = start.joint_limits();
         let (mut members, mut flown): (Vec<&Transition>, Vec<Flown>) = (Vec::new(), Vec::new());
-        for (c, (choice, k)) in system.choices.iter().zip(taken).enumerate() {
+        for (choice, k) in system.choices.iter().zip(taken) {
             let own = &choice.transitions[*k];
             let (to, conditions) = start.fly(choice, own)?;
             slacks.extend(conditions);
-            slacks.extend(memory.conditions(system, c, own));
+            slacks.extend(memory::conditions(memory, system, choice, own));
             members.push(own);
             flown.push(to);
         }

@@ -8,6 +8,7 @@
 
 mod certify;
 mod condition;
+mod decisions;
 mod disturbed;
 mod error;
 mod memory;
@@ -20,6 +21,8 @@ mod stepper;
 
 pub use certify::RunCertificate;
 pub use condition::Condition;
+pub(crate) use decisions::Decided;
+pub use decisions::Decisions;
 pub use disturbed::DisturbedRun;
 pub use error::RunError;
 pub use options::SimulationOptions;

@@ -1,9 +1,9 @@
 //! A run of names and numbers, sorted as its system is.
 
 use super::error::RunError;
-use super::memory::Memory;
 use super::step::StepStart;
 use crate::error::{Error, check_finite, check_length};
+use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{Coordinates, HybridSystem};
 
@@ -59,18 +59,24 @@ impl<'a> PlannedRun<'a> {
         StepStart { system: self.system, coordinates, step, state, input }
     }
 
-    /// The modes at the first sample, as pairs of choice and mode.
-    pub(super) fn first_modes(&self) -> Vec<(String, String)> {
+    /// The memory at the first sample: its modes, which may have lasted for any time.
+    pub(super) fn first_memory(&self) -> Result<Memory, Error> {
         let named = self.system.choices.iter().zip(&self.modes);
         let first = named.filter_map(|(choice, modes)| Some((choice, (*modes)?.first()?)));
-        first.map(|(choice, mode)| (choice.name.clone(), mode.clone())).collect()
+        let memory = first.fold(Memory::default(), |memory, (choice, mode)| {
+            memory.with_mode(&choice.name, mode, None)
+        });
+        memory.check(self.system)?;
+        Ok(memory)
     }
 
     /// Refuses modes at a sample that differ from those in which the transitions lead.
     pub(super) fn check_modes(&self, memory: &Memory, sample: usize) -> Result<(), Error> {
-        for (c, (choice, modes)) in self.system.choices.iter().zip(&self.modes).enumerate() {
+        for (choice, modes) in self.system.choices.iter().zip(&self.modes) {
             let found = modes.and_then(|modes| modes.get(sample));
-            let (Some(found), Some(expected)) = (found, memory.mode(c)) else { continue };
+            let (Some(found), Some(expected)) = (found, memory.mode(&choice.name)) else {
+                continue;
+            };
             if found != expected {
                 return Err(RunError::Mode {
                     sample,

@@ -1,6 +1,6 @@
 //! Runs of a hybrid system, step by step.
 
-use super::memory::Memory;
+use super::decisions::{Decided, Decisions};
 use super::options::SimulationOptions;
 use super::simulation::Simulation;
 use super::step::{StepStart, sample_conditions};
@@ -8,18 +8,24 @@ use super::stepper::{Stepper, Taken, violated};
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite, check_length};
+use crate::hybrid::memory::Memory;
 use crate::hybrid::system::{Coordinates, HybridSystem, Transition};
 use crate::interval::Interval;
 
 impl HybridSystem {
-    /// Simulates the system from a state under given inputs, with the default
-    /// [`SimulationOptions`]: the modes at the first sample are open, and among several possible
-    /// transitions the first in the list is taken. Each step says which ones were possible.
+    /// Simulates the system from a state, with the default [`SimulationOptions`]: where nothing says which
+    /// transitions are taken, the only possible ones are. Each step says which ones were possible.
+    ///
+    /// Where several are possible that lead to different states or modes, an error says so, because the run
+    /// that is taken may not be the one that was meant: a step of a controller is simulated as the whole
+    /// [`Move`](crate::hybrid::Move), which has the transitions of its plan. At a tie on a boundary that their
+    /// guards share, the first one is taken.
     ///
     /// # Arguments
     ///
     /// * `state`: the first sample, an entry per state.
-    /// * `inputs`: the input of every step, an entry per input of the system.
+    /// * `decided`: the input of every step, an entry per input of the system; or a move. Conditions then hold
+    ///   to the tolerance of plans, and those of domains and limits only if the move is admissible.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -45,36 +51,53 @@ impl HybridSystem {
     /// # Errors
     ///
     /// Those of [`HybridSystem::check`]; [`ErrorKind::Length`] and [`ErrorKind::NotFinite`] for the
-    /// state and the inputs. A state or an input that the system does not allow is no error: the
+    /// state and the inputs; [`ErrorKind::Other`] with [`DeadEnd::Ambiguous`] as its source for a step in
+    /// which nothing says what is taken. A state or an input that the system does not allow is no error: the
     /// simulation ends there, and [`Simulation::dead_end`] says why.
-    pub fn simulate<U: AsRef<[f64]>>(
+    ///
+    /// [`DeadEnd::Ambiguous`]: super::DeadEnd::Ambiguous
+    pub fn simulate<D: Decisions + ?Sized>(
         &self,
         state: &[f64],
-        inputs: &[U],
+        decided: &D,
     ) -> Result<Simulation, Error> {
-        self.simulate_with(state, inputs, &SimulationOptions::default())
+        self.simulate_with(state, decided, &SimulationOptions::default())
     }
 
-    /// Simulates the system with first modes, planned transitions or disturbances.
+    /// Simulates the system with first modes, planned transitions or disturbances. Where the options and a
+    /// move both name transitions or a memory, those of the options count.
     ///
     /// # Errors
     ///
     /// As for [`simulate`](HybridSystem::simulate); [`ErrorKind::UnknownName`] for a mode that does
     /// not exist, [`ErrorKind::OutOfRange`] for a disturbance outside the system's and for a
     /// tolerance below 0.
-    pub fn simulate_with<U: AsRef<[f64]>>(
+    pub fn simulate_with<D: Decisions + ?Sized>(
         &self,
         state: &[f64],
-        inputs: &[U],
+        decided: &D,
         options: &SimulationOptions,
     ) -> Result<Simulation, Error> {
         self.check()?;
-        self.check_simulation(state, inputs, options)?;
+        let decided = decided.decided();
+        self.check_simulation(state, &decided.inputs, options)?;
         let coordinates = &Coordinates::of(self);
-        let mut memory = Memory::new(self, &options.modes)?;
+        let mut memory = match decided.memory {
+            Some(memory) if options.memory == Memory::default() => memory.clone(),
+            _ => options.memory.clone(),
+        };
+        memory.check(self)?;
+        let mut options = options.clone();
+        options.keeps_limits &= !decided.is_beyond_limits;
+        options.tolerance = options.tolerance.max(decided.tolerance);
+        let options = &options;
         let modes = |memory: &Memory| {
-            let modes = (0..self.choices.len()).map(|c| memory.mode(c).map(str::to_owned));
+            let modes = self.choices.iter().map(|own| memory.mode(&own.name).map(str::to_owned));
             modes.collect::<Vec<_>>()
+        };
+        let first = match options.keeps_limits {
+            true => violated(0, sample_conditions(self, coordinates, 0, state), options.tolerance),
+            false => None,
         };
         let names = |names: Vec<&String>| names.into_iter().cloned().collect();
         let mut run = Simulation {
@@ -86,31 +109,28 @@ impl HybridSystem {
             modes: vec![modes(&memory)],
             inputs: Vec::new(),
             steps: Vec::new(),
-            dead_end: violated(
-                0,
-                sample_conditions(self, coordinates, 0, state),
-                options.tolerance,
-            ),
+            memory: memory.clone(),
+            dead_end: first,
         };
         let mut state = state.to_vec();
-        for (step, input) in inputs.iter().enumerate() {
+        for (step, input) in decided.inputs.iter().enumerate() {
             if run.dead_end.is_some() {
                 break;
             }
-            let input = input.as_ref();
             let start = StepStart { system: self, coordinates, step, state: &state, input };
             let disturbance = options.disturbances.get(step).map_or(&[][..], Vec::as_slice);
-            let plan = options.transitions.get(step).map(Vec::as_slice);
+            let plan = self.planned(step, &decided, options);
             let stepper = Stepper { start, memory: &memory, options, disturbance };
-            match stepper.take(plan)? {
+            match stepper.take(&plan)? {
                 Err(end) => run.dead_end = Some(end),
                 Ok(Taken { picked, next, report }) => {
                     let taken = self.choices.iter().zip(picked);
                     let taken = taken.filter_map(|(choice, k)| choice.transitions.get(k));
                     let transitions: Vec<&Transition> = taken.collect();
-                    for (choice, transition) in transitions.iter().enumerate() {
-                        memory.advance(choice, transition);
+                    for (choice, transition) in self.choices.iter().zip(&transitions) {
+                        memory.advance(&choice.name, transition);
                     }
+                    run.memory = memory.clone();
                     run.inputs.push(input.to_vec());
                     run.steps.push(report);
                     run.states.push(next.clone());
@@ -128,16 +148,32 @@ impl HybridSystem {
         Ok(run)
     }
 
-    fn check_simulation<U: AsRef<[f64]>>(
+    /// The transitions that are named for a step, by choice.
+    fn planned<'a>(
+        &self,
+        step: usize,
+        decided: &Decided<'a>,
+        options: &'a SimulationOptions,
+    ) -> Vec<Option<&'a str>> {
+        match options.transitions.get(step) {
+            Some(names) => names.iter().map(|name| Some(name.as_str())).collect(),
+            None => {
+                let own = self.choices.iter().map(|choice| decided.transition(step, &choice.name));
+                own.collect()
+            }
+        }
+    }
+
+    fn check_simulation(
         &self,
         state: &[f64],
-        inputs: &[U],
+        inputs: &[&[f64]],
         options: &SimulationOptions,
     ) -> Result<(), Error> {
         let (n, m) = (self.states.len(), self.inputs.len());
         check_length("the state", state.len(), n)?;
         check_finite("the simulation", "an entry of the state", state.iter().copied())?;
-        for input in inputs.iter().map(AsRef::as_ref) {
+        for input in inputs {
             check_length("the input", input.len(), m)?;
             check_finite("the simulation", "an entry of an input", input.iter().copied())?;
         }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::condition::Condition;
 use crate::error::Error;
+use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::HybridRun;
 
 /// A transition in one step of a simulation: whether it was possible, and by how much.
@@ -104,6 +105,16 @@ pub enum DeadEnd {
         /// The transition and the condition that it violates; `None` if it does not exist.
         candidate: Option<Candidate>,
     },
+    /// Several transitions of a choice are possible that lead to different states or modes, and nothing says
+    /// which one is taken. It is the source of an error, not the end of a run.
+    Ambiguous {
+        /// The step.
+        step: usize,
+        /// The choice.
+        choice: String,
+        /// The transitions that are possible.
+        transitions: Vec<String>,
+    },
 }
 
 impl DeadEnd {
@@ -113,7 +124,8 @@ impl DeadEnd {
             DeadEnd::Sample { step, .. }
             | DeadEnd::Choice { step, .. }
             | DeadEnd::Combination { step, .. }
-            | DeadEnd::Planned { step, .. } => *step,
+            | DeadEnd::Planned { step, .. }
+            | DeadEnd::Ambiguous { step, .. } => *step,
         }
     }
 }
@@ -142,6 +154,17 @@ impl fmt::Display for DeadEnd {
                     Some(candidate) => write!(f, "{candidate}"),
                     None => write!(f, "there is no transition `{transition}`"),
                 }
+            }
+            DeadEnd::Ambiguous { step, choice, transitions } => {
+                write!(
+                    f,
+                    "step {step} is ambiguous: `{}` of `{choice}` are possible and lead to different \
+                     states or modes, and nothing says which one is taken; simulate the whole move of a \
+                     controller (`simulate(state, &next)`), name transitions by \
+                     `SimulationOptions::with_transitions` and modes by `with_mode`, or allow the first one \
+                     by `with_first_possible`",
+                    transitions.join("` and `")
+                )
             }
         }
     }
@@ -172,6 +195,9 @@ pub struct Simulation {
     pub inputs: Vec<Vec<f64>>,
     /// The record of every step that was taken.
     pub steps: Vec<SimulatedStep>,
+    /// What the run remembers at the last sample that was reached: modes, how long they have lasted, events.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub memory: Memory,
     /// Why the run ended early, if it did.
     pub dead_end: Option<DeadEnd>,
 }

@@ -107,7 +107,13 @@ impl StepStart<'_> {
         let ranges = own.filter_map(|(k, ((name, _), &value))| {
             let range = self.system.input_range(choice, transition, k, self.step)?;
             let condition = Condition::InputRange { input: name.clone() };
-            Some(Slack::of_range(condition, range, value, self.coordinates.input(k)))
+            let mut slack = Slack::of_range(condition, range, value, self.coordinates.input(k));
+            if let Some(values) = self.system.values_of_input(k) {
+                // Between two values an input is off by the distance to the nearer one.
+                let off = (value - values.nearest(value)).abs();
+                slack.slack = if off > 0.0 { slack.slack.min(-off) } else { slack.slack };
+            }
+            Some(slack)
         });
         let norms = transition.norms.iter().map(|norm| {
             Slack::of_norm(

@@ -1,12 +1,14 @@
 //! The transitions of one step: which are possible, and which are taken.
 
-use super::condition::{Slack, tightest};
-use super::memory::Memory;
+use super::condition::{Condition, Slack, tightest};
+use super::memory;
 use super::options::SimulationOptions;
 use super::simulation::{Candidate, DeadEnd, SimulatedStep};
 use super::step::{Flown, StepStart};
 use crate::error::Error;
+use crate::hybrid::memory::Memory;
 use crate::hybrid::system::{Choice, Transition};
+use crate::tolerance::margin_scale;
 
 /// Up to how many combinations of transitions are counted in a step.
 const MOST_MOVES: usize = 65_536;
@@ -37,6 +39,18 @@ struct Way<'a> {
     /// contain it.
     joint: Option<Slack>,
     is_possible: bool,
+    /// Whether the step begins or is predicted to end on the boundary of one of its guards.
+    is_at_boundary: bool,
+}
+
+/// The combinations of transitions of a step.
+struct Combinations {
+    /// How many are possible.
+    moves: usize,
+    /// The first of these, or the least violating one if there is none; `None` if there were too many to try.
+    best: Option<Combination>,
+    /// Another possible one that leads elsewhere.
+    rival: Option<Vec<usize>>,
 }
 
 /// A combination of transitions, one per choice, by their positions.
@@ -54,26 +68,43 @@ pub(super) fn violated(step: usize, slacks: Vec<Slack>, tolerance: f64) -> Optio
 
 impl<'a> Stepper<'a> {
     /// The step that is taken, or why there is none.
-    pub(super) fn take(&self, plan: Option<&[String]>) -> Result<Result<Taken, DeadEnd>, Error> {
+    ///
+    /// # Arguments
+    ///
+    /// * `plan`: the transitions that are named, by choice; empty if there are none.
+    ///
+    /// # Errors
+    ///
+    /// [`DeadEnd::Ambiguous`] as the source of an error, unless the options allow the first possible one.
+    pub(super) fn take(&self, plan: &[Option<&str>]) -> Result<Result<Taken, DeadEnd>, Error> {
         let (step, tolerance) = (self.start.step, self.options.tolerance);
-        if let Some(end) = violated(step, self.start.joint_limits(), tolerance) {
+        if self.options.keeps_limits
+            && let Some(end) = violated(step, self.start.joint_limits(), tolerance)
+        {
             return Ok(Err(end));
         }
         let choices = &self.start.system.choices;
-        let ways = choices.iter().enumerate().map(|(c, choice)| {
-            choice.transitions.iter().map(|transition| self.way(c, choice, transition)).collect()
+        let ways = choices.iter().map(|choice| {
+            choice.transitions.iter().map(|transition| self.way(choice, transition)).collect()
         });
         let mut ways: Vec<Vec<Way<'a>>> = ways.collect::<Result<_, Error>>()?;
-        let (moves, best) = self.combine(&mut ways)?;
+        let alone: Vec<Vec<usize>> = ways
+            .iter()
+            .map(|ways| (0..ways.len()).filter(|&k| ways[k].holds(tolerance)).collect())
+            .collect();
+        let Combinations { moves, mut best, mut rival } = self.combine(&mut ways, &alone)?;
         let candidates: Vec<Vec<Candidate>> =
             ways.iter().map(|ways| ways.iter().map(Way::candidate).collect()).collect();
-        let best = match plan {
-            Some(plan) => match self.planned(plan, &ways, &candidates)? {
-                Ok(planned) => Some(planned),
+        if plan.iter().any(Option::is_some) {
+            let named = match self.named(plan, alone, &ways, &candidates) {
+                Ok(named) => named,
                 Err(end) => return Ok(Err(end)),
-            },
-            None => best,
-        };
+            };
+            let planned = self.combine(&mut ways, &named)?;
+            if !self.options.prefers || planned.moves > 0 {
+                (best, rival) = (planned.best, planned.rival);
+            }
+        }
         let stuck = ways.iter().zip(choices).zip(&candidates).find(|((ways, _), _)| {
             let alone = ways.iter().any(|way| way.holds(tolerance));
             !alone || moves == 0 && choices.len() == 1
@@ -90,17 +121,25 @@ impl<'a> Stepper<'a> {
             let (condition, violation) = (slack.condition, -slack.slack);
             return Ok(Err(DeadEnd::Combination { step, condition, violation }));
         }
+        if let Some(rival) = rival.filter(|_| !self.options.first_possible) {
+            return Err(Error::other(self.ambiguous(&picked, &rival, &ways)));
+        }
         let taken: Vec<&Way<'a>> =
             picked.iter().zip(&ways).filter_map(|(&k, ways)| ways.get(k)).collect();
         let report = report(&taken, candidates, moves);
         Ok(Ok(Taken { picked, next, report }))
     }
 
-    fn way(&self, c: usize, choice: &Choice, transition: &'a Transition) -> Result<Way<'a>, Error> {
+    fn way(&self, choice: &Choice, transition: &'a Transition) -> Result<Way<'a>, Error> {
         let (flown, mut slacks) = self.start.fly(choice, transition)?;
-        slacks.extend(self.memory.conditions(self.start.system, c, transition));
+        slacks.extend(memory::conditions(self.memory, self.start.system, choice, transition));
+        let is_guard = |slack: &Slack| {
+            matches!(slack.condition, Condition::Guard { .. } | Condition::PredictionGuard { .. })
+        };
+        let mut guards = slacks.iter().filter(|slack| is_guard(slack));
+        let is_at_boundary = guards.any(|slack| slack.scaled().abs() <= self.options.tolerance);
         let own = tightest(slacks);
-        Ok(Way { transition, flown, own, joint: None, is_possible: false })
+        Ok(Way { transition, flown, own, joint: None, is_possible: false, is_at_boundary })
     }
 
     /// Where a combination leads, and the tightest condition of what the transitions must satisfy
@@ -112,29 +151,32 @@ impl<'a> Stepper<'a> {
         let transitions: Vec<&Transition> = chosen.iter().map(|way| way.transition).collect();
         let mut next = self.start.next_state(&flown)?;
         next.iter_mut().zip(self.disturbance).for_each(|(x, w)| *x += w);
-        let tightest = tightest(self.start.together(&transitions, &next, self.memory.events));
+        let mut slacks = self.start.together(&transitions, &next, self.memory.events);
+        if !self.options.keeps_limits {
+            slacks.retain(|slack| slack.condition == Condition::MostEvents);
+        }
+        let tightest = tightest(slacks);
         Ok(Combination { picked: picked.to_vec(), next, tightest })
     }
 
-    /// Tries all combinations of transitions that are possible alone. Returns how many are
-    /// possible, and the first of these, or the least violating one if there is none. `None` if
-    /// there were too many to try.
-    fn combine(&self, ways: &mut [Vec<Way<'a>>]) -> Result<(usize, Option<Combination>), Error> {
+    /// Tries all combinations of some transitions, given by choice.
+    fn combine(
+        &self,
+        ways: &mut [Vec<Way<'a>>],
+        alone: &[Vec<usize>],
+    ) -> Result<Combinations, Error> {
         let tolerance = self.options.tolerance;
-        let alone: Vec<Vec<usize>> = ways
-            .iter()
-            .map(|ways| (0..ways.len()).filter(|&k| ways[k].holds(tolerance)).collect())
-            .collect();
-        let (mut moves, mut best): (usize, Option<Combination>) = (0, None);
+        let mut all = Combinations { moves: 0, best: None, rival: None };
         let mut digits = vec![0; ways.len()];
         let mut tried = 0;
         while alone.iter().all(|list| !list.is_empty()) {
             if tried == MOST_MOVES {
-                return Ok((moves, best.filter(|_| moves > 0)));
+                all.best = all.best.filter(|_| all.moves > 0);
+                return Ok(all);
             }
             tried += 1;
             let picked: Vec<usize> =
-                digits.iter().zip(&alone).filter_map(|(&d, list)| list.get(d)).copied().collect();
+                digits.iter().zip(alone).filter_map(|(&d, list)| list.get(d)).copied().collect();
             let found = self.evaluate(ways, &picked)?;
             let holds = found.tightest.as_ref().is_none_or(|slack| slack.holds(tolerance));
             for (&k, ways) in picked.iter().zip(ways.iter_mut()) {
@@ -144,50 +186,96 @@ impl<'a> Stepper<'a> {
                 ways[k].joint = best;
             }
             let scaled = |c: &Combination| c.tightest.as_ref().map_or(f64::INFINITY, Slack::scaled);
-            let is_better = match &best {
+            let is_better = match &all.best {
                 None => true,
-                Some(best) => moves == 0 && (holds || scaled(&found) > scaled(best)),
+                Some(best) => all.moves == 0 && (holds || scaled(&found) > scaled(best)),
             };
             if is_better {
-                best = Some(found);
+                all.best = Some(found);
+            } else if holds
+                && all.rival.is_none()
+                && let Some(best) = &all.best
+                && self.leads_elsewhere(ways, best, &found)
+            {
+                all.rival = Some(found.picked);
             }
-            moves += usize::from(holds);
+            all.moves += usize::from(holds);
             let Some(last) = (0..digits.len()).rfind(|&c| digits[c] + 1 < alone[c].len()) else {
                 break;
             };
             digits[last] += 1;
             digits[last + 1..].fill(0);
         }
-        Ok((moves, best))
+        Ok(all)
     }
 
-    /// The planned combination, or why it is not possible.
-    fn planned(
+    /// Whether two combinations lead to different states or modes, and not only because they meet at a boundary
+    /// of their guards.
+    fn leads_elsewhere(
         &self,
-        plan: &[String],
+        ways: &[Vec<Way<'a>>],
+        first: &Combination,
+        second: &Combination,
+    ) -> bool {
+        let pairs = ways.iter().zip(first.picked.iter().zip(&second.picked));
+        let pairs = pairs.filter_map(|(ways, (&a, &b))| Some((ways.get(a)?, ways.get(b)?)));
+        let differing: Vec<_> =
+            pairs.filter(|(a, b)| a.transition.name != b.transition.name).collect();
+        if differing.iter().all(|(a, b)| a.is_at_boundary && b.is_at_boundary) {
+            return false;
+        }
+        let entered = |way: &Way<'a>| way.transition.modes.as_ref().map(|(_, to)| to);
+        let counts_events = self.start.system.most_events.is_some();
+        let other_memory = differing.iter().any(|(a, b)| {
+            let (a_events, b_events) = (a.transition.is_event, b.transition.is_event);
+            entered(a) != entered(b) || counts_events && a_events != b_events
+        });
+        let mut states = first.next.iter().zip(&second.next);
+        let tolerance = self.options.tolerance;
+        let differ = |(a, b): (&f64, &f64)| (a - b).abs() > tolerance * margin_scale(a.abs(), *b);
+        other_memory || states.any(differ)
+    }
+
+    /// The first choice of which two combinations take different transitions.
+    fn ambiguous(&self, first: &[usize], second: &[usize], ways: &[Vec<Way<'a>>]) -> DeadEnd {
+        let c = first.iter().zip(second).position(|(a, b)| a != b).unwrap_or(0);
+        let possible = ways[c].iter().filter(|way| way.is_possible);
+        DeadEnd::Ambiguous {
+            step: self.start.step,
+            choice: self.start.system.choices[c].name.clone(),
+            transitions: possible.map(|way| way.transition.name.clone()).collect(),
+        }
+    }
+
+    /// The transitions that are possible alone, by choice, where a plan names one only this one; or why it is
+    /// not possible.
+    fn named(
+        &self,
+        plan: &[Option<&str>],
+        mut alone: Vec<Vec<usize>>,
         ways: &[Vec<Way<'a>>],
         candidates: &[Vec<Candidate>],
-    ) -> Result<Result<Combination, DeadEnd>, Error> {
+    ) -> Result<Vec<Vec<usize>>, DeadEnd> {
         let choices = &self.start.system.choices;
-        let mut picked = Vec::new();
         for (c, (choice, name)) in choices.iter().zip(plan).enumerate() {
+            let Some(name) = name else { continue };
             let end = |candidate| DeadEnd::Planned {
                 step: self.start.step,
                 choice: choice.name.clone(),
-                transition: name.clone(),
+                transition: (*name).to_owned(),
                 candidate,
             };
-            let Some(k) = choice.transitions.iter().position(|own| own.name == *name) else {
-                return Ok(Err(end(None)));
-            };
+            let k = choice.transitions.iter().position(|own| own.name == *name);
+            let Some(k) = k else { return Err(end(None)) };
             let holds = ways[c][k].holds(self.options.tolerance)
                 && (choices.len() > 1 || ways[c][k].is_possible);
-            if !holds {
-                return Ok(Err(end(Some(candidates[c][k].clone()))));
+            match (holds, self.options.prefers) {
+                (true, _) => alone[c] = vec![k],
+                (false, true) => {}
+                (false, false) => return Err(end(Some(candidates[c][k].clone()))),
             }
-            picked.push(k);
         }
-        self.evaluate(ways, &picked).map(Ok)
+        Ok(alone)
     }
 }
 

@@ -46,6 +46,11 @@ impl HybridSystem {
             range.values().try_for_each(|range| check_ends(name, *range))?;
         }
         self.check_digits()?;
+        for (input, values) in &self.input_values {
+            let known = self.inputs.iter().find(|(name, _)| name == input);
+            let known = known.ok_or_else(|| Error::unknown_name(input, "input of the system"))?;
+            values.check(input, &known.1)?;
+        }
         let (n, m) = (self.states.len(), self.inputs.len());
         self.limits.iter().try_for_each(|limit| check_halfspace(limit, n, m))?;
         self.norms.iter().try_for_each(|limit| check_norm(limit, n, m))?;

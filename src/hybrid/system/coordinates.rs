@@ -8,6 +8,7 @@
 
 use faer::Mat;
 
+use super::input_values::InputValues;
 use super::measure::{Measure, power_of_two};
 use super::transition::{Reset, TransitionOutput, Uncertain};
 use super::{Halfspace, HybridSystem, NormEntry, NormLimit, Region, Schedule, Transition};
@@ -33,6 +34,9 @@ impl Coordinates {
     pub(crate) fn of(system: &HybridSystem) -> Self {
         let states = system.states.iter().map(|(_, domain)| Measure::of(*domain));
         let inputs = system.inputs.iter().map(|(name, range)| {
+            if system.input_values.get(name) == Some(&InputValues::Whole) {
+                return Measure::PLAIN;
+            }
             let own = system.transitions().filter_map(|transition| transition.input_range(name));
             let all = own.chain([range]).flat_map(Schedule::values).copied();
             all.reduce(|a, b| a.hull(b)).map_or(Measure::PLAIN, Measure::of)
@@ -218,6 +222,11 @@ impl Coordinates {
         }
         for (k, (_, range)) in system.inputs.iter_mut().enumerate() {
             *range = range.map(|range| self.input(k).inward_range(*range));
+        }
+        for (k, (name, _)) in own.inputs.iter().enumerate() {
+            if let Some(InputValues::Listed(list)) = system.input_values.get_mut(name) {
+                list.iter_mut().for_each(|value| *value = self.input(k).inward(*value));
+            }
         }
         for (k, range) in system.disturbance.iter_mut().enumerate() {
             *range = Measure::unit(self.state(k).scale).inward_range(*range);

@@ -156,6 +156,11 @@ impl Handles {
         State { variable }
     }
 
+    /// Takes back the handle that was declared last.
+    pub(super) fn take_back(&mut self) {
+        self.meanings.pop();
+    }
+
     /// Declares handles that stand for nothing.
     pub(crate) fn skip(&mut self, count: usize) {
         self.meanings.extend((0..count).map(|_| None));

@@ -22,7 +22,7 @@
 //! | values by step | `system/schedule.rs` |
 //! | in the units and about the centres of its domains | `system/coordinates.rs`, `system/measure.rs` |
 //! | building it from numbers | `system/matrices.rs` |
-//! | ranges of inputs under several choices | `system/input_range.rs` |
+//! | ranges of inputs under several choices; inputs with some values only | `system/input_range.rs`; `system/input_values.rs` |
 //! | starts and goals | `system/region.rs`, `system/into_region.rs` |
 //! | piecewise-affine systems, a ball, a thermostat | `system/piecewise_affine.rs`, `system/named.rs` |
 //! | linear complementarity systems | `system/linear_complementarity.rs` |
@@ -41,6 +41,7 @@ mod flow_rows;
 mod halfspace;
 mod handles;
 mod input_range;
+mod input_values;
 mod into_region;
 mod linear_complementarity;
 mod look_up;
@@ -70,6 +71,7 @@ pub(crate) use coordinates::{Coordinates, Restated};
 
 pub use halfspace::Halfspace;
 pub use handles::State;
+pub(crate) use input_values::InputValues;
 pub use into_region::IntoRegion;
 pub(crate) use into_region::StatedRegion;
 pub use linear_complementarity::LinearComplementarity;
@@ -91,6 +93,8 @@ pub(crate) use check::check_ends;
 
 #[cfg(feature = "serde")]
 use serialized::StoredSystem;
+
+use std::collections::BTreeMap;
 
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
@@ -141,6 +145,8 @@ pub struct HybridSystem {
     /// Names and ranges (finite) of the inputs, by step.
     #[doc(hidden)]
     pub inputs: Vec<(String, Schedule<Interval>)>,
+    /// The values within their ranges that inputs take, by name, of those that take some only.
+    pub(crate) input_values: BTreeMap<String, InputValues>,
     /// Limits in addition to the domains: at every sample, or, if they depend on the inputs, at the
     /// start of every step.
     #[doc(hidden)]
@@ -174,6 +180,7 @@ impl PartialEq for HybridSystem {
         parts(self) == parts(other)
             && self.states == other.states
             && self.inputs == other.inputs
+            && self.input_values == other.input_values
             && self.limits == other.limits
             && self.norms == other.norms
             && self.flow == other.flow
@@ -193,6 +200,7 @@ impl HybridSystem {
             time_step,
             states: Vec::new(),
             inputs: Vec::new(),
+            input_values: BTreeMap::new(),
             limits: Vec::new(),
             norms: Vec::new(),
             flow: None,

@@ -1,11 +1,14 @@
 //! Hybrid systems from and to `serde`: a system that is read is checked.
 
+use std::collections::BTreeMap;
+
 use faer::Mat;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::HybridSystem;
 use super::choice::Choice;
 use super::halfspace::Halfspace;
+use super::input_values::InputValues;
 use super::norm_limit::NormLimit;
 use super::schedule::Schedule;
 use super::transition::Reset;
@@ -19,6 +22,8 @@ pub(super) struct StoredSystem {
     time_step: f64,
     states: Vec<(String, Interval)>,
     inputs: Vec<(String, Schedule<Interval>)>,
+    #[serde(default)]
+    input_values: BTreeMap<String, InputValues>,
     #[serde(default)]
     limits: Vec<Halfspace>,
     #[serde(default)]
@@ -38,6 +43,7 @@ impl From<HybridSystem> for StoredSystem {
             time_step: system.time_step,
             states: system.states,
             inputs: system.inputs,
+            input_values: system.input_values,
             limits: system.limits,
             norms: system.norms,
             flow: system.flow,
@@ -62,6 +68,7 @@ impl TryFrom<StoredSystem> for HybridSystem {
         system = stored.choices.into_iter().fold(system, HybridSystem::with_choice);
         (system.limits, system.norms) = (stored.limits, stored.norms);
         system.flow = stored.flow;
+        system.input_values = stored.input_values;
         (system.most_events, system.disturbance) = (stored.most_events, stored.disturbance);
         system.check()?;
         Ok(system)

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Write};
 use super::HybridSystem;
 use super::choice::{Choice, Dwell};
 use super::halfspace::Halfspace;
+use super::input_values::InputValues;
 use super::norm_limit::{NormEntry, NormLimit};
 use super::schedule::Schedule;
 use super::transition::Transition;
@@ -39,7 +40,16 @@ impl Display for HybridSystem {
             writeln!(f, "state {name} in {}", Range(*domain))?;
         }
         for (name, range) in &self.inputs {
-            writeln!(f, "input {name} in {}", ByStep(range, Range::text))?;
+            match self.input_values.get(name) {
+                None => writeln!(f, "input {name} in {}", ByStep(range, Range::text))?,
+                Some(InputValues::Whole) => {
+                    writeln!(f, "input {name} in {}, whole numbers", ByStep(range, Range::text))?;
+                }
+                Some(InputValues::Listed(list)) => {
+                    let list: Vec<String> = list.iter().map(f64::to_string).collect();
+                    writeln!(f, "input {name} in {{{}}}", list.join(", "))?;
+                }
+            }
         }
         for limit in &self.limits {
             writeln!(f, "always {}", names.halfspace(limit, ""))?;

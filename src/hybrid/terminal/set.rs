@@ -11,7 +11,7 @@ use super::error::TerminalError;
 use super::lqr::{Lqr, spectral_radius};
 use super::polyhedron::Polyhedron;
 use super::stay::{Limit, Stay, unit};
-use crate::error::{Error, check_length};
+use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::system::{Halfspace, HybridSystem, Region, Restated};
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -91,6 +91,8 @@ pub struct TerminalSet {
     /// After how many steps limits no longer cut the set.
     pub iterations: usize,
     gain: Mat<f64>,
+    /// By choice.
+    transitions: Vec<String>,
 }
 
 /// A row `normal . e <= 1`, and the slack at the target that is its unit.
@@ -127,6 +129,13 @@ impl TerminalSet {
         solver: &mut dyn Solver,
     ) -> Result<Self, Error> {
         Stay::new(system, transitions)?;
+        if let Some(input) = system.input_values.keys().next() {
+            let solver = "a terminal set, whose feedback is linear,".to_owned();
+            let what = format!("the input `{input}`, which takes some values only");
+            let help =
+                "make the set from a system in which it is an `input` with its range".to_owned();
+            return Err(ErrorKind::Unsupported { solver, what, help }.into());
+        }
         let Restated { system: own, coordinates } = &system.restated()?;
         let stay = Stay::new(own, transitions)?;
         let (n, m) = (system.states.len(), system.inputs.len());
@@ -186,7 +195,13 @@ impl TerminalSet {
         let region = coordinates.inverse().region(&region);
         let input = input.iter().enumerate().map(|(u, value)| coordinates.input(u).outward(*value));
         let (state, gain) = (stated.to_vec(), lqr.gain.faer().clone());
-        Ok(TerminalSet { region, state, input: input.collect(), iterations, gain })
+        let transitions = transitions.iter().map(|name| (*name).to_owned()).collect();
+        Ok(TerminalSet { region, state, input: input.collect(), iterations, gain, transitions })
+    }
+
+    /// The transitions that are taken for ever, by choice.
+    pub(in crate::hybrid) fn transitions(&self) -> &[String] {
+        &self.transitions
     }
 
     /// The input that keeps a state of the set in it: `u_e + K (x - x_e)`.
