@@ -72,7 +72,7 @@ pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub(crate) use norm_limit::{NormEntry, NormLimit};
 pub(crate) use polygons::Bracket;
 pub use region::Region;
-pub(crate) use region::check_cut;
+pub(crate) use region::{check_cut, outside_domain};
 pub use schedule::Schedule;
 pub use system_row::SystemRow;
 pub use transition::Transition;
