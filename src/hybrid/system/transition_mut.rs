@@ -146,6 +146,9 @@ impl<'a> TransitionMut<'a> {
     /// transition. The row may limit a length, such as a thrust within a disc, `norm([ux, uy]).le(2.0)`,
     /// or where the transition is possible.
     ///
+    /// With several choices, predictions are those of the transition's own choice; a guard on the prediction of a
+    /// state whose flow another choice changes as well is refused when the system is [checked](HybridSystem::check).
+    ///
     /// # Errors
     ///
     /// [`ErrorKind::Misplaced`] for a row of both, or of anything else;
@@ -155,7 +158,10 @@ impl<'a> TransitionMut<'a> {
     }
 
     /// Adds a row of states and series that holds at both ends of the step: a guard on the start and the
-    /// same guard on the [prediction](State::predicted), such as the range of speeds of a gear.
+    /// same guard on the [prediction](State::predicted), such as the range of speeds of a gear. Two modes whose
+    /// invariants meet in one value, `x.le(6.0)` and `x.ge(6.0)`, are left and entered exactly there: a planner
+    /// finds that step, but no run that is disturbed does. With `guard` in place of `invariant`, a step may cross
+    /// the value. With several choices, the prediction is as for [`guard`](TransitionMut::guard).
     ///
     /// # Errors
     ///
