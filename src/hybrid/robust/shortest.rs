@@ -108,6 +108,16 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
         self.nominal.time_step()
     }
 
+    /// Of a nominal run: before the first step nothing has disturbed it.
+    fn starts_in_goal(&self, options: &ShortestOptions) -> Result<bool, Error> {
+        let _ = options;
+        self.nominal.starts_in_goal(self.options)
+    }
+
+    fn hints(&self) -> Vec<String> {
+        self.nominal.hints()
+    }
+
     fn takes_any_point(&self) -> bool {
         self.nominal.takes_any_point()
     }
