@@ -1,5 +1,7 @@
 #![doc = include_str!("../../../docs/modules/shortest_horizon.md")]
 
+mod at_goal;
+mod event;
 mod guess;
 mod logged;
 mod look;
@@ -11,12 +13,13 @@ mod run;
 mod search;
 mod statements;
 mod time_step;
+mod watch;
 
+pub use event::HorizonEvent;
 pub use logged::{shortest_horizon, shortest_horizon_with};
 pub use options::ShortestOptions;
 pub use outcome::{Attempt, HorizonProof, Refutation, Shortest, ShortestStatus, Solved, Verdict};
 pub(crate) use proofs::{HorizonLogs, without_logs};
-pub use search::HorizonEvent;
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
 
@@ -90,6 +93,23 @@ pub trait HorizonModel {
     /// Δt of the programs, in s, for the words of the result; `None` by default.
     fn time_step(&self) -> Option<f64> {
         None
+    }
+
+    /// Whether the start is in the goal, so that no step is needed, for the words of the result; `false` by default.
+    ///
+    /// # Errors
+    ///
+    /// Those of missions of the options.
+    #[doc(hidden)]
+    fn starts_in_goal(&self, options: &ShortestOptions) -> Result<bool, Error> {
+        let _ = options;
+        Ok(false)
+    }
+
+    /// What else to look at if there is no plan, in words; nothing by default.
+    #[doc(hidden)]
+    fn hints(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// Hands a program with a hybrid system to `statements`, for the
