@@ -9,6 +9,7 @@ mod big_m;
 mod cones;
 mod conic_conditions;
 mod disjunctions;
+mod fragments;
 mod functions;
 mod implied_bounds;
 mod logic;

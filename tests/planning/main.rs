@@ -21,3 +21,4 @@ mod rows;
 mod scenes;
 mod shortest;
 mod system;
+mod words;
