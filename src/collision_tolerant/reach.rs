@@ -11,8 +11,8 @@ use crate::hybrid::scene::line::half_line;
 use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use crate::hybrid::system::Transition;
 use crate::hybrid::{
-    ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem,
-    ShortestOptions, Waiting,
+    ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem, Region,
+    Waiting,
 };
 use crate::interval::Interval;
 use crate::tolerance;
@@ -183,13 +183,13 @@ impl HorizonModel for Programs {
         Some(self.scenario.time_step)
     }
 
-    fn starts_in_goal(&self, options: &ShortestOptions) -> Result<bool, Error> {
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
         let [first, last] = [&self.scenario.start, &self.scenario.goal].map(|end| end.acceleration);
         if first.zip(last).is_some_and(|(first, last)| first != last) {
-            return Ok(false);
+            return Ok(None);
         }
         let (start, goal) = (self.scenario.start_state(), self.scenario.goal_states());
-        options.start_in_goal(&self.scenario.hybrid_system()?, &start, &goal)
+        Ok(Some((self.scenario.hybrid_system()?, start, goal)))
     }
 
     fn with_hybrid(

@@ -11,7 +11,7 @@ use crate::hybrid::reach::{HorizonVariables, ReachSets};
 use crate::hybrid::shortest_horizon::{
     HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon,
 };
-use crate::hybrid::system::{HybridSystem, IntoRegion};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
 use crate::solver::Solver;
 
 impl HybridSystem {
@@ -108,10 +108,12 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
         self.nominal.time_step()
     }
 
-    /// Of a nominal run: before the first step nothing has disturbed it.
-    fn starts_in_goal(&self, options: &ShortestOptions) -> Result<bool, Error> {
-        let _ = options;
-        self.nominal.starts_in_goal(self.options)
+    /// Of nominal runs: before the first step nothing has disturbed one.
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        match self.options.has_statements() {
+            true => Ok(None),
+            false => self.nominal.ends(),
+        }
     }
 
     fn hints(&self) -> Vec<String> {

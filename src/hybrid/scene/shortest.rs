@@ -275,9 +275,9 @@ impl HorizonModel for ScenePrograms {
         Some(self.stated.scene.time_step)
     }
 
-    fn starts_in_goal(&self, options: &ShortestOptions) -> Result<bool, Error> {
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
         let (start, goal) = (self.stated.ends(true), self.stated.ends(false));
-        options.start_in_goal(&self.stated.system, &start, &goal)
+        Ok(Some((self.stated.system.clone(), start, goal)))
     }
 
     fn hints(&self) -> Vec<String> {

@@ -28,6 +28,7 @@ use std::borrow::BorrowMut;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
+use crate::hybrid::system::{HybridSystem, Region};
 use crate::model::Model;
 
 /// A family of programs, one for each number of steps.
@@ -95,15 +96,10 @@ pub trait HorizonModel {
         None
     }
 
-    /// Whether the start is in the goal, so that no step is needed, for the words of the result; `false` by default.
-    ///
-    /// # Errors
-    ///
-    /// Those of missions of the options.
+    /// The system with its start and its goal, to see whether no step is needed; `None` by default.
     #[doc(hidden)]
-    fn starts_in_goal(&self, options: &ShortestOptions) -> Result<bool, Error> {
-        let _ = options;
-        Ok(false)
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        Ok(None)
     }
 
     /// What else to look at if there is no plan, in words; nothing by default.

@@ -132,8 +132,8 @@ impl HorizonModel for Task<'_> {
         ReachSets::new(self.system, self.start, self.goal, SetOptions::default()).map(Some)
     }
 
-    fn starts_in_goal(&self, options: &ShortestOptions) -> Result<bool, Error> {
-        options.start_in_goal(self.system, self.start, self.goal)
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        Ok(Some((self.system.clone(), self.start.clone(), self.goal.clone())))
     }
 
     fn with_hybrid(

@@ -60,7 +60,10 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
     }
     let status = search.run()?;
     let (time, is_time_up) = (search.token.elapsed(), search.token.is_over());
-    let starts_in_goal = builder.starts_in_goal(options)?;
+    let starts_in_goal = match builder.ends()? {
+        Some((system, start, goal)) => options.start_in_goal(&system, &start, &goal)?,
+        None => false,
+    };
     let (refuted, attempts, sets) = (search.refuted, search.attempts, search.sets);
     let mut found = Shortest {
         status,

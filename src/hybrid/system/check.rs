@@ -77,6 +77,9 @@ impl HybridSystem {
         let Some(common) = self.flow.as_ref().filter(|_| self.choices.len() > 1) else {
             return Ok(());
         };
+        if self.predicting.is_empty() {
+            return Ok(());
+        }
         let changes = |choice: &Choice| -> Vec<bool> {
             let changed = |state: usize| {
                 choice.transitions.iter().any(|own| changes_row(&own.flow, common, state))
@@ -84,32 +87,29 @@ impl HybridSystem {
             (0..self.states.len()).map(changed).collect()
         };
         let changes: Vec<Vec<bool>> = self.choices.iter().map(changes).collect();
-        for (c, choice) in self.choices.iter().enumerate() {
-            for transition in &choice.transitions {
-                let rows = transition.prediction_guards.iter();
-                let rows = rows.map(|guard| (&guard.name, vec![&guard.normal]));
-                let norms = transition.prediction_norms.iter();
-                let norms = norms
-                    .map(|norm| (&norm.name, norm.parts().map(|part| &part.factors).collect()));
-                for (name, factors) in rows.chain(norms) {
-                    let uses = |i: usize| factors.iter().any(|own| own[i] != 0.0);
-                    let beside = (0..self.choices.len()).filter(|&other| other != c);
-                    let mut pairs =
-                        beside.flat_map(|k| (0..self.states.len()).map(move |i| (k, i)));
-                    let Some((k, i)) = pairs.find(|&(k, i)| changes[k][i] && uses(i)) else {
-                        continue;
-                    };
-                    let (other, state) = (&self.choices[k].name, &self.states[i].0);
-                    let name = format!("the guard `{name}` of `{}`", transition.name);
-                    let own = &choice.name;
-                    let place = format!(
-                        "the choice `{own}` while `{other}` changes the flow of `{state}` as well"
-                    );
-                    let help = "a choice predicts by its own flow alone; state the guard of the start \
-                                of the step, limit the state itself by `invariant` or `limit` of the \
-                                system, or state both choices as one";
-                    return Err(ErrorKind::Misplaced { name, place, help }.into());
-                }
+        for &(c, j) in &self.predicting {
+            let Some(choice) = self.choices.get(c) else { continue };
+            let Some(transition) = choice.transitions.get(j) else { continue };
+            let rows = transition.prediction_guards.iter();
+            let rows = rows.map(|guard| (&guard.name, vec![&guard.normal]));
+            let norms = transition.prediction_norms.iter();
+            let norms =
+                norms.map(|norm| (&norm.name, norm.parts().map(|part| &part.factors).collect()));
+            for (name, factors) in rows.chain(norms) {
+                let uses = |i: usize| factors.iter().any(|own| own[i] != 0.0);
+                let beside = (0..self.choices.len()).filter(|&other| other != c);
+                let mut pairs = beside.flat_map(|k| (0..self.states.len()).map(move |i| (k, i)));
+                let Some((k, i)) = pairs.find(|&(k, i)| changes[k][i] && uses(i)) else { continue };
+                let (other, state) = (&self.choices[k].name, &self.states[i].0);
+                let name = format!("the guard `{name}` of `{}`", transition.name);
+                let own = &choice.name;
+                let place = format!(
+                    "the choice `{own}` while `{other}` changes the flow of `{state}` as well"
+                );
+                let help = "a choice predicts by its own flow alone; state the guard of the start of \
+                            the step, limit the state itself by `invariant` or `limit` of the system, \
+                            or state both choices as one";
+                return Err(ErrorKind::Misplaced { name, place, help }.into());
             }
         }
         Ok(())

@@ -159,6 +159,8 @@ pub struct HybridSystem {
     common: Option<FlowRows>,
     /// Transitions, by choice and number, that have not stated a flow and take that of no other yet.
     unstated: Vec<(usize, usize)>,
+    /// Transitions, by choice and number, with guards on predictions that were stated by handles.
+    predicting: Vec<(usize, usize)>,
 }
 
 impl PartialEq for HybridSystem {
@@ -196,6 +198,7 @@ impl HybridSystem {
             handles: Handles::default(),
             common: None,
             unstated: Vec::new(),
+            predicting: Vec::new(),
         }
     }
 

@@ -180,6 +180,7 @@ impl<'a> TransitionMut<'a> {
                 }
                 self.own().norms.push(norm.clone());
                 self.own().prediction_norms.push(norm);
+                self.note_prediction();
                 return Ok(self);
             }
         };
@@ -212,6 +213,14 @@ impl<'a> TransitionMut<'a> {
         self.add(Some((name, true)), &row.into())
     }
 
+    /// Notes that the transition has a guard on the prediction, for the check of the whole system.
+    fn note_prediction(&mut self) {
+        let own = (self.choice, self.number);
+        if !self.system.predicting.contains(&own) {
+            self.system.predicting.push(own);
+        }
+    }
+
     fn add(self, name: Option<(&str, bool)>, row: &SystemRow) -> Result<Self, Error> {
         match row {
             SystemRow::Row(row) => self.add_row(name, row),
@@ -224,7 +233,10 @@ impl<'a> TransitionMut<'a> {
         let (moment, norm) = self.system.norm_limit(name, row, &place)?;
         match moment {
             Moment::Start => self.own().norms.push(norm),
-            Moment::Prediction => self.own().prediction_norms.push(norm),
+            Moment::Prediction => {
+                self.own().prediction_norms.push(norm);
+                self.note_prediction();
+            }
         }
         Ok(self)
     }
@@ -240,7 +252,10 @@ impl<'a> TransitionMut<'a> {
         }
         match moment {
             Moment::Start => self.own().guards.extend(halves),
-            Moment::Prediction => self.own().prediction_guards.extend(halves),
+            Moment::Prediction => {
+                self.own().prediction_guards.extend(halves);
+                self.note_prediction();
+            }
         }
         Ok(self)
     }
