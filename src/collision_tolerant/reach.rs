@@ -11,7 +11,8 @@ use crate::hybrid::scene::line::half_line;
 use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use crate::hybrid::system::Transition;
 use crate::hybrid::{
-    ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem, Waiting,
+    ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem, Region,
+    Waiting,
 };
 use crate::interval::Interval;
 use crate::tolerance;
@@ -180,6 +181,15 @@ impl HorizonModel for Programs {
 
     fn time_step(&self) -> Option<f64> {
         Some(self.scenario.time_step)
+    }
+
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        let [first, last] = [&self.scenario.start, &self.scenario.goal].map(|end| end.acceleration);
+        if first.zip(last).is_some_and(|(first, last)| first != last) {
+            return Ok(None);
+        }
+        let (start, goal) = (self.scenario.start_state(), self.scenario.goal_states());
+        Ok(Some((self.scenario.hybrid_system()?, start, goal)))
     }
 
     fn with_hybrid(

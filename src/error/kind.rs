@@ -89,11 +89,7 @@ pub enum ErrorKind {
         kind: &'static str,
     },
     /// A handle of another model or hybrid system.
-    #[error(
-        "{kind} number {index} used in `{place}` belongs to another model or system; use a handle \
-         only with the one that created it (or a clone of it), and take handles of a system at a \
-         sample with `at`"
-    )]
+    #[error("{}", foreign(*.kind, *.index, .place, .name.as_deref()))]
     ForeignHandle {
         /// `variable`, `constraint` or `indicator`.
         kind: &'static str,
@@ -101,6 +97,9 @@ pub enum ErrorKind {
         index: usize,
         /// Where it was used.
         place: String,
+        /// The name of a handle of a system that the model describes, where a variable of the model is
+        /// needed.
+        name: Option<String>,
     },
     /// A condition or logic on a variable that is not binary.
     #[error(
@@ -456,4 +455,19 @@ pub enum ErrorKind {
     /// The source is that error, and the [`Error`](super::Error) has the same text.
     #[error("another error; see its source")]
     Other,
+}
+
+/// The text for a handle of something else.
+fn foreign(kind: &str, index: usize, place: &str, name: Option<&str>) -> String {
+    match name {
+        Some(name) => format!(
+            "`{name}`, used in `{place}`, is a handle of a system and no variable of the model; take \
+             handles of a system at a sample with `at`, such as `program.at({name}, 0)?`"
+        ),
+        None => format!(
+            "{kind} number {index} used in `{place}` belongs to another model or system; use a handle \
+             only with the one that created it (or a clone of it), and take handles of a system at a \
+             sample with `at`"
+        ),
+    }
 }

@@ -4,11 +4,11 @@
 //! (`x + y <= 1`, `x + y >= 2`). A relaxation sees all rows together, so it is asked too before a
 //! domain is named.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::oracle::Oracle;
 use crate::error::Error;
-use crate::model::{Model, Name, VariableKind, subset};
+use crate::model::{AnyStatement, Model, Name, VariableKind, statements, subset};
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
@@ -36,10 +36,12 @@ struct DomainReduction<'a> {
 /// The variables whose bounds are needed for propagation or a relaxation to refute the statements
 /// that are kept; empty if propagation does not refute them with all bounds.
 ///
-/// The big-Ms are not recomputed.
+/// The bounds of the variables in the statements that are blamed come first: where they suffice, others are
+/// not named. The big-Ms are not recomputed.
 pub(super) fn used_domains(
     model: &Model,
     keep: &[bool],
+    blamed: &[usize],
     oracle: &Oracle<'_>,
 ) -> Result<Vec<Name>, Error> {
     let part = subset(model, |position| keep[position]);
@@ -65,6 +67,12 @@ pub(super) fn used_domains(
     if !search.refutes(oracle, model) {
         return Ok(Vec::new());
     }
+    let all = search.used.clone();
+    let near = variables_of(model, blamed);
+    search.used.iter_mut().enumerate().for_each(|(k, used)| *used &= near.contains(&k));
+    if !search.refutes(oracle, model) {
+        search.used = all;
+    }
     search.relaxations = MAX_RELAXATIONS;
     search.open((0, model.variable_count()), oracle, model);
     let used = model.variables().filter(|v| search.used[v.id().index()]);
@@ -76,6 +84,21 @@ pub(super) fn used_domains(
     }
     names.sort_by_key(|name| (first.get(name.family()).copied(), name.step()));
     Ok(names)
+}
+
+/// The positions of the variables in rows and indicators with some positions among the [`statements`].
+fn variables_of(model: &Model, positions: &[usize]) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    for (position, statement) in statements(model).enumerate() {
+        let terms = match statement {
+            _ if !positions.contains(&position) => continue,
+            AnyStatement::Row(row) => row.terms(),
+            AnyStatement::Indicator(row) => row.terms(),
+            _ => continue,
+        };
+        found.extend(terms.iter().map(|(variable, _)| variable.index()));
+    }
+    found
 }
 
 impl DomainReduction<'_> {

@@ -1,5 +1,6 @@
 //! The result of an explanation, and its text.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -19,6 +20,9 @@ pub struct Explanation {
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) background_words: Vec<String>,
     pub(super) domains: Vec<Name>,
+    /// By family of variables, what they are in words, where they have words.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) domain_words: BTreeMap<String, String>,
     pub(super) point: Option<Point>,
     pub(super) solves: usize,
     pub(super) propagations: usize,
@@ -203,7 +207,9 @@ impl fmt::Display for Explanation {
             let families = self.domains.chunk_by(|a, b| a.family() == b.family());
             for (k, members) in families.enumerate() {
                 f.write_str(if k == 0 { "" } else { ", " })?;
-                write_members(f, members[0].family(), members)?;
+                let family = members[0].family();
+                let words = self.domain_words.get(family).map_or(family, String::as_str);
+                write_members(f, words, members)?;
             }
         }
         let plural = |count: usize| if count == 1 { "" } else { "s" };

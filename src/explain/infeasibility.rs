@@ -1,5 +1,7 @@
 //! The irreducible set of families that contradict each other.
 
+use std::collections::BTreeMap;
+
 use super::domains::used_domains;
 use super::explanation::{Explanation, ExplanationStatus, Group};
 use super::groups::Groups;
@@ -73,7 +75,8 @@ pub fn infeasibility(
     let (kept, proved) = irreducible(&groups, &mut oracle)?;
     let members = narrow(&groups, &kept, options.narrowing, &mut oracle)?;
     let named = groups.mask(members.iter().map(|members| &members[..]));
-    let domains = used_domains(model, &named, &oracle)?;
+    let blamed: Vec<usize> = members.iter().flatten().copied().collect();
+    let domains = used_domains(model, &named, &blamed, &oracle)?;
     let status = match proved {
         true => ExplanationStatus::Irreducible,
         false => ExplanationStatus::Reducible,
@@ -92,7 +95,11 @@ pub fn infeasibility(
         }
     });
     let found = found.collect();
-    Ok(Explanation { domains, ..report(model, &groups, status, found, &oracle) })
+    // A statement of the same name may have words of its own.
+    let families = domains.iter().map(Name::family).filter(|family| !model.has_family(family));
+    let words = families.map(|family| (family.to_owned(), model.words(family).to_owned()));
+    let domain_words: BTreeMap<String, String> = words.collect();
+    Ok(Explanation { domains, domain_words, ..report(model, &groups, status, found, &oracle) })
 }
 
 /// Families of a contradictory set, in order, and whether each of them is proved to be needed.
@@ -191,6 +198,7 @@ fn report(
         background,
         background_words,
         domains: Vec::new(),
+        domain_words: BTreeMap::new(),
         point,
         solves: oracle.solves,
         propagations: oracle.propagations,

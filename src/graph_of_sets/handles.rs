@@ -106,5 +106,5 @@ quadratic_costs!(f64, Variable, Affine, Quadratic);
 
 /// An error for a handle that another graph made.
 pub(super) fn foreign(kind: &'static str, index: usize, place: &str) -> Error {
-    ErrorKind::ForeignHandle { kind, index, place: place.to_owned() }.into()
+    ErrorKind::ForeignHandle { kind, index, place: place.to_owned(), name: None }.into()
 }

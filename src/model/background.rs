@@ -56,6 +56,11 @@ impl Model {
         self.stored.words.insert(family, words);
     }
 
+    /// Whether there is a statement of a family.
+    pub(crate) fn has_family(&self, family: &str) -> bool {
+        self.statement_names.has_family(family)
+    }
+
     /// The statement of a family in words; its name if there are none.
     pub(crate) fn words<'a>(&'a self, family: &'a str) -> &'a str {
         self.stored.words.get(family).map_or(family, String::as_str)

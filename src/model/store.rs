@@ -1,6 +1,7 @@
 //! The model itself: storage, look-up by handle and name, changes.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::conic::StoredConic;
@@ -34,6 +35,8 @@ pub struct Model {
     pub(super) is_convex_within_bounds: bool,
     /// The words with which new names begin, empty for most models.
     pub(super) scope: String,
+    /// The names of the handles of each system that it describes, by their tag.
+    pub(super) systems: Vec<(ModelTag, Arc<[String]>)>,
 }
 
 /// The part of a model that is written to files; the look-up tables are derived from it.
@@ -202,6 +205,7 @@ impl Model {
             revision: fresh_revision(),
             is_convex_within_bounds: false,
             scope: String::new(),
+            systems: Vec::new(),
         }
     }
 
@@ -261,8 +265,16 @@ impl Model {
         if variable.tag == self.stored.tag && variable.index() < self.stored.variables.len() {
             Ok(())
         } else {
-            Err(foreign("variable", variable.index(), place))
+            let known = self.systems.iter().find(|(tag, _)| *tag == variable.tag);
+            let name = known.and_then(|(_, names)| names.get(variable.index())).cloned();
+            let (kind, index, place) = ("variable", variable.index(), place.to_string());
+            Err(ErrorKind::ForeignHandle { kind, index, place, name }.into())
         }
+    }
+
+    /// Lets errors name the handles of a system where they stand for variables of the model.
+    pub(crate) fn name_handles(&mut self, tag: ModelTag, names: Vec<String>) {
+        self.systems.push((tag, names.into()));
     }
 
     /// Marks lowered forms of this model as out of date.
@@ -373,6 +385,7 @@ impl Model {
             revision: fresh_revision(),
             is_convex_within_bounds: self.is_convex_within_bounds,
             scope: String::new(),
+            systems: Vec::new(),
         }
     }
 
@@ -446,5 +459,5 @@ fn fresh_revision() -> u64 {
 }
 
 pub(super) fn foreign(kind: &'static str, index: usize, place: impl ToString) -> Error {
-    Error::from(ErrorKind::ForeignHandle { kind, index, place: place.to_string() })
+    Error::from(ErrorKind::ForeignHandle { kind, index, place: place.to_string(), name: None })
 }

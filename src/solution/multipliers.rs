@@ -71,5 +71,5 @@ impl Multipliers {
 }
 
 fn foreign(kind: &'static str, index: usize) -> Error {
-    ErrorKind::ForeignHandle { kind, index, place: "the multipliers".to_owned() }.into()
+    ErrorKind::ForeignHandle { kind, index, place: "the multipliers".to_owned(), name: None }.into()
 }

@@ -64,8 +64,9 @@ impl Point {
 
     fn read(&self, variable: Variable) -> Result<f64, Error> {
         if variable.tag != self.tag || variable.index() >= self.values.len() {
-            let (kind, place) = ("variable", "a solution".to_owned());
-            return Err(ErrorKind::ForeignHandle { kind, index: variable.index(), place }.into());
+            let (kind, index) = ("variable", variable.index());
+            let (place, name) = ("a solution".to_owned(), None);
+            return Err(ErrorKind::ForeignHandle { kind, index, place, name }.into());
         }
         Ok(self.values[variable.index()])
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use web_time::Duration;
+use web_time::{Duration, Instant};
 
 use super::progress::{Event, Progress};
 use crate::number::{percent, rounded};
@@ -28,6 +28,9 @@ const LONGEST_INTERVAL: Duration = Duration::from_secs(60);
 /// The columns are: nodes processed, nodes open, largest depth, best objective, bound, relative gap
 /// in percent, and seconds. A line for a new best point begins with the mark of its heuristic, see
 /// [`Heuristic::mark`](crate::solution::Heuristic::mark); the marks are explained above the first line.
+///
+/// Searches for the shortest horizon, of systems, scenes and others, are written by
+/// [`record_horizon`](Log::record_horizon).
 ///
 /// ```
 /// use carom::prelude::*;
@@ -54,12 +57,26 @@ pub struct Log<W: Write> {
     /// When the last line was written, in time since its solve began.
     last: Option<Duration>,
     failed: Option<io::Error>,
+    /// The search of which a solve is a part.
+    searched: Option<Searched>,
+}
+
+/// What a log knows of a search that solves many programs.
+pub(crate) struct Searched {
+    began: Instant,
+    /// When the last line was written, in time since the search began.
+    last: Duration,
+    lines: u64,
+    /// Up to how many steps are refuted, and for how many there is a plan.
+    pub(crate) at_work: (usize, Option<usize>),
+    /// The numbers of steps that sets have refuted since the last line.
+    pub(crate) by_sets: Vec<usize>,
 }
 
 impl<W: Write> Log<W> {
     /// A log that writes to `writer`.
     pub fn new(writer: W) -> Self {
-        Log { writer, lines: 0, relaxed: None, last: None, failed: None }
+        Log { writer, lines: 0, relaxed: None, last: None, failed: None, searched: None }
     }
 
     /// Writes the line of an event. After an error of the writer nothing more is written, and
@@ -187,6 +204,49 @@ impl<W: Write> Log<W> {
     /// The first error of the writer.
     pub fn into_inner(self) -> io::Result<W> {
         self.failed.map_or(Ok(self.writer), Err)
+    }
+
+    /// The search that is watched; it begins with its first event.
+    pub(crate) fn searched(&mut self) -> &mut Searched {
+        self.searched.get_or_insert_with(|| Searched {
+            began: Instant::now(),
+            last: Duration::ZERO,
+            lines: 0,
+            at_work: (0, None),
+            by_sets: Vec::new(),
+        })
+    }
+
+    /// Writes a line about a search, with the seconds since it began.
+    pub(crate) fn line(&mut self, text: fmt::Arguments<'_>) {
+        let searched = self.searched();
+        searched.last = searched.began.elapsed();
+        let seconds = searched.last.as_secs_f64();
+        self.write(format_args!("{text} ({seconds:.2} s)\n"));
+    }
+
+    /// Writes a line about the solve at work of a search, if the last line is some time ago.
+    pub(crate) fn solving(&mut self, steps: usize, progress: &Progress) {
+        let searched = self.searched();
+        let elapsed = searched.began.elapsed();
+        if elapsed < searched.last + interval(searched.last) {
+            return;
+        }
+        let is_first = searched.lines.is_multiple_of(LINES_PER_HEADING);
+        (searched.last, searched.lines) = (elapsed, searched.lines + 1);
+        let (refuted, feasible) = searched.at_work;
+        if is_first {
+            self.write(format_args!(
+                "  {:>7} {:>9} {:>9} {:>9} {:>8} {:>16} {:>9}\n",
+                "steps", "refuted", "a plan of", "nodes", "open", "bound", "seconds"
+            ));
+        }
+        let feasible = feasible.map_or("-".to_owned(), |steps| steps.to_string());
+        let (nodes, open, bound) = (progress.nodes, progress.open, number(progress.bound));
+        let seconds = elapsed.as_secs_f64();
+        self.write(format_args!(
+            "  {steps:>7} {refuted:>9} {feasible:>9} {nodes:>9} {open:>8} {bound:>16} {seconds:>9.2}\n"
+        ));
     }
 
     fn write(&mut self, text: fmt::Arguments<'_>) {

@@ -53,9 +53,12 @@ pub struct Options {
     /// Integrality tolerance of relaxations (`1e-9..=1e-2`); default
     /// [`tolerance::INTEGRALITY`].
     pub integrality: f64,
-    /// Wall-clock limit; default none.
+    /// Wall-clock limit of one solve; default none. What solves many programs, such as a search for the shortest
+    /// horizon, has a limit for all of them,
+    /// [`ShortestOptions::time_limit`](crate::hybrid::ShortestOptions::time_limit); this one then holds for
+    /// each.
     pub time_limit: Option<Duration>,
-    /// Limit on nodes; default none.
+    /// Limit on the nodes of one solve; default none.
     pub node_limit: Option<u64>,
     /// Limit on the bytes of the tree; default none. It covers what grows with the search: open
     /// nodes, the bound changes that they share, and the best points. It does not
@@ -204,7 +207,7 @@ impl Options {
         with_relative_gap(gap: f64) => relative_gap = gap;
         /// Sets the absolute gap.
         with_absolute_gap(gap: f64) => absolute_gap = gap;
-        /// Sets the time limit.
+        /// Sets the time limit of a solve.
         #[doc(alias("time limit", "timeout"))]
         with_time_limit(limit: Duration) => time_limit = Some(limit);
         /// Sets the node limit.

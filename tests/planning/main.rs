@@ -22,3 +22,4 @@ mod scenes;
 mod shortest;
 mod system;
 mod units;
+mod words;

@@ -2,13 +2,17 @@
 
 use std::ops::RangeInclusive;
 
-use super::{AtSample, HybridProgram};
-use crate::error::Error;
-#[cfg(doc)]
-use crate::error::ErrorKind;
+use super::{AtSample, HybridProgram, Members};
+use crate::error::{Error, ErrorKind};
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::system::{IntoRegion, Region, StatedRegion, SystemRow};
-use crate::model::{Affine, Either, Model, Term};
+use crate::hybrid::system::{IntoRegion, Meaning, Region, StatedRegion, SystemRow, outside_domain};
+use crate::interval::Interval;
+use crate::model::{Affine, Either, Model, Term, Variable};
+use crate::tolerance;
+
+/// The names of the statements of starts and goals.
+const START: &str = "start";
+const GOAL: &str = "goal";
 
 /// At which samples, from 0 to the number of steps τ, a run must be in a region.
 ///
@@ -58,9 +62,10 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`require`](HybridProgram::require).
+    /// Those of [`require`](HybridProgram::require); [`ErrorKind::OutOfRange`] for a value outside the
+    /// domain of its state.
     pub fn start(&mut self, region: impl IntoRegion) -> Result<(), Error> {
-        self.require("start", region, When::At(0))
+        self.require(START, region, When::At(0))
     }
 
     /// Requires the plan to end in a region, as [`require`](HybridProgram::require) does with the name
@@ -68,9 +73,10 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`require`](HybridProgram::require).
+    /// Those of [`require`](HybridProgram::require); [`ErrorKind::Misplaced`] for inputs, outputs and
+    /// transitions, which have no value at the last sample.
     pub fn goal(&mut self, region: impl IntoRegion) -> Result<(), Error> {
-        self.require("goal", region, When::At(self.steps()))
+        self.require(GOAL, region, When::At(self.steps()))
     }
 
     /// Requires rows of the systems' handles to hold at given samples: starts, goals, way-points, time
@@ -102,16 +108,93 @@ impl HybridProgram {
         let (members, steps) = (self.members.clone(), self.steps());
         match region {
             StatedRegion::Region(region) => {
+                if name == START && when == When::At(0) {
+                    let system = members.first().system();
+                    let ranges = system.states.iter().zip(&region.ranges);
+                    ranges.into_iter().try_for_each(|(state, range)| check_start(state, *range))?;
+                }
                 members.first().require(&mut self.model, name, region, when)
             }
             StatedRegion::Rows(rows) => {
+                members.check_ends(name, rows, &when)?;
                 let at = |sample: usize| {
-                    let rows = rows.iter().map(|row| row.at_sample(&members, sample));
-                    rows.collect::<Result<Vec<SystemRow>, Error>>()
+                    let own = |row: &SystemRow| {
+                        let row = row.at_sample(&members, sample)?;
+                        Ok(if is_never(&row) {
+                            members.first().never_at(sample).into()
+                        } else {
+                            row
+                        })
+                    };
+                    rows.iter().map(own).collect::<Result<Vec<SystemRow>, Error>>()
                 };
                 add(&mut self.model, name, when, steps, &at)
             }
         }
+    }
+}
+
+/// Whether a row has no variables and holds.
+fn is_always(row: &SystemRow) -> bool {
+    matches!(row, SystemRow::Row(row) if row.is_constant_and_holds())
+}
+
+/// Whether a row has no variables and does not hold, as one about an output that no transition states.
+fn is_never(row: &SystemRow) -> bool {
+    let SystemRow::Row(row) = row else { return false };
+    row.expression().terms().is_empty()
+        && row.lower() <= row.upper()
+        && !row.is_constant_and_holds()
+}
+
+/// Refuses a start that is a single value outside the domain of its state.
+fn check_start((name, domain): &(String, Interval), range: Interval) -> Result<(), Error> {
+    let is_outside = range.lower == range.upper
+        && (range.lower < domain.lower - tolerance::FEASIBILITY
+            || range.lower > domain.upper + tolerance::FEASIBILITY);
+    match is_outside {
+        true => Err(outside_domain("the start", name, range.lower, *domain)),
+        false => Ok(()),
+    }
+}
+
+impl Members {
+    /// Refuses a start outside a domain, and what has no value at the last sample.
+    fn check_ends(&self, name: &str, rows: &[SystemRow], when: &When) -> Result<(), Error> {
+        for row in rows {
+            let SystemRow::Row(row) = row else { continue };
+            let terms = row.expression().terms();
+            if *when == When::At(self.steps) && name == GOAL {
+                self.check_goal(&terms)?;
+            }
+            if let (START, When::At(0), [(handle, factor)]) = (name, when, &terms[..])
+                && let Some((own, Meaning::State(i))) = self.meaning(*handle)
+            {
+                let [lower, upper] = [row.lower(), row.upper()]
+                    .map(|end| (end - row.expression().offset()) / factor);
+                check_start(&own.system().states[*i], Interval::new(lower, upper))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses handles that have values in steps alone, because no step begins at the last sample.
+    fn check_goal(&self, terms: &[(Variable, f64)]) -> Result<(), Error> {
+        for (handle, _) in terms {
+            let Some((own, meaning)) = self.meaning(*handle) else { continue };
+            let what = match meaning {
+                Meaning::Input(_) => "input",
+                Meaning::Output(_) => "output",
+                Meaning::Taken(..) => "transition",
+                Meaning::Acting(..) => "mode that acts",
+                _ => continue,
+            };
+            let name = format!("the {what} `{}`", own.system().handle_name(*handle));
+            let help = "goals are rows of states and modes at the last sample, at which no step begins; \
+                        require it of steps by `require`, such as `When::Throughout(0..=steps - 1)`";
+            return Err(ErrorKind::Misplaced { name, place: "a goal".to_owned(), help }.into());
+        }
+        Ok(())
     }
 }
 
@@ -132,9 +215,10 @@ fn add(
         if let When::OnceIn(_) = when {
             let samples = window.map(rows).collect::<Result<Vec<_>, _>>()?;
             // A term without rows is always true.
-            if samples.iter().all(|rows| !rows.is_empty()) {
+            if samples.iter().all(|rows| !rows.iter().all(is_always)) {
                 let term = |rows: Vec<SystemRow>| {
-                    rows.into_iter().fold(Term::default(), |term, row| match row {
+                    let rows = rows.into_iter().filter(|row| !is_always(row));
+                    rows.fold(Term::default(), |term, row| match row {
                         SystemRow::Row(row) => term.and(row),
                         SystemRow::Conic(row) => term.and(row),
                     })
@@ -150,7 +234,7 @@ fn add(
                 model.describe(&family, words);
                 match row {
                     // Whoever has only one mode is in it.
-                    SystemRow::Row(row) if row.is_constant_and_holds() => {}
+                    row if is_always(&row) => {}
                     SystemRow::Row(row) => {
                         model.add((family, sample), row)?;
                     }
@@ -167,7 +251,7 @@ fn add(
 /// The families of the rows of a region at a sample, each with its words.
 fn families(model: &Model, name: &str, rows: &[SystemRow]) -> Result<Vec<(String, String)>, Error> {
     let called = match name {
-        "start" | "goal" => format!("the {name}"),
+        START | GOAL => format!("the {name}"),
         _ => format!("`{name}`"),
     };
     if rows.len() == 1 {

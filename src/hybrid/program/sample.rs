@@ -100,7 +100,7 @@ impl Members {
 
     /// The system of a handle with its variables, and what the handle stands for; `None` if it is of no
     /// system of the program.
-    fn meaning(&self, handle: Variable) -> Option<(&SystemVariables, &Meaning)> {
+    pub(super) fn meaning(&self, handle: Variable) -> Option<(&SystemVariables, &Meaning)> {
         self.iter().find_map(|own| Some((own, own.system().handles.meaning(handle)?)))
     }
 
@@ -232,7 +232,7 @@ impl Members {
 
 fn foreign(handle: Variable) -> Error {
     let (index, place) = (handle.index(), "an expression of a program".to_owned());
-    ErrorKind::ForeignHandle { kind: "variable", index, place }.into()
+    ErrorKind::ForeignHandle { kind: "variable", index, place, name: None }.into()
 }
 
 /// An argument of [`HybridProgram::at`](super::HybridProgram::at): an expression, a row, a comparison of a norm

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::error::RobustError;
-use super::tighten::{Carried, StatementTightening};
+use super::tighten::{BOUNDS, Carried, StatementTightening};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Affine, Function, FunctionRef, Model, StoredRow, Variable, VariableKind};
@@ -80,8 +80,11 @@ impl StatementTightening<'_> {
                 }
                 let name = own.name().suffixed("_tube");
                 let half = model.continuous(name.clone(), 0.0, most)?;
+                let words = format!("the tube of `{}`", own.name().family());
                 for (k, width) in wide.iter().enumerate() {
-                    model.add(name.suffixed(&format!("_{k}")), half.ge(width))?;
+                    let name = name.suffixed(&format!("_{k}"));
+                    model.describe(name.family(), words.clone());
+                    model.add(name, half.ge(width))?;
                 }
                 Ok(half.into())
             }
@@ -126,7 +129,7 @@ impl StatementTightening<'_> {
                 // The definition holds in every run; what is left is the variable's own range.
                 let Interval { lower, upper } = original.variable_ref(*variable)?.bounds();
                 let own = StoredRow { terms: vec![(*variable, 1.0)], lower, upper };
-                self.linear(model, row.name(), "_bounds", None, &own)?;
+                self.linear(model, row.name(), BOUNDS, None, &own)?;
                 equations.insert(position);
             }
         }

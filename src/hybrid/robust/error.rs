@@ -40,6 +40,22 @@ pub enum RobustError {
         /// The input.
         input: String,
     },
+    /// Two modes whose guards meet in one value: a run would have to end a step exactly there.
+    #[error(
+        "no tube goes from `{from}` to `{to}`, because disturbed runs do not all end a step where `{leaves}` \
+         and `{enters}` meet; use `guard` in place of `invariant`, so that a step may cross it, or let \
+         the two overlap by more than the tube is wide"
+    )]
+    NoCrossing {
+        /// The transition of the step before.
+        from: String,
+        /// The transition of the step after it.
+        to: String,
+        /// The guard of `from` at the end of its step.
+        leaves: String,
+        /// The guard of `to` at the start of its step.
+        enters: String,
+    },
     /// A statement that holds at one value alone, where disturbed runs differ.
     #[error(
         "`{statement}` requires one value, but disturbed runs differ there by {width:.3e} or more; \

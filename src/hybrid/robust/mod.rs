@@ -12,6 +12,7 @@
 //! | shortest horizons | `robust/shortest.rs` |
 //! | several cases with the inputs shared until they differ | `robust/scenarios.rs` |
 //! | what can be refused | `robust/error.rs` |
+//! | what its rows say, in words; modes that no tube goes between | `robust/words.rs` |
 //!
 //! Disturbed runs are flown by `simulate/disturbed.rs`.
 
@@ -25,6 +26,7 @@ mod scenarios;
 mod shortest;
 mod tighten;
 mod tube;
+mod words;
 
 pub use certificate::RobustCertificate;
 pub use error::RobustError;

@@ -8,9 +8,8 @@ use super::feedback::Feedback;
 use super::plan::RobustPlan;
 use super::tighten::{StatementTightening, TightStatement};
 use super::tube::ErrorTube;
-use crate::error::Error;
-#[cfg(doc)]
-use crate::error::ErrorKind;
+use super::words::meetings;
+use crate::error::{Error, ErrorKind};
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::system::{Coordinates, HybridSystem, Meaning, Measure, State};
 use crate::interval::Interval;
@@ -42,6 +41,9 @@ impl HybridProgram {
     /// transitions that the plan takes. Domains, limits, guards, ranges of inputs, and everything that the
     /// program requires of states, inputs and outputs, are tightened by what the tube takes; so all runs
     /// take the transitions of the plan. The objective is that of the plan without disturbance.
+    ///
+    /// A tube never ends a step in one value, so none goes between modes whose invariants meet in one: see
+    /// [`RobustError::NoCrossing`].
     ///
     /// In a step, at most one choice changes how an error continues; two of them at once are left out.
     ///
@@ -200,7 +202,8 @@ impl RobustProgram {
     /// # Errors
     ///
     /// Those of [`HybridProgram::solve`]; [`ErrorKind::Other`] with a [`RobustError`] as its source for a
-    /// plan that is not certified.
+    /// plan that is not certified. If there is no plan, and modes of the system meet in one value, so that no tube
+    /// goes between them, the source of [`ErrorKind::NoPlan`] is [`RobustError::NoCrossing`].
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<RobustPlan, Error> {
         self.solve_with(solver, &mut Control::default())
     }
@@ -224,6 +227,17 @@ impl RobustProgram {
     ///
     /// Those of [`solve`](RobustProgram::solve) that do not come from the solver.
     pub fn plan(&self, solution: &Solution) -> Result<RobustPlan, Error> {
+        // Without a tube there is nothing that cannot cross.
+        if solution.is_infeasible()
+            && !self.radius.is_empty()
+            && let Some(meeting) = meetings(self.program.system()).first()
+        {
+            let termination = solution.termination().to_string();
+            let help = "no tube goes between two of the modes, see the source of this error; \
+                        `carom::explain::infeasibility` says which statements contradict each other";
+            let kind = ErrorKind::NoPlan { termination, help };
+            return Err(Error::with_source(kind, meeting.error()));
+        }
         RobustPlan::of(self, solution)
     }
 }

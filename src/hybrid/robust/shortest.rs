@@ -11,7 +11,7 @@ use crate::hybrid::reach::{HorizonVariables, ReachSets};
 use crate::hybrid::shortest_horizon::{
     HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon,
 };
-use crate::hybrid::system::{HybridSystem, IntoRegion};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
 use crate::solver::Solver;
 
 impl HybridSystem {
@@ -106,6 +106,18 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
 
     fn time_step(&self) -> Option<f64> {
         self.nominal.time_step()
+    }
+
+    /// Of nominal runs: before the first step nothing has disturbed one.
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        match self.options.has_statements() {
+            true => Ok(None),
+            false => self.nominal.ends(),
+        }
+    }
+
+    fn hints(&self) -> Vec<String> {
+        self.nominal.hints()
     }
 
     fn takes_any_point(&self) -> bool {

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::error::RobustError;
 use super::tube::ErrorTube;
+use super::words::{GROWTH, for_every};
 use crate::error::Error;
 use crate::hybrid::affine::Map;
 use crate::hybrid::program::HybridProgram;
@@ -16,6 +17,9 @@ use crate::model::{
     Affine, AnyStatement, Consequent, Logic, Model, Name, Row, Statement, StoredConic, StoredRow,
     StoredTerm, Variable, norm, statements,
 };
+
+/// The suffix of rows that state the bounds of a variable.
+pub(super) const BOUNDS: &str = "_bounds";
 
 /// Widths of one value that are not more than this are rounding.
 const ONE_VALUE: f64 = 1e-9;
@@ -106,7 +110,7 @@ impl<'a> StatementTightening<'a> {
                 }
                 let row = StoredRow { terms: vec![(variable, 1.0)], lower, upper };
                 let name = program.model().variable_ref(variable)?.name();
-                self.linear(model, name, "_bounds", None, &row)?;
+                self.linear(model, name, BOUNDS, None, &row)?;
             }
         }
         Ok(())
@@ -137,6 +141,7 @@ impl<'a> StatementTightening<'a> {
                             continue;
                         }
                         let (name, row) = (format!("{name}_{j}"), half.ge(width));
+                        model.describe(&name, GROWTH.to_owned());
                         match own.literal(choice, j, step) {
                             None => model.add((name.as_str(), step), row).map(drop)?,
                             Some(when) => {
@@ -256,8 +261,14 @@ impl<'a> StatementTightening<'a> {
                 tight.push((&value - &width).ge(row.lower));
             }
         }
+        let words = for_every(&match at {
+            BOUNDS => format!("the bounds of `{}`", name.family()),
+            _ => model.words(name.family()).to_owned(),
+        });
         for (k, tight) in tight.into_iter().enumerate() {
-            state(model, name.suffixed(&format!("{at}_tube_{k}")), condition, tight)?;
+            let name = name.suffixed(&format!("{at}_tube_{k}"));
+            model.describe(name.family(), words.clone());
+            state(model, name, condition, tight)?;
         }
         self.all.push(TightStatement {
             statement: name.to_string(),
@@ -304,7 +315,10 @@ impl<'a> StatementTightening<'a> {
             return Ok(());
         }
         let tight = norm(entries.iter().cloned()).le(bound - &width);
-        state(model, name.suffixed(&format!("{at}_tube")), condition, tight)?;
+        let words = for_every(model.words(name.family()));
+        let tube = name.suffixed(&format!("{at}_tube"));
+        model.describe(tube.family(), words);
+        state(model, tube, condition, tight)?;
         let row = TightRow::Norm { entries: entries.clone(), bound: bound.clone() };
         let (statement, condition) = (name.to_string(), condition.cloned());
         self.all.push(TightStatement { statement, condition, row, width });

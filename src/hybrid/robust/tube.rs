@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 
 use super::feedback::{Feedback, disturbance};
+use super::words::GROWTH;
 use crate::error::Error;
 use crate::hybrid::affine::{self, Map};
 use crate::hybrid::rows::{SystemVariables, expression};
@@ -87,6 +88,7 @@ impl<'a> ErrorTube<'a> {
         if first == 0 {
             tube.sample(model, 0)?;
         }
+        tube.describe(model);
         Ok(tube)
     }
 
@@ -157,6 +159,7 @@ impl<'a> ErrorTube<'a> {
                         model.add((name.as_str(), step), none.implies(row)).map(drop)?;
                     }
                 }
+                model.describe(&name, GROWTH.to_owned());
             }
             for change in &differing {
                 let (factors, spreads) = &change.entries[k];
@@ -170,6 +173,7 @@ impl<'a> ErrorTube<'a> {
                     }
                     let name = format!("{name}_{}_{}_{signs}", change.choice, change.transition);
                     add(model, &name, step, when, next.ge(right))?;
+                    model.describe(&name, GROWTH.to_owned());
                 }
             }
             let of: BTreeSet<usize> = differing.iter().map(|change| change.choice).collect();
@@ -179,6 +183,8 @@ impl<'a> ErrorTube<'a> {
                 let taken = taken.map(|own| self.own.taken_value(own.choice, own.transition, step));
                 let name = format!("tube_one_change_{k}");
                 model.add((name.as_str(), step), taken.sum::<Affine>().le(1.0))?;
+                let words = "that one choice at a time changes how the tube grows";
+                model.describe(&name, words.to_owned());
             }
         }
         Ok(())

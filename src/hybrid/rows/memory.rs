@@ -151,7 +151,7 @@ impl SystemVariables {
         match modes::constant(&row) {
             None => Some(row),
             Some(true) => None,
-            Some(false) => Some(modes::never_at(self, 0)),
+            Some(false) => Some(self.never_at(0)),
         }
     }
 }

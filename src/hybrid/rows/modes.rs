@@ -78,7 +78,7 @@ pub(super) fn add(
         let row = match constant(&row) {
             None => row,
             Some(true) => continue,
-            Some(false) => never_at(program, step),
+            Some(false) => program.never_at(step),
         };
         let known = families.iter().position(|(k, m, d, _)| (*k, *m, *d) == (kind, mode, dwell));
         let at = known.unwrap_or_else(|| {
@@ -98,10 +98,12 @@ pub(super) fn constant(row: &Row) -> Option<bool> {
     row.expression().terms().is_empty().then_some(holds)
 }
 
-/// A row that no state at a sample satisfies, for what has no variables of its own.
-pub(super) fn never_at(program: &SystemVariables, sample: usize) -> Row {
-    let first = program.states.first().and_then(|family| family.get(sample));
-    let domain = program.system.states.first().map_or(Interval::REALS, |(_, domain)| *domain);
-    let (factor, limit) = never(domain);
-    first.map_or(Affine::zero(), |variable| factor * variable).le(limit)
+impl SystemVariables {
+    /// A row that no state at a sample satisfies, for what has no variables of its own.
+    pub(in crate::hybrid) fn never_at(&self, sample: usize) -> Row {
+        let first = self.states.first().and_then(|family| family.get(sample));
+        let domain = self.system.states.first().map_or(Interval::REALS, |(_, domain)| *domain);
+        let (factor, limit) = never(domain);
+        first.map_or(Affine::zero(), |variable| factor * variable).le(limit)
+    }
 }

@@ -117,6 +117,7 @@ pub(super) fn write(
     if let Some(what) = system.by_step() {
         model.note_by_step(what);
     }
+    model.name_handles(system.handles.tag, system.handle_names());
     Ok(program)
 }
 
@@ -267,6 +268,12 @@ fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
         }
         by_choice.push(of_choice);
     }
+    // What no transition states is 0.
+    for name in program.system.output_names() {
+        if outputs.iter().all(|(own, _)| *own != name) {
+            outputs.push((name, vec![Affine::zero(); steps]));
+        }
+    }
     (program.outputs, program.own_outputs) = (outputs, by_choice);
 }
 
@@ -315,7 +322,7 @@ impl Writer<'_> {
                 match modes::constant(&row) {
                     None => {}
                     Some(true) => continue,
-                    Some(false) => row = modes::never_at(self.program, t),
+                    Some(false) => row = self.program.never_at(t),
                 }
                 self.model.add((family.as_str(), t), row)?;
                 any = true;
@@ -421,7 +428,7 @@ impl Writer<'_> {
         match modes::constant(&row) {
             None => {}
             Some(true) => return Ok(()),
-            Some(false) => row = modes::never_at(self.program, 0),
+            Some(false) => row = self.program.never_at(0),
         }
         let family = self.names.family(&["most_events"]);
         self.model.add(family.as_str(), row)?;

@@ -121,5 +121,5 @@ fn unknown(name: &str, kind: &'static str) -> Error {
 }
 
 fn foreign(kind: &'static str, index: usize, place: &str) -> Error {
-    ErrorKind::ForeignHandle { kind, index, place: place.to_owned() }.into()
+    ErrorKind::ForeignHandle { kind, index, place: place.to_owned(), name: None }.into()
 }

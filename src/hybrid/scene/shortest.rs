@@ -196,6 +196,25 @@ impl Stated {
         self.sets_of(&system).map(Some)
     }
 
+    /// That hits of several things in a step are not planned, if they could be.
+    fn corner_hint(&self) -> Option<String> {
+        if self.scene.corners {
+            return None;
+        }
+        let with_corners = Scene { corners: true, ..self.scene.clone() };
+        let opposite = exclusive(&with_corners, &self.contacts);
+        let is_corner = |pair: &[usize]| !opposite.iter().any(|other| other == pair);
+        let groups = exclusive(&self.scene, &self.contacts);
+        let meet = groups.iter().any(|group| {
+            let pairs = group.iter().enumerate();
+            let mut pairs = pairs.flat_map(|(k, &a)| group[k + 1..].iter().map(move |&b| [a, b]));
+            pairs.any(|pair| is_corner(&pair))
+        });
+        let words = "a body hits at most one thing in a step, so that none moves into a corner: \
+                     `Scene::with_corners(true)` allows it";
+        meet.then(|| words.to_owned())
+    }
+
     /// The most hits of a plan, if a rule says so of all hits together.
     fn most_hits(&self) -> Option<usize> {
         let rules = self.scene.rules.iter().filter(|rule| rule.window.is_none());
@@ -264,6 +283,15 @@ impl HorizonModel for ScenePrograms {
 
     fn time_step(&self) -> Option<f64> {
         Some(self.stated.source.time_step)
+    }
+
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        let (start, goal) = (self.stated.ends(true), self.stated.ends(false));
+        Ok(Some((self.stated.system.clone(), start, goal)))
+    }
+
+    fn hints(&self) -> Vec<String> {
+        self.stated.corner_hint().into_iter().collect()
     }
 
     fn with_hybrid(

@@ -111,7 +111,8 @@ impl Scene {
         /// Sets how impacts within a step are counted.
         with_estimate(estimate: ImpactEstimate) => estimate = estimate;
         /// Lets bodies hit several faces in one step. The effects add, which is the law of a corner
-        /// whose faces are at right angles.
+        /// whose faces are at right angles. Without it, a body that cannot but move into a corner has no plan, and the
+        /// text of the search says that corners are not planned.
         with_corners(wanted: bool) => corners = wanted;
         /// Keeps every step of a plan away from ties, in m: a step that ends exactly at a surface to
         /// bounce off may hit it or fly, so that what really happens is left to chance. With a

@@ -48,7 +48,7 @@ impl Guess {
     ) -> Result<Guess, Error> {
         let nothing = Guess::Nothing { up_to: steps };
         let Some(coarser) = builder.coarser() else { return Ok(nothing) };
-        let mut options = options.without_statements();
+        let mut options = options.without_statements().unwatched();
         options.time_limit = token.left().map(|left| left / SHARE);
         if let (Some(own), Some(coarse)) = (builder.time_step(), coarser.time_step()) {
             let most = (AS_LONG * steps as f64 * own / coarse).ceil() as usize + 1;

@@ -1,10 +1,11 @@
 //! The shortest horizon of a family of programs: the search, and behind it the logs, if they are asked for.
 
 use super::HorizonModel;
+use super::event::HorizonEvent;
 use super::options::ShortestOptions;
 use super::outcome::{Shortest, Solved};
 use super::proofs::{HorizonLogs, without_logs};
-use super::search::{HorizonEvent, find};
+use super::search::find;
 use crate::error::Error;
 use crate::solver::Solver;
 

@@ -1,5 +1,7 @@
 #![doc = include_str!("../../../docs/modules/shortest_horizon.md")]
 
+mod at_goal;
+mod event;
 mod guess;
 mod logged;
 mod look;
@@ -11,12 +13,13 @@ mod run;
 mod search;
 mod statements;
 mod time_step;
+mod watch;
 
+pub use event::HorizonEvent;
 pub use logged::{shortest_horizon, shortest_horizon_with};
 pub use options::ShortestOptions;
 pub use outcome::{Attempt, HorizonProof, Refutation, Shortest, ShortestStatus, Solved, Verdict};
 pub(crate) use proofs::{HorizonLogs, without_logs};
-pub use search::HorizonEvent;
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
 
@@ -25,6 +28,7 @@ use std::borrow::BorrowMut;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
+use crate::hybrid::system::{HybridSystem, Region};
 use crate::model::Model;
 
 /// A family of programs, one for each number of steps.
@@ -90,6 +94,18 @@ pub trait HorizonModel {
     /// Δt of the programs, in s, for the words of the result; `None` by default.
     fn time_step(&self) -> Option<f64> {
         None
+    }
+
+    /// The system with its start and its goal, to see whether no step is needed; `None` by default.
+    #[doc(hidden)]
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        Ok(None)
+    }
+
+    /// What else to look at if there is no plan, in words; nothing by default.
+    #[doc(hidden)]
+    fn hints(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// Hands a program with a hybrid system to `statements`, for the

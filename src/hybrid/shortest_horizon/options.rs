@@ -3,6 +3,7 @@
 use web_time::Duration;
 
 use super::statements::Statements;
+use super::watch::Watch;
 use crate::setters::setters;
 use crate::solver::Interrupt;
 
@@ -13,7 +14,9 @@ pub struct ShortestOptions {
     /// The largest horizon tried, in steps (`1..=`[`MAX_STEPS`](crate::tolerance::MAX_STEPS));
     /// default 10 000.
     pub max_steps: usize,
-    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time.
+    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time. The limits of the
+    /// solver's own [`Options`](crate::solver::Options) are those of each solve, of which a search makes many: with
+    /// a time limit there alone, a search may take many times as long.
     pub time_limit: Option<Duration>,
     /// Stops the search and the current solve.
     pub interrupt: Interrupt,
@@ -22,6 +25,8 @@ pub struct ShortestOptions {
     /// Whether a plan on the builder's coarser grid is used as a MIP start if binaries remain open
     /// (default yes).
     pub coarse_guess: bool,
+    /// Who is told what the search does.
+    pub(super) watch: Watch,
     /// Statements that programs get besides the rows of their system.
     pub(super) statements: Statements,
 }
@@ -34,6 +39,7 @@ impl Default for ShortestOptions {
             interrupt: Interrupt::new(),
             reach_sets: true,
             coarse_guess: true,
+            watch: Watch::default(),
             statements: Statements::default(),
         }
     }
@@ -43,7 +49,7 @@ impl ShortestOptions {
     setters! {
         /// Sets the largest horizon tried, in steps.
         with_max_steps(steps: usize) => max_steps = steps;
-        /// Sets the wall-clock limit of the whole search.
+        /// Sets the wall-clock limit of the whole search; the solver has one for each solve.
         with_time_limit(limit: Duration) => time_limit = Some(limit);
         /// Sets whether reach sets are used.
         with_reach_sets(wanted: bool) => reach_sets = wanted;

@@ -34,6 +34,25 @@ pub enum Verdict {
     Refuted(Refutation),
     /// The solver stopped without a point and without a proof.
     Undecided(Termination),
+    /// The program that was restricted to the modes of a plan on a coarser grid has no plan, or none was found in
+    /// time. Nothing is said about the horizon: it is solved without the restriction next.
+    NotAsGuessed,
+}
+
+/// In words: "refuted by reach sets".
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Verdict::Feasible => f.write_str("a plan"),
+            Verdict::Refuted(Refutation::Sets) => f.write_str("refuted by reach sets"),
+            Verdict::Refuted(Refutation::Propagation) => f.write_str("refuted by propagation"),
+            Verdict::Refuted(Refutation::Relaxation) => f.write_str("refuted by relaxations"),
+            Verdict::Undecided(why) => write!(f, "open ({why} of this solve)"),
+            Verdict::NotAsGuessed => f.write_str(
+                "no plan with the modes of a coarser one, which says nothing about others",
+            ),
+        }
+    }
 }
 
 /// A decision about one horizon, by reach sets or by a solve.
@@ -50,6 +69,20 @@ pub struct Attempt {
     /// Whether the program was restricted to the mode sequence of a coarser plan. A restricted
     /// program can prove only feasibility.
     pub restricted: bool,
+}
+
+/// In words: "17 steps: refuted by relaxations, 4711 nodes in 9.80 s".
+impl fmt::Display for Attempt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = |count: u64| if count == 1 { "" } else { "s" };
+        write!(f, "{} step{}: {}", self.steps, plural(self.steps as u64), self.verdict)?;
+        if !self.is_solve() {
+            return Ok(());
+        }
+        let nodes = self.statistics.nodes;
+        let seconds = self.statistics.time.as_secs_f64();
+        write!(f, ", {nodes} node{} in {seconds:.2} s", plural(nodes))
+    }
 }
 
 impl Attempt {
@@ -173,6 +206,15 @@ pub struct Shortest<P> {
     pub proofs: Vec<HorizonProof>,
     /// Wall-clock time of the search, building included and logs not.
     pub time: Duration,
+    /// Whether the start is in the goal, so that no step is needed. A plan has at least one step; `steps` and `plan`
+    /// are then the shortest one that ends in the goal again. Known of systems, scenes and the paper's vehicle, for
+    /// starts of which one in the goal is easily found, and with missions if they hold after no step; `false` with
+    /// windows and rows, of which nothing is known.
+    pub starts_in_goal: bool,
+    /// Whether the limit of the whole search has stopped it.
+    pub(super) is_time_up: bool,
+    /// What else to look at if there is no plan, in words.
+    pub(super) hints: Vec<String>,
 }
 
 /// The program of a horizon and its solution.
@@ -198,6 +240,9 @@ impl<P> fmt::Display for Shortest<P> {
                 None => count,
             }
         };
+        if self.starts_in_goal {
+            f.write_str("the start is in the goal, so that no step is needed; with steps: ")?;
+        }
         match (self.status, self.steps) {
             (ShortestStatus::Found, Some(found)) => {
                 write!(f, "{}", horizon(found).replacen(',', " at least,", 1))?;
@@ -208,16 +253,28 @@ impl<P> fmt::Display for Shortest<P> {
             }
             (ShortestStatus::NoneWithin { max_steps }, _) => {
                 write!(f, "no plan of up to {}, under {law}; longer ones", horizon(max_steps))?;
-                f.write_str(" were not looked for")
+                f.write_str(" were not looked for")?;
+                self.hints.iter().try_for_each(|hint| write!(f, "; {hint}"))
             }
-            (status, found) => {
-                write!(f, "{status}, under {law}")?;
+            (ShortestStatus::Stopped(reason), found) => {
+                let of = match reason {
+                    Termination::TimeLimit if self.is_time_up => " of the whole search",
+                    Termination::TimeLimit | Termination::NodeLimit => " of each solve",
+                    _ => "",
+                };
+                write!(f, "stopped ({reason}{of}), under {law}")?;
                 match found {
-                    Some(1) => write!(f, ": 1 step is enough"),
-                    Some(found) => write!(f, ": {found} steps are enough"),
+                    Some(1) => f.write_str(": 1 step is enough")?,
+                    Some(found) => write!(f, ": {found} steps are enough")?,
+                    None => f.write_str(": no plan was found")?,
+                }
+                match self.refuted_steps {
                     None => Ok(()),
+                    Some(1) => f.write_str(", 1 step is refuted"),
+                    Some(refuted) => write!(f, ", up to {refuted} steps are refuted"),
                 }
             }
+            (status, None) => write!(f, "{status}, under {law}"),
         }
     }
 }
@@ -240,6 +297,9 @@ impl<P> Shortest<P> {
             attempts: self.attempts,
             proofs: self.proofs,
             time: self.time,
+            starts_in_goal: self.starts_in_goal,
+            is_time_up: self.is_time_up,
+            hints: self.hints,
         })
     }
 

@@ -9,9 +9,10 @@ use std::fs;
 use std::path::Path;
 
 use super::HorizonModel;
+use super::event::HorizonEvent;
 use super::options::ShortestOptions;
 use super::outcome::{HorizonProof, Solved};
-use super::search::{ANY_GAP, HorizonEvent, build};
+use super::search::{ANY_GAP, build};
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::solution::Solution;
@@ -158,7 +159,9 @@ impl<'a> HorizonLogs<'a> {
     }
 
     fn file(&mut self, proof: HorizonProof) {
-        (self.progress)(&HorizonEvent::Logged(proof.clone()));
+        let event = HorizonEvent::Logged(proof.clone());
+        self.options.tell(&event);
+        (self.progress)(&event);
         self.proofs.push(proof);
     }
 }

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::hybrid::program::{HybridPlan, HybridProgram, When};
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
-use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region, outside_domain};
 use crate::solver::Solver;
 
 impl HybridSystem {
@@ -95,8 +95,7 @@ impl HybridSystem {
         for ((name, domain), range) in self.states.iter().zip(&region.ranges) {
             if domain.intersection(*range).is_empty() {
                 let value = range.nearest(0.5 * (domain.lower + domain.upper));
-                let range = format!("within its domain, {} to {}", domain.lower, domain.upper);
-                return Err(Error::out_of_range(format!("{what} of `{name}`"), value, range));
+                return Err(outside_domain(what, name, value, *domain));
             }
         }
         Ok(())
@@ -131,6 +130,10 @@ impl HorizonModel for Task<'_> {
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         ReachSets::new(self.system, self.start, self.goal, SetOptions::default()).map(Some)
+    }
+
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        Ok(Some((self.system.clone(), self.start.clone(), self.goal.clone())))
     }
 
     fn with_hybrid(

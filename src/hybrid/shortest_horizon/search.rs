@@ -4,16 +4,17 @@
 use std::borrow::{Borrow, BorrowMut};
 
 use super::HorizonModel;
+use super::event::HorizonEvent;
 use super::guess::{Guess, restricted};
 use super::look::look_token;
 use super::options::ShortestOptions;
-use super::outcome::{Attempt, HorizonProof, Shortest, ShortestStatus, Solved, Verdict};
+use super::outcome::{Attempt, Shortest, ShortestStatus, Solved, Verdict};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
 use crate::model::Model;
 use crate::solution::{Solution, Termination};
-use crate::solver::{Event, Progress, Solver, StopToken};
+use crate::solver::{Event, Solver, StopToken};
 
 /// Undecided horizons after which a search gives up, because others would probably stop for the
 /// same reason.
@@ -25,36 +26,6 @@ const MANY_OPEN: usize = 16;
 /// A gap that any point closes, where only the first point is wanted.
 pub(super) const ANY_GAP: f64 = 1e9;
 
-/// A progress event of a search.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there are few events, and each lives as long as a callback"
-)]
-pub enum HorizonEvent {
-    /// A horizon is about to be solved.
-    Started {
-        /// The horizon, in steps.
-        steps: usize,
-        /// The largest horizon refuted so far together with every smaller one; 0 if there is none.
-        refuted: usize,
-        /// The smallest horizon found feasible so far.
-        feasible: Option<usize>,
-    },
-    /// Progress of the current solve.
-    Solving {
-        /// The horizon, in steps.
-        steps: usize,
-        /// The solver's progress.
-        progress: Progress,
-    },
-    /// A horizon is decided, by reach sets or by a solve.
-    Decided(Attempt),
-    /// The log of a horizon is written, or it is known that there is none.
-    Logged(HorizonProof),
-}
-
 /// Finds the smallest feasible horizon and refutes the smaller ones, with progress events.
 pub(super) fn find<B: HorizonModel + ?Sized>(
     builder: &B,
@@ -63,6 +34,10 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
     progress: &mut dyn FnMut(&HorizonEvent),
 ) -> Result<Shortest<Solved<B::Program>>, Error> {
     check_steps("the largest number of steps", options.max_steps)?;
+    let progress = &mut |event: &HorizonEvent| {
+        options.tell(event);
+        progress(event);
+    };
     let waiting = options.waiting(builder.waiting());
     let mut search = Search {
         is_free: waiting.is_free(),
@@ -84,7 +59,11 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         search.sets = builder.reach_sets()?;
     }
     let status = search.run()?;
-    let time = search.token.elapsed();
+    let (time, is_time_up) = (search.token.elapsed(), search.token.is_over());
+    let starts_in_goal = match builder.ends()? {
+        Some((system, start, goal)) => options.start_in_goal(&system, &start, &goal)?,
+        None => false,
+    };
     let (refuted, attempts, sets) = (search.refuted, search.attempts, search.sets);
     let mut found = Shortest {
         status,
@@ -98,7 +77,13 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         attempts,
         proofs: Vec::new(),
         time,
+        starts_in_goal,
+        is_time_up,
+        hints: Vec::new(),
     };
+    if search.best.is_none() {
+        found.hints = builder.hints();
+    }
     if let Some(best) = search.best {
         found.steps = Some(best.steps);
         found.plan = Some(Solved { program: best.program, solution: best.solution });
@@ -350,7 +335,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         // This shows only that the guess does not fit this horizon.
         self.attempts.push(Attempt {
             restricted: true,
-            verdict: Verdict::Undecided(solution.termination()),
+            verdict: Verdict::NotAsGuessed,
             ..Attempt::of(steps, &solution)
         });
         Ok(None)
@@ -373,6 +358,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
                 }
             }
             Verdict::Undecided(reason) => self.undecided.push((steps, reason)),
+            Verdict::NotAsGuessed => {}
         }
         self.attempts.push(attempt);
         (self.progress)(&HorizonEvent::Decided(attempt));

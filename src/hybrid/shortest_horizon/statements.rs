@@ -9,7 +9,7 @@ use super::options::ShortestOptions;
 use crate::error::Error;
 use crate::hybrid::mission::Mission;
 use crate::hybrid::program::{HybridProgram, When};
-use crate::hybrid::system::{IntoRegion, StatedRegion};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region, StatedRegion};
 use crate::model::{Model, Reformulation};
 
 /// Writes statements into the program of a horizon.
@@ -141,6 +141,27 @@ impl ShortestOptions {
     pub(crate) fn has_statements(&self) -> bool {
         let Statements { windows, rows, missions, .. } = &self.statements;
         !windows.is_empty() || !rows.is_empty() || !missions.is_empty()
+    }
+
+    /// Whether a start is in the goal, and missions hold after no step. Nothing is known with windows and rows.
+    pub(crate) fn start_in_goal(
+        &self,
+        system: &HybridSystem,
+        start: &Region,
+        goal: &Region,
+    ) -> Result<bool, Error> {
+        let Statements { windows, rows, missions, .. } = &self.statements;
+        if !windows.is_empty() || !rows.is_empty() {
+            return Ok(false);
+        }
+        let Some(run) = system.common_sample(start, goal)? else { return Ok(false) };
+        for (_, mission) in missions {
+            // It may be about more samples than there are.
+            if !system.robustness(mission, &run).is_ok_and(|value| value >= 0.0) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// The same for a grid on which the samples of windows mean nothing.

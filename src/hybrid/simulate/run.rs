@@ -105,6 +105,7 @@ impl HybridSystem {
             state_names: names(self.states.iter().map(|(name, _)| name).collect()),
             input_names: names(self.inputs.iter().map(|(name, _)| name).collect()),
             choice_names: names(self.choices.iter().map(|choice| &choice.name).collect()),
+            output_names: self.output_names(),
             states: vec![state.to_vec()],
             modes: vec![modes(&memory)],
             inputs: Vec::new(),

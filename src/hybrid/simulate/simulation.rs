@@ -187,6 +187,9 @@ pub struct Simulation {
     pub input_names: Vec<String>,
     /// Names of the choices.
     pub choice_names: Vec<String>,
+    /// Names of the outputs.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub output_names: Vec<String>,
     /// The state at every sample, the first one included.
     pub states: Vec<Vec<f64>>,
     /// The modes at every sample, by choice; None without memory, and while a mode is open.
@@ -268,11 +271,13 @@ impl Simulation {
             let modes: Option<Vec<String>> = modes.collect();
             run.modes.extend(modes.map(|modes| (choice.clone(), modes)));
         }
+        let none = || vec![0.0; self.steps.len()];
+        run.outputs = self.output_names.iter().map(|name| (name.clone(), none())).collect();
         for (t, step) in self.steps.iter().enumerate() {
             for (name, value) in &step.outputs {
                 let known = run.outputs.iter().position(|(own, _)| own == name);
                 let k = known.unwrap_or_else(|| {
-                    run.outputs.push((name.clone(), vec![0.0; self.steps.len()]));
+                    run.outputs.push((name.clone(), none()));
                     run.outputs.len() - 1
                 });
                 run.outputs[k].1[t] += value;

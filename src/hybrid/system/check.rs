@@ -12,6 +12,9 @@ use crate::interval::Interval;
 use crate::model::is_name;
 use crate::tolerance::INFINITE;
 
+/// By how much a number of two flows may differ by rounding alone, relative to it and to 1.
+const FLOW_ROUNDING: f64 = 1e-12;
+
 impl HybridSystem {
     /// Refuses systems whose parts do not fit together.
     ///
@@ -21,7 +24,8 @@ impl HybridSystem {
     /// [`ErrorKind::CrossedBounds`], [`ErrorKind::DuplicateName`], [`ErrorKind::UnknownName`];
     /// [`ErrorKind::OutOfRange`] for a system without states or transitions, for several choices
     /// without a common flow, for numbers of 1e20 and more in magnitude, and for a domain or a range so
-    /// far from 0 that the digits of a float do not tell its points apart.
+    /// far from 0 that the digits of a float do not tell its points apart; [`ErrorKind::Misplaced`] for a
+    /// guard on the prediction of a state whose flow another choice changes as well.
     pub fn check(&self) -> Result<(), Error> {
         check_time_step(self.time_step)?;
         at_least_one("states", self.states.len())?;
@@ -70,7 +74,52 @@ impl HybridSystem {
             None => {}
         }
         check_names("choice", self.choices.iter().map(|choice| &choice.name))?;
-        self.choices.iter().try_for_each(|choice| self.check_choice(choice))
+        self.choices.iter().try_for_each(|choice| self.check_choice(choice))?;
+        self.check_predictions()
+    }
+
+    /// Refuses guards on predictions that another choice makes wrong: each choice predicts by the common flow and
+    /// what it changes itself, and the step adds what the others change.
+    fn check_predictions(&self) -> Result<(), Error> {
+        let Some(common) = self.flow.as_ref().filter(|_| self.choices.len() > 1) else {
+            return Ok(());
+        };
+        if self.predicting.is_empty() {
+            return Ok(());
+        }
+        let changes = |choice: &Choice| -> Vec<bool> {
+            let changed = |state: usize| {
+                choice.transitions.iter().any(|own| changes_row(&own.flow, common, state))
+            };
+            (0..self.states.len()).map(changed).collect()
+        };
+        let changes: Vec<Vec<bool>> = self.choices.iter().map(changes).collect();
+        for &(c, j) in &self.predicting {
+            let Some(choice) = self.choices.get(c) else { continue };
+            let Some(transition) = choice.transitions.get(j) else { continue };
+            let rows = transition.prediction_guards.iter();
+            let rows = rows.map(|guard| (&guard.name, vec![&guard.normal]));
+            let norms = transition.prediction_norms.iter();
+            let norms =
+                norms.map(|norm| (&norm.name, norm.parts().map(|part| &part.factors).collect()));
+            for (name, factors) in rows.chain(norms) {
+                let uses = |i: usize| factors.iter().any(|own| own[i] != 0.0);
+                let beside = (0..self.choices.len()).filter(|&other| other != c);
+                let mut pairs = beside.flat_map(|k| (0..self.states.len()).map(move |i| (k, i)));
+                let Some((k, i)) = pairs.find(|&(k, i)| changes[k][i] && uses(i)) else { continue };
+                let (other, state) = (&self.choices[k].name, &self.states[i].0);
+                let name = format!("the guard `{name}` of `{}`", transition.name);
+                let own = &choice.name;
+                let place = format!(
+                    "the choice `{own}` while `{other}` changes the flow of `{state}` as well"
+                );
+                let help = "a choice predicts by its own flow alone; state the guard of the start of \
+                            the step, limit the state itself by `invariant` or `limit` of the system, \
+                            or state both choices as one";
+                return Err(ErrorKind::Misplaced { name, place, help }.into());
+            }
+        }
+        Ok(())
     }
 
     fn check_choice(&self, choice: &Choice) -> Result<(), Error> {
@@ -140,6 +189,18 @@ impl HybridSystem {
         }
         Ok(())
     }
+}
+
+/// Whether two flows differ in the next value of a state by more than rounding.
+fn changes_row(own: &LinearSystem, common: &LinearSystem, state: usize) -> bool {
+    let numbers = |flow: &LinearSystem| -> Vec<f64> {
+        let from_states = (0..flow.states()).map(|j| flow.a()[(state, j)]);
+        let from_inputs = (0..flow.inputs()).map(|u| flow.b()[(state, u)]);
+        from_states.chain(from_inputs).chain([flow.c()[state]]).collect()
+    };
+    let (own, common) = (numbers(own), numbers(common));
+    let pairs = own.iter().zip(&common);
+    pairs.into_iter().any(|(a, b)| (a - b).abs() > FLOW_ROUNDING * a.abs().max(b.abs()).max(1.0))
 }
 
 pub(super) fn at_least_one(what: &str, count: usize) -> Result<(), Error> {

@@ -122,6 +122,19 @@ impl HybridSystem {
         ErrorKind::Misplaced { name, place: place.to_owned(), help }.into()
     }
 
+    /// The error for the first input among some coefficients.
+    pub(super) fn misplaced_input(
+        &self,
+        all: &Coefficients,
+        place: &str,
+        help: &'static str,
+    ) -> Error {
+        let input = all.inputs.iter().position(|a| *a != 0.0);
+        let input = input.and_then(|u| self.inputs.get(u)).map_or("", |(name, _)| name);
+        let (name, place) = (format!("the input `{input}`"), place.to_owned());
+        ErrorKind::Misplaced { name, place, help }.into()
+    }
+
     /// A row as half-spaces, one for each of its limits, and when they hold.
     ///
     /// # Arguments

@@ -36,6 +36,11 @@ impl State {
 
     /// The value at the end of the step that the flow predicts, before a reset, in the state's unit.
     /// For guards, resets and outputs.
+    ///
+    /// With several choices, each predicts by its own flow: the common one with what the choice changes about
+    /// it, without what the others do. So a guard on the prediction of a state whose flow another choice changes
+    /// as well is [refused](crate::hybrid::HybridSystem::check); resets and outputs are functions of what their own
+    /// choice predicts, and resets of other choices come after it.
     pub fn predicted(self) -> Variable {
         // The prediction is declared right after its state.
         Variable { index: self.variable.index + 1, tag: self.variable.tag }
@@ -180,6 +185,19 @@ impl Handles {
     /// The handle of a state, if it is declared.
     pub(super) fn find_state(&self, number: usize) -> Option<State> {
         self.find(&Meaning::State(number)).map(|variable| State { variable })
+    }
+
+    /// All handles, in the order of their index.
+    pub(super) fn all(&self) -> impl Iterator<Item = Variable> + '_ {
+        (0..self.meanings.len()).map(|index| Variable::new(index, self.tag))
+    }
+
+    /// The names of the outputs, in the order of their declaration.
+    pub(super) fn outputs(&self) -> impl Iterator<Item = &str> {
+        self.meanings.iter().flatten().filter_map(|meaning| match meaning {
+            Meaning::Output(name) => Some(name.as_str()),
+            _ => None,
+        })
     }
 
     /// Whether there is a handle of a kind.

@@ -14,7 +14,7 @@ impl HybridSystem {
     pub(crate) fn meaning(&self, variable: Variable, place: &str) -> Result<&Meaning, Error> {
         self.handles.meaning(variable).ok_or_else(|| {
             let (kind, index, place) = ("variable", variable.index(), place.to_owned());
-            ErrorKind::ForeignHandle { kind, index, place }.into()
+            ErrorKind::ForeignHandle { kind, index, place, name: None }.into()
         })
     }
 
@@ -36,6 +36,11 @@ impl HybridSystem {
             }
             None => format!("#{}", variable.index()),
         }
+    }
+
+    /// The names of all handles, by their index.
+    pub(crate) fn handle_names(&self) -> Vec<String> {
+        self.handles.all().map(|handle| self.handle_name(handle)).collect()
     }
 
     /// The handle of a state, by its name: for a system that was read or made from matrices.
@@ -98,10 +103,21 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::UnknownName`].
     pub fn output_named(&self, name: &str) -> Result<Variable, Error> {
-        let mut outputs = self.transitions().flat_map(|transition| &transition.outputs);
-        let is_named = outputs.any(|own| own.name == name);
         let found = self.handles.find(&Meaning::Output(name.to_owned()));
-        found.filter(|_| is_named).ok_or_else(|| Error::unknown_name(name, "output of the system"))
+        found.ok_or_else(|| Error::unknown_name(name, "output of the system"))
+    }
+
+    /// The names of the outputs: those that transitions state, in their order, and then those that none states.
+    pub(crate) fn output_names(&self) -> Vec<String> {
+        let stated = self.transitions().flat_map(|transition| &transition.outputs);
+        let stated = stated.map(|output| output.name.as_str());
+        let mut names: Vec<String> = Vec::new();
+        for name in stated.chain(self.handles.outputs()) {
+            if names.iter().all(|own| own != name) {
+                names.push(name.to_owned());
+            }
+        }
+        names
     }
 
     /// Declares the handles of a choice: of its modes, transitions and outputs.

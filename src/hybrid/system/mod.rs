@@ -80,7 +80,7 @@ pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub(crate) use norm_limit::{NormEntry, NormLimit};
 pub(crate) use polygons::Bracket;
 pub use region::Region;
-pub(crate) use region::check_cut;
+pub(crate) use region::{check_cut, outside_domain};
 pub use schedule::Schedule;
 pub use system_row::SystemRow;
 pub use transition::Transition;
@@ -171,6 +171,8 @@ pub struct HybridSystem {
     common: Option<FlowRows>,
     /// Transitions, by choice and number, that have not stated a flow and take that of no other yet.
     unstated: Vec<(usize, usize)>,
+    /// Transitions, by choice and number, with guards on predictions that were stated by handles.
+    predicting: Vec<(usize, usize)>,
 }
 
 impl PartialEq for HybridSystem {
@@ -210,6 +212,7 @@ impl HybridSystem {
             handles: Handles::default(),
             common: None,
             unstated: Vec::new(),
+            predicting: Vec::new(),
         }
     }
 

@@ -93,6 +93,12 @@ impl From<&Region> for Region {
     }
 }
 
+/// The error for a value outside the domain of its state.
+pub(crate) fn outside_domain(what: &str, name: &str, value: f64, domain: Interval) -> Error {
+    let range = format!("within its domain, {} to {}", domain.lower, domain.upper);
+    Error::out_of_range(format!("{what} of `{name}`"), value, range)
+}
+
 impl Region {
     /// One state, with one value per state, in any mode.
     pub fn point(state: impl AsRef<[f64]>) -> Self {

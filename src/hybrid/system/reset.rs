@@ -21,8 +21,8 @@ impl TransitionMut<'_> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions, and for a second
-    /// reset; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`].
+    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions and series, such as one
+    /// with an input, and for a second reset; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`].
     pub fn reset<E: Into<Affine>>(
         mut self,
         values: impl IntoIterator<Item = (State, E)>,
@@ -112,6 +112,11 @@ impl TransitionMut<'_> {
                 return Err(Error::duplicate_name(&name, "state of the reset"));
             }
             let all = self.system.plain_coefficients(&value.into(), &place)?;
+            if all.uses_inputs() {
+                let help = "state it by predictions, such as `v.predicted()`, and by series; what an \
+                            input does belongs in the flow";
+                return Err(self.system.misplaced_input(&all, &place, help));
+            }
             if all.uses_start() {
                 let name = format!("the new value of `{}`", self.system.states[i].0);
                 let help = "state it by predictions, such as `v.predicted()`, and by series";

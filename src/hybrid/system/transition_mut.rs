@@ -146,6 +146,9 @@ impl<'a> TransitionMut<'a> {
     /// transition. The row may limit a length, such as a thrust within a disc, `norm([ux, uy]).le(2.0)`,
     /// or where the transition is possible.
     ///
+    /// With several choices, predictions are those of the transition's own choice; a guard on the prediction of a
+    /// state whose flow another choice changes as well is refused when the system is [checked](HybridSystem::check).
+    ///
     /// # Errors
     ///
     /// [`ErrorKind::Misplaced`] for a row of both, or of anything else;
@@ -155,7 +158,10 @@ impl<'a> TransitionMut<'a> {
     }
 
     /// Adds a row of states and series that holds at both ends of the step: a guard on the start and the
-    /// same guard on the [prediction](State::predicted), such as the range of speeds of a gear.
+    /// same guard on the [prediction](State::predicted), such as the range of speeds of a gear. Two modes whose
+    /// invariants meet in one value, `x.le(6.0)` and `x.ge(6.0)`, are left and entered exactly there: a planner
+    /// finds that step, but no run that is disturbed does. With `guard` in place of `invariant`, a step may cross
+    /// the value. With several choices, the prediction is as for [`guard`](TransitionMut::guard).
     ///
     /// # Errors
     ///
@@ -174,6 +180,7 @@ impl<'a> TransitionMut<'a> {
                 }
                 self.own().norms.push(norm.clone());
                 self.own().prediction_norms.push(norm);
+                self.note_prediction();
                 return Ok(self);
             }
         };
@@ -206,6 +213,14 @@ impl<'a> TransitionMut<'a> {
         self.add(Some((name, true)), &row.into())
     }
 
+    /// Notes that the transition has a guard on the prediction, for the check of the whole system.
+    fn note_prediction(&mut self) {
+        let own = (self.choice, self.number);
+        if !self.system.predicting.contains(&own) {
+            self.system.predicting.push(own);
+        }
+    }
+
     fn add(self, name: Option<(&str, bool)>, row: &SystemRow) -> Result<Self, Error> {
         match row {
             SystemRow::Row(row) => self.add_row(name, row),
@@ -218,7 +233,10 @@ impl<'a> TransitionMut<'a> {
         let (moment, norm) = self.system.norm_limit(name, row, &place)?;
         match moment {
             Moment::Start => self.own().norms.push(norm),
-            Moment::Prediction => self.own().prediction_norms.push(norm),
+            Moment::Prediction => {
+                self.own().prediction_norms.push(norm);
+                self.note_prediction();
+            }
         }
         Ok(self)
     }
@@ -234,7 +252,10 @@ impl<'a> TransitionMut<'a> {
         }
         match moment {
             Moment::Start => self.own().guards.extend(halves),
-            Moment::Prediction => self.own().prediction_guards.extend(halves),
+            Moment::Prediction => {
+                self.own().prediction_guards.extend(halves);
+                self.note_prediction();
+            }
         }
         Ok(self)
     }
