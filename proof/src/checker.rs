@@ -236,8 +236,8 @@ impl Checker {
 
     fn deficits(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let deficits = words.entries(self.bounds.len())?;
-        if !self.is_root() || self.objective.deficits().is_some() {
-            return rejected("`p` must stand in context 0, once");
+        if !self.is_root() {
+            return rejected("`p` must stand in context 0");
         }
         self.convexity = Some((deficits, Vec::new()));
         Ok(())

@@ -6,6 +6,7 @@ use super::solve::{EarlierResults, Solve};
 use crate::error::Error;
 use crate::presolve::root::{Presolve, PresolveRule, Presolved};
 use crate::search::Start;
+use crate::solver::PoolMode;
 
 /// Largest change of the objective of a point by presolve, relative to the terms (no unit): the point
 /// keeps the equalities that were used up to the feasibility tolerance only.
@@ -14,12 +15,15 @@ const OBJECTIVE_CHANGE: f64 = 1e-6;
 /// The rules by which the program of a solve is presolved.
 pub(super) fn rules(solve: &Solve<'_>, known: &EarlierResults<'_>) -> &'static [PresolveRule] {
     let options = solve.options;
-    // Pools and leaves are about all columns.
-    if known.is_presolved || !options.reductions || options.pool > 1 || options.keep_leaves {
+    // Leaves are about all columns.
+    if known.is_presolved || !options.reductions || options.keep_leaves {
         return &[];
     }
-    // Nothing that a start knows may be reduced away, and rows may come that speak of all points.
-    let is_faithful = known.start.is_some() || solve.rows.is_some_and(RowJudge::expects_rows);
+    // Nothing that a start knows may be reduced away, rows may come that speak of all points, and the best
+    // points differ in integers that other rules would decide.
+    let wants_all = options.pool > 1 && options.pool_mode == PoolMode::Best;
+    let expects_rows = solve.rows.is_some_and(RowJudge::expects_rows);
+    let is_faithful = known.start.is_some() || expects_rows || wants_all;
     if is_faithful { &PresolveRule::FAITHFUL } else { &PresolveRule::ALL }
 }
 
@@ -77,6 +81,18 @@ impl Presolution<'_> {
             None => start.integers.clone(),
         };
         Start { integers, ..start.clone() }
+    }
+
+    /// By column of the program, whether it decides one of some variables of the model.
+    pub(super) fn decides(&self, variables: impl Iterator<Item = usize>) -> Vec<bool> {
+        let variables: Vec<(usize, f64)> = variables.map(|j| (j, 0.0)).collect();
+        let mut columns = self.lowered.carry(&variables);
+        if let Some(presolved) = &self.presolved {
+            columns = presolved.postsolve.carry(&columns);
+        }
+        let mut decides = vec![false; self.program().column_count()];
+        columns.iter().for_each(|&(column, _)| decides[column] = true);
+        decides
     }
 
     /// The place of a column among the variables of the lowered model.

@@ -198,7 +198,10 @@ impl RowRounds<'_> {
         let holds = |values: &[f64]| {
             Point::new(model, values.to_vec()).is_ok_and(|point| satisfies(lazy, &point))
         };
+        let before = found.points.len();
         found.points.retain(|values| holds(values));
+        // A pool that has lost a point has room for one that the search did not look for.
+        found.pool_complete &= found.points.len() == before;
         self.best = self.best.take().filter(|(_, values)| holds(values));
         if let Some(values) = found.points.first() {
             let point = Point::new(model, values.clone())?;
@@ -213,10 +216,16 @@ impl RowRounds<'_> {
     /// The integers of the best point so far.
     fn start(&self) -> Option<Start> {
         let (_, values) = self.best.as_ref()?;
+        let integers = self.integers(values);
+        (!integers.is_empty()).then(|| Start { integers, ..Start::default() })
+    }
+
+    /// The whole values of the integers of a point, by which the points of a pool are told apart. Two rounds
+    /// may find one of them with continuous values that differ in their last digits.
+    fn integers(&self, values: &[f64]) -> Vec<(usize, f64)> {
         let integral = self.model.variables().zip(values).enumerate();
         let integral = integral.filter(|(_, (variable, _))| variable.kind().is_integral());
-        let integers: Vec<(usize, f64)> = integral.map(|(j, (_, value))| (j, *value)).collect();
-        (!integers.is_empty()).then(|| Start { integers, ..Start::default() })
+        integral.map(|(j, (_, value))| (j, value.round())).collect()
     }
 
     /// Whether no further round is needed.
@@ -286,12 +295,14 @@ impl RowRounds<'_> {
         }
         if let Some((value, values)) = &self.best {
             if found.points.first() != Some(values) {
-                found.points.retain(|point| point != values);
+                let own = self.integers(values);
+                found.points.retain(|point| self.integers(point) != own);
                 found.points.insert(0, values.clone());
                 found.points.truncate(self.options.pool);
             }
             if found.termination == Termination::Infeasible {
                 found.termination = Termination::Stalled;
+                found.pool_complete = false;
             }
             if found.termination != Termination::Unbounded {
                 found.bound = self.bound.min(*value);

@@ -17,14 +17,21 @@ pub(super) struct ModelJudge<'a> {
     feasibility: f64,
     /// By variable of the model: whether it is an integer.
     integral: Vec<bool>,
+    /// If a pool is kept, by column of the program: whether an integer of the model follows from it.
+    tells_apart: Vec<bool>,
 }
 
 impl<'a> ModelJudge<'a> {
     pub(super) fn new(solve: &Solve<'a>, presolved: &'a Presolution<'a>) -> Self {
         let Solve { model, options, rows, refusals, .. } = *solve;
-        let integral = model.variables().map(|variable| variable.kind().is_integral()).collect();
+        let integral: Vec<bool> =
+            model.variables().map(|variable| variable.kind().is_integral()).collect();
         let feasibility = options.feasibility;
-        ModelJudge { presolved, model, rows, refusals, feasibility, integral }
+        let tells_apart = match options.pool {
+            1 => Vec::new(),
+            _ => presolved.decides((0..integral.len()).filter(|&j| integral[j])),
+        };
+        ModelJudge { presolved, model, rows, refusals, feasibility, integral, tells_apart }
     }
 }
 
@@ -59,7 +66,6 @@ impl PointJudge for ModelJudge<'_> {
     }
 
     fn tells_apart(&self, column: usize) -> bool {
-        let variable = self.presolved.column(column);
-        variable.and_then(|j| self.integral.get(j)) == Some(&true)
+        self.tells_apart.get(column) == Some(&true)
     }
 }

@@ -89,7 +89,8 @@ impl Bounds {
         Bounds { now, last, trail, integral, queue, is_queued, fineness: 1.0 }
     }
 
-    /// Rounds the bounds of a column to whole numbers from here on. Returns whether one of them was not whole.
+    /// Rounds the bounds of a column to whole numbers from here on, as far as they follow from facts: the log has
+    /// the others as they are. Returns whether one of them was rounded.
     pub(super) fn take_as_integral(&mut self, facts: &Facts, column: usize) -> bool {
         self.integral[column] = true;
         let [lower, upper] = self.now[column];
@@ -99,7 +100,8 @@ impl Bounds {
         {
             let reason =
                 self.in_force((column, is_upper), NOTHING).map(|at| self.trail[at as usize]);
-            if let Some(change) = reason.filter(|_| before != after) {
+            let has_fact = |change: &BoundChange| before != after && change.fact != NOTHING;
+            if let Some(change) = reason.filter(has_fact) {
                 self.apply(facts, (column, is_upper), after + 0.0, change.fact);
                 is_rounded = true;
             }

@@ -29,43 +29,88 @@ pub(super) struct ConvexityProof {
 /// A symmetric matrix by columns of its lower triangle.
 type Lower = Vec<BTreeMap<usize, f64>>;
 
+/// The tries of a steepness, each half of the one before, and the largest as a part of the least diagonal entry.
+const STEEPNESS_TRIES: i32 = 30;
+const LARGEST_STEEPNESS: f64 = 0.25;
+
+/// How much larger than necessary the deficits of columns are that make others steep, for rounding (no unit).
+const PAID_FOR_STEEPNESS: f64 = 1.0 + 1e-9;
+
 impl ConvexityProof {
     /// Of the objective of a program.
     ///
     /// Where a column with curvature lacks a bound, the deficits of its block are negative if they can be: the
     /// objective is steep there.
-    pub(super) fn of(program: &Program) -> Self {
-        let n = program.column_count();
-        let is_open =
-            |j: &usize| program.lower[*j].is_infinite() || program.upper[*j].is_infinite();
-        let mut products = Vec::new();
-        for j in 0..n {
-            let (rows, values) = program.quadratic_column(j);
-            let upper = rows.iter().zip(values).filter(|(i, _)| **i <= j);
-            products.extend(upper.map(|(&i, &p)| (i, j, p)));
-        }
-        let mut convexity = ConvexityProof { factor: Vec::new(), deficits: vec![0.0; n] };
-        for (names, entries) in blocks(&products) {
-            let mut matrix: Lower = vec![BTreeMap::new(); names.len()];
-            for (i, j, p) in entries {
-                *matrix[i.min(j)].entry(i.max(j)).or_default() += p;
-            }
-            let spare: Vec<f64> = match names.iter().any(is_open) {
+    ///
+    /// # Arguments
+    ///
+    /// * `is_open`: whether a column lacks a bound.
+    pub(super) fn of(program: &Program, is_open: &dyn Fn(usize) -> bool) -> Self {
+        let mut convexity = ConvexityProof::nothing(program);
+        for (names, matrix) in matrices(program) {
+            let spare: Vec<f64> = match names.iter().any(|&j| is_open(j)) {
                 true => names.iter().map(|&j| OF_STEEPNESS * program.steepness()[j]).collect(),
                 false => vec![0.0; names.len()],
             };
-            matrix.iter_mut().enumerate().for_each(|(k, column)| {
-                if spare[k] > 0.0 {
-                    *column.entry(k).or_default() -= spare[k];
-                }
-            });
-            convexity.add(&names, &matrix, &spare);
+            convexity.add(&names, matrix, &spare);
         }
         convexity
     }
 
-    /// Adds a block, from whose diagonal something was taken.
-    fn add(&mut self, names: &[usize], matrix: &Lower, taken: &[f64]) {
+    /// A proof in which all columns with curvature that lack a bound are steep, at the cost of the others; `None` if
+    /// there are none, or if they cannot be.
+    ///
+    /// If `P` is positive semidefinite with the parts `A`, `B`, `C` (the columns without bounds, the products with
+    /// others, and these), it stays so with `A / 2` and `2 C` instead, as with all rows and columns of the one times
+    /// the root of 1/2 and of the other times the root of 2. So `C` has deficits that are at least as large as it,
+    /// and `A` has as much to spare as half of it.
+    pub(super) fn steep(program: &Program, is_open: &dyn Fn(usize) -> bool) -> Option<Self> {
+        let mut convexity = ConvexityProof::nothing(program);
+        let mut is_any = false;
+        for (names, matrix) in matrices(program) {
+            let is_open: Vec<bool> = names.iter().map(|&j| is_open(j)).collect();
+            if !is_open.contains(&true) {
+                convexity.add(&names, matrix, &vec![0.0; names.len()]);
+                continue;
+            }
+            is_any = true;
+            let diagonal = |k: usize| matrix[k].get(&k).copied().unwrap_or(0.0);
+            let open = (0..names.len()).filter(|&k| is_open[k]);
+            let least = open.map(diagonal).fold(f64::INFINITY, f64::min);
+            let mut paid = vec![0.0; names.len()];
+            for (k, column) in matrix.iter().enumerate() {
+                for (&i, value) in column.iter().filter(|(i, _)| !is_open[k] && !is_open[**i]) {
+                    paid[k] += PAID_FOR_STEEPNESS * value.abs();
+                    paid[i] += if i == k { 0.0 } else { PAID_FOR_STEEPNESS * value.abs() };
+                }
+            }
+            let begun = convexity.factor.len();
+            let is_steep = (0..STEEPNESS_TRIES).any(|k| {
+                let steepness = LARGEST_STEEPNESS * least * 0.5_f64.powi(k);
+                let taken = (0..names.len()).map(|k| if is_open[k] { steepness } else { -paid[k] });
+                convexity.factor.truncate(begun);
+                convexity.add(&names, matrix.clone(), &taken.collect::<Vec<f64>>());
+                (0..names.len()).all(|k| !is_open[k] || convexity.deficits[names[k]] < 0.0)
+            });
+            if !is_steep {
+                return None;
+            }
+        }
+        is_any.then_some(convexity)
+    }
+
+    fn nothing(program: &Program) -> Self {
+        ConvexityProof { factor: Vec::new(), deficits: vec![0.0; program.column_count()] }
+    }
+
+    /// Adds a block, from whose diagonal something is taken.
+    fn add(&mut self, names: &[usize], mut matrix: Lower, taken: &[f64]) {
+        matrix.iter_mut().enumerate().for_each(|(k, column)| {
+            if taken[k] != 0.0 {
+                *column.entry(k).or_default() -= taken[k];
+            }
+        });
+        let matrix = &matrix;
         let mut lack = lacking(matrix, &[]);
         let mut factor = Vec::new();
         if lack.iter().any(|&lack| lack > 0.0) {
@@ -82,7 +127,7 @@ impl ConvexityProof {
         }
         for (k, lack) in lack.into_iter().enumerate() {
             // The matrix without what was taken was rounded.
-            let rounding = if taken[k] > 0.0 {
+            let rounding = if taken[k] != 0.0 {
                 4.0 * f64::EPSILON * matrix_size(matrix, k, taken[k])
             } else {
                 0.0
@@ -94,6 +139,23 @@ impl ConvexityProof {
         };
         self.factor.extend(factor.into_iter().map(name));
     }
+}
+
+/// The blocks of the curvature of a program: their columns, and their entries.
+fn matrices(program: &Program) -> impl Iterator<Item = (Vec<usize>, Lower)> {
+    let mut products = Vec::new();
+    for j in 0..program.column_count() {
+        let (rows, values) = program.quadratic_column(j);
+        let upper = rows.iter().zip(values).filter(|(i, _)| **i <= j);
+        products.extend(upper.map(|(&i, &p)| (i, j, p)));
+    }
+    blocks(&products).into_iter().map(|(names, entries)| {
+        let mut matrix: Lower = vec![BTreeMap::new(); names.len()];
+        for (i, j, p) in entries {
+            *matrix[i.min(j)].entry(i.max(j)).or_default() += p;
+        }
+        (names, matrix)
+    })
 }
 
 /// By row, what the diagonal of `A - L L'` lacks of the sum of the other magnitudes.

@@ -105,7 +105,7 @@ impl ProofWriter<'_, '_> {
             let radius = (g + (g * g + 2.0 * surplus * (around.room + fall)).sqrt()) / surplus;
             let radius = radius * (1.0 + WIDENED);
             let [lower, upper] = self.bounds.of(j);
-            let [below, above] = [around.point[j] - radius, around.point[j] + radius];
+            let [below, above] = self.range_around(j, around.point[j], radius);
             if lower.is_infinite() && below.is_finite() {
                 found.push((j, false, below));
             }
@@ -127,7 +127,7 @@ impl ProofWriter<'_, '_> {
             let slope = around.gradient[j];
             let radius = (around.room + fall) / slope.abs() * (1.0 + WIDENED);
             let [lower, upper] = self.bounds.of(j);
-            let (below, above) = (around.point[j] - radius, around.point[j] + radius);
+            let [below, above] = self.range_around(j, around.point[j], radius);
             if slope < 0.0 && lower.is_infinite() && below.is_finite() {
                 found.push((j, false, below));
             }
@@ -136,6 +136,16 @@ impl ProofWriter<'_, '_> {
             }
         }
         found
+    }
+
+    /// Bounds of a column around a value; of an integral one, the next whole numbers. No fact is behind them, by
+    /// which they could be rounded to whole numbers within.
+    fn range_around(&self, column: usize, value: f64, radius: f64) -> [f64; 2] {
+        let [below, above] = [value - radius, value + radius];
+        match self.relaxer.program.integral[column] {
+            true => [below.floor(), above.ceil()],
+            false => [below, above],
+        }
     }
 
     /// About the least point of the objective over some columns, the others at 0 or their nearest bound.

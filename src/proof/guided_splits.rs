@@ -2,6 +2,7 @@
 //! that are whole because of these.
 
 use super::tree::{FRACTIONAL, ProofWriter};
+use super::whole_splits::{is_counted, place_of};
 use crate::search::Decision;
 
 /// The longest row along which an integral column is looked for, and most columns on the way to it.
@@ -21,7 +22,7 @@ impl ProofWriter<'_, '_> {
     pub(super) fn usable(&self, decision: Decision) -> Option<SideRelation> {
         let Decision { column, is_upper, value } = decision;
         let program = &self.relaxer.program;
-        if column >= program.column_count() || value != value.round() {
+        if column >= program.column_count() || !is_counted(place_of(decision)) {
             return None;
         }
         let is_integral = program.integral[column];

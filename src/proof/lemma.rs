@@ -9,6 +9,7 @@ use super::relaxed::Relaxed;
 use super::simple_sums::ObjectiveFact;
 use super::tightened::LOOSENING;
 use super::tree::{FRACTIONAL, Limit, ProofPart, ProofWriter};
+use super::whole_splits::is_counted;
 use crate::program::Program;
 use crate::search::Decision;
 use crate::search::cuts::WholeForm;
@@ -178,7 +179,7 @@ impl ProofWriter<'_, '_> {
         let negation = self.lemma_fact;
         let is_open = |j: &usize| {
             let [lower, upper] = self.bounds.of(*j);
-            self.relaxer.program.integral[*j] && upper - lower == 1.0
+            self.relaxer.program.integral[*j] && upper - lower == 1.0 && is_counted(lower)
         };
         if let Some(column) = self.facts.terms(negation).map(|(j, _)| j).find(is_open) {
             let [value, _] = self.bounds.of(column);

@@ -22,7 +22,7 @@
 //! * `switched`, `zero_products` - products that make squares tighter, and are 0 at every point
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
-//! * `tree`, `guide`, `guided_splits`, `search` - the splits, those of the search first
+//! * `tree`, `guide`, `guided_splits`, `whole_splits`, `search` - the splits, those of the search first
 //! * `log` - the text
 
 mod block_lemmas;
@@ -51,6 +51,7 @@ mod strengthened;
 mod switched;
 mod tightened;
 mod tree;
+mod whole_splits;
 mod zero_products;
 
 use std::io::{self, Write};

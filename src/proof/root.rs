@@ -61,11 +61,29 @@ impl ProofWriter<'_, '_> {
     /// follow.
     fn add_curvature(&mut self) {
         self.add_zero_products();
-        let ConvexityProof { factor, deficits } = ConvexityProof::of(&self.relaxer.program);
+        let program = &self.relaxer.program;
+        let is_open = |j: usize| program.lower[j].is_infinite() || program.upper[j].is_infinite();
+        self.state_convexity(ConvexityProof::of(&self.relaxer.program, &is_open));
+        self.bound_by_curvature();
+        // A proof that is rounded has small deficits, which a column without a bound cannot have. What columns with
+        // bounds pay for its steepness bounds it; then the small deficits do.
+        let lacks_bound = |j: usize| self.bounds.of(j).iter().any(|bound| bound.is_infinite());
+        let deficits = self.relaxer.deficits.iter().enumerate();
+        if !deficits.into_iter().any(|(j, &lack)| lack > 0.0 && lacks_bound(j)) {
+            return;
+        }
+        if let Some(steep) = ConvexityProof::steep(&self.relaxer.program, &lacks_bound) {
+            self.state_convexity(steep);
+            self.bound_by_curvature();
+            let lacks_bound = |j: usize| self.bounds.of(j).iter().any(|bound| bound.is_infinite());
+            self.state_convexity(ConvexityProof::of(&self.relaxer.program, &lacks_bound));
+        }
+    }
+
+    fn state_convexity(&mut self, ConvexityProof { factor, deficits }: ConvexityProof) {
         let lacking = deficits.iter().copied().enumerate().filter(|(_, lack)| *lack != 0.0);
         self.log.convexity(lacking, &factor);
         self.relaxer.deficits = deficits;
-        self.bound_by_curvature();
     }
 
     /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`, or twice an

@@ -9,6 +9,7 @@ use super::guided_splits::SideRelation;
 use super::log::ProofLog;
 use super::relaxed::{FactRefutation, Relaxed, Relaxer};
 use super::tightened::{TightRowLemma, TightStep};
+use super::whole_splits::{is_counted, place_of};
 use crate::search::{Decision, Fork, opposite};
 
 /// The distance from a whole number from which a column can be split there (no unit).
@@ -114,9 +115,12 @@ impl ProofWriter<'_, '_> {
             } else if let Some(part) = next.take()
                 && let Some((decision, near, far)) = self.step(part)?
             {
+                if !self.is_split(decision) {
+                    self.leave_open()?;
+                    continue;
+                }
                 let mark = self.bounds.mark();
-                let at = if decision.is_upper { decision.value } else { decision.value - 1.0 };
-                self.log.split(decision.column, at);
+                self.log.split(decision.column, place_of(decision));
                 // The context with the upper bound comes first.
                 let (first, part, then) = match decision.is_upper {
                     true => (decision, near, far),
@@ -273,16 +277,22 @@ impl ProofWriter<'_, '_> {
             }
         };
         let Some(decision) = self.own_split(point.as_deref()) else {
-            // No checker accepts this step: what the search has closed here has a point.
-            self.spend_trial(u64::MAX)?;
-            self.log.remark("no sum of facts closes this context");
-            self.log.contradiction(std::iter::empty());
-            self.gaps += 1;
+            // What the search has closed here has a point, or whole numbers beyond those that are counted in.
+            self.leave_open()?;
             return Ok(Step::Closed);
         };
         self.splits_left = self.splits_left.checked_sub(1).ok_or(Limit)?;
         self.spend_trial(1)?;
         Ok(Step::Split(decision, ProofPart::Own(depth + 1)))
+    }
+
+    /// Closes a context by a step that no checker accepts.
+    fn leave_open(&mut self) -> Result<(), Limit> {
+        self.spend_trial(u64::MAX)?;
+        self.log.remark("no sum of facts closes this context");
+        self.log.contradiction(std::iter::empty());
+        self.gaps += 1;
+        Ok(())
     }
 
     /// Counts splits of a trial.
@@ -312,7 +322,7 @@ impl ProofWriter<'_, '_> {
                 return None;
             }
             let [lower, upper] = self.bounds.of(column);
-            if upper - lower == 1.0 {
+            if upper - lower == 1.0 && is_counted(lower) {
                 for is_upper in [true, false] {
                     let value = if is_upper { lower } else { upper };
                     let decision = Decision { column, is_upper, value };
@@ -330,40 +340,6 @@ impl ProofWriter<'_, '_> {
             probing.place += 1;
         }
         None
-    }
-
-    /// The integral column to split: the most fractional one, or any that is not fixed.
-    pub(super) fn own_split(&self, point: Option<&[f64]>) -> Option<Decision> {
-        let program = &self.relaxer.program;
-        let is_free = |j: &&usize| {
-            let [lower, upper] = self.bounds.of(**j);
-            lower < upper
-        };
-        let free = program.integers.iter().filter(is_free);
-        if let Some(point) = point {
-            let distance = |j: &usize| (point[*j] - point[*j].round()).abs();
-            let best = free.clone().max_by(|a, b| distance(a).total_cmp(&distance(b)));
-            if let Some(&column) = best.filter(|j| distance(j) > FRACTIONAL) {
-                // A relaxed point may be slightly beyond a bound.
-                let [lower, upper] = self.bounds.of(column);
-                let value = point[column].floor().max(lower).min(upper - 1.0);
-                return Some(Decision { column, is_upper: true, value });
-            }
-        }
-        let column = *free.min_by(|&&a, &&b| self.width(a).total_cmp(&self.width(b)))?;
-        let [lower, upper] = self.bounds.of(column);
-        let value = match (lower.is_finite(), upper.is_finite()) {
-            (true, true) => (0.5 * (lower + upper)).floor(),
-            (true, false) => lower,
-            (false, true) => upper - 1.0,
-            _ => 0.0,
-        };
-        Some(Decision { column, is_upper: true, value })
-    }
-
-    pub(super) fn width(&self, column: usize) -> f64 {
-        let [lower, upper] = self.bounds.of(column);
-        upper - lower
     }
 
     /// Writes the bounds that some sides rest on.

@@ -31,7 +31,7 @@ pub trait PointJudge: Sync {
         Vec::new()
     }
 
-    /// Whether a column is an integer of the model, and not an auxiliary one.
+    /// Whether an integer of the model follows from a column, which then is no auxiliary one.
     fn tells_apart(&self, _column: usize) -> bool {
         true
     }

@@ -92,8 +92,9 @@ pub struct Options {
     /// [`RelaxationMethod::Automatic`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
     /// Whether presolve reduces the program before the search: its rules remove rows and columns,
-    /// tighten bounds and shrink coefficients; default on. Not used if a pool or leaves are kept,
-    /// because these refer to the original columns. MIP starts are mapped through it.
+    /// tighten bounds and shrink coefficients; default on. Not used if leaves are kept, because these
+    /// refer to the original columns. For the best points, with a MIP start and with lazy constraints,
+    /// only rules are used that keep all assignments of the integers. MIP starts are mapped through it.
     #[doc(hidden)]
     pub reductions: bool,
     /// Whether presolve tightens bounds by propagating every case of a covering row
@@ -279,8 +280,9 @@ impl Options {
     }
 
     /// Sets whether the program is presolved before the search; default on. Presolve removes rows and
-    /// columns, tightens bounds and makes big-Ms smaller. It is left out if a pool or leaves are kept,
-    /// because these refer to the original columns.
+    /// columns, tightens bounds and makes big-Ms smaller. It is left out if leaves are kept, because these
+    /// refer to the original columns. For a pool of the best points, with a MIP start and with lazy
+    /// constraints it is left to rules that keep all assignments of the integers.
     #[must_use]
     pub fn with_presolve(mut self, presolve: bool) -> Self {
         self.reductions = presolve;

@@ -100,7 +100,9 @@ fn a_factor_proves_convexity() {
                 "rejected: row 0 is not diagonally dominant, by 1"
             }),
             ("l 0", "x 0", "rejected: `p` and its columns, up to `l 0`, must not be interrupted"),
-            ("l 0\nt 0", "l 0\np 0", "rejected: `p` must stand in context 0, once"),
+            ("l 0\nt 0", "l 0\np 0", {
+                "rejected: `p` and its columns, up to `l 0`, must not be interrupted"
+            }),
             ("l 0\nt 0", "l 0\nl 0", "rejected: `l` without `p`"),
             ("0 1 4", "0 1 5", "rejected: row 0 is not diagonally dominant, by 1"),
             ("p 0\nl 2 0 1 1 2", "p 0\nl 2 0 1.5 1 2", {
@@ -109,7 +111,51 @@ fn a_factor_proves_convexity() {
         ],
     );
     let inside = square.log("m U 5 1 0 1\n p 0");
-    assert_eq!(verdict(&inside), "rejected: `p` must stand in context 0, once");
+    assert_eq!(verdict(&inside), "rejected: `p` must stand in context 0");
+}
+
+/// (x - y)² is flat along x = y, where x has no bound. With much from y, x is steep and gets bounds; within these,
+/// a second proof has small deficits. A further proof takes the place of the one before it, and `w` and `t` go by
+/// the last one.
+#[test]
+fn convexity_may_be_proved_again() {
+    let flat = Header {
+        columns: &["c -inf inf x", "c 1 4 y"],
+        linear: "",
+        squares: "3 0 0 2 0 1 -2 1 1 2",
+        claim: "bound -0.5",
+        ..BOWL
+    };
+    let steep = "p 2 0 -1 1 4\nl 2 0 1 1 -2\nl 0";
+    let bounds = "w 0 0 2 0 L -8 0 U 8";
+    let near = "p 2 0 0.0078125 1 0.0078125\nl 2 0 1 1 -1\nl 2 0 1 1 -1\nl 0";
+    broken(
+        &flat.log(&format!("{steep}\n{bounds}\n{near}\nt 0\nx 1 0 -1")),
+        &[
+            (
+                near,
+                "",
+                "rejected: the combination is no contradiction: it holds with 31.5 to spare",
+            ),
+            (bounds, "", "rejected: column 0 has a deficit and is not bounded"),
+            (
+                bounds,
+                "w 0 0 2 0 L -7.5 0 U 8",
+                "rejected: the curvature does not bound column 0 (x) by -7.5",
+            ),
+            (near, "p 0\nl 2 0 1 1 -1\nl 2 0 1.5 1 -1\nl 0", {
+                "rejected: row 0 is not diagonally dominant, by 1.75"
+            }),
+            ("p 2 0 -1 1 4", "p 2 0 -2 1 4", "rejected: row 0 is not diagonally dominant, by 1"),
+            ("p 2 0 -1 1 4", "p 2 0 -1 1 1", "rejected: row 1 is not diagonally dominant, by 1"),
+            (steep, near, "rejected: column 0 has a deficit and is not bounded"),
+            (
+                "1 0.0078125\n",
+                "1 -0.0078125\n",
+                "rejected: row 1 is not diagonally dominant, by 0.0078125",
+            ),
+        ],
+    );
 }
 
 #[test]

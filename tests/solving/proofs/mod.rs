@@ -5,8 +5,10 @@ mod bounded_cones;
 mod damaged;
 mod declarations;
 mod lemmas;
+mod open_integers;
 mod past_slips;
 mod switched;
+mod texts;
 mod ways_of_solving;
 
 use std::fs;
