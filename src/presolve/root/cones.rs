@@ -4,15 +4,16 @@
 //! * A tail without open entries bounds the head, and a head without open columns bounds a tail with one
 //!   open entry. The bound says all that the cone does.
 //! * A norm of one entry is two rows.
-//! * A cone goes that bounds imply.
+//! * A cone goes that bounds imply, or whose bounds leave one point.
 //! * A long cone of which few entries are left needs no parts.
 //!
 //! The columns that leave a cone are like any others from there on.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Sparse, Work};
-use crate::presolve::conic_tightening::{BoundedColumns, is_implied};
+use crate::presolve::conic_tightening::{BoundedColumns, is_implied, pins};
 use crate::presolve::parameters::{CONTRADICTION, FEW_ROUNDINGS};
+use crate::presolve::tightening::Tightening;
 use crate::program::{Cone, ConeRole, ConeShape, LONGEST_TAIL, conic_columns};
 
 /// Parts of a cone that is left without them.
@@ -55,6 +56,8 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
     }
     if cone.head().iter().any(|&j| work.upper[j] == 0.0) {
         cone.tail().iter().try_for_each(|&j| work.intersect(j, [0.0, 0.0], 0.0))?;
+    } else if cone.columns.iter().all(|&j| work.column_noise[j] == 0.0) {
+        pin(work, cone)?;
     }
     let stays = |work: &Work, j: &usize| [work.lower[*j], work.upper[*j]] != [0.0, 0.0];
     let tail: Vec<usize> = cone.tail().iter().copied().filter(|j| stays(work, j)).collect();
@@ -99,11 +102,26 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
 
 /// Whether bounds imply a cone.
 fn holds_anyway(work: &Work, cone: &Cone) -> bool {
+    alone(work, cone, is_implied)
+}
+
+/// Fixes the entries of a cone that is one point.
+fn pin(work: &mut Work, cone: &Cone) -> Result<(), Infeasible> {
+    for Tightening { column, is_upper, value } in alone(work, cone, pins) {
+        let [below, above] = [f64::NEG_INFINITY, f64::INFINITY];
+        let bounds = if is_upper { [below, value] } else { [value, above] };
+        work.intersect(cone.columns[column], bounds, 0.0)?;
+    }
+    Ok(())
+}
+
+/// What a function says of a cone whose columns are numbered by its entries.
+fn alone<T>(work: &Work, cone: &Cone, of: impl Fn(BoundedColumns<'_>, &Cone) -> T) -> T {
     let bounds: Vec<[f64; 2]> =
         cone.columns.iter().map(|&j| [work.lower[j], work.upper[j]]).collect();
     let integral: Vec<bool> = cone.columns.iter().map(|&j| work.integral[j]).collect();
     let here = Cone { columns: (0..bounds.len()).collect(), ..cone.clone() };
-    is_implied(BoundedColumns { integral: &integral, bounds: &bounds }, &here)
+    of(BoundedColumns { integral: &integral, bounds: &bounds }, &here)
 }
 
 /// Makes a cone a bound of its only open column, or checks it if there is none.
