@@ -78,7 +78,7 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
         for sign in [1.0, -1.0] {
             let mut terms = vec![(entry, sign), (head, -1.0)];
             terms.sort_unstable_by_key(|term| term.0);
-            add_row(work, terms);
+            add_row(work, terms, [f64::NEG_INFINITY, 0.0]);
         }
         drop_parts(work, cone.columns[0], parts);
         return Ok(1);
@@ -165,15 +165,16 @@ fn bound(work: &mut Work, cone: &Cone, open: &[usize]) -> Result<(), Infeasible>
     }
 }
 
-/// Adds the row that some terms (sorted by column, none of them 0) are at most 0 together.
-fn add_row(work: &mut Work, terms: Sparse) {
+/// Adds a row with some terms (sorted by column, none of them 0) and limits; returns its number.
+pub(super) fn add_row(work: &mut Work, terms: Sparse, [lower, upper]: [f64; 2]) -> usize {
     let row = work.rows.len();
     terms.iter().for_each(|&(column, _)| work.uses[column].push(row));
     work.rows.push(terms);
-    work.row_lower.push(f64::NEG_INFINITY);
-    work.row_upper.push(0.0);
+    work.row_lower.push(lower);
+    work.row_upper.push(upper);
     work.row_alive.push(true);
     work.row_noise.push(0.0);
+    row
 }
 
 /// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves would do.
