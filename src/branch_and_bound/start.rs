@@ -4,7 +4,9 @@
 //! time gets a point that needs no relaxation, in case that the limit comes before the first relaxation
 //! is solved; so does a program of binaries without an objective, of which any point is the answer.
 
-use crate::search::{SearchResult, SolveTask, Start, StartPoint, complete, first_point, wants_first_point};
+use crate::search::{
+    SearchResult, SolveTask, Start, StartPoint, complete, first_point, wants_first_point,
+};
 use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Event, Incumbent, Progress};
 

@@ -106,8 +106,7 @@ pub(super) fn relaxed_along(program: &Reduced, ray: &[f64]) -> Option<Reduced> {
     }
     let ray: Vec<f64> = ray.iter().map(|v| v / size).collect();
     let costs = program.linear.iter().zip(&ray).map(|(q, d)| q * d);
-    let (cost, scale) =
-        costs.fold((0.0, 1.0_f64), |(sum, most), q| (sum + q, most.max(q.abs())));
+    let (cost, scale) = costs.fold((0.0, 1.0_f64), |(sum, most), q| (sum + q, most.max(q.abs())));
     if cost > RAY_TOLERANCE * scale || !stays(program, &ray) {
         return None;
     }

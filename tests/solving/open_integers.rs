@@ -14,7 +14,7 @@ const NODES: u64 = 500;
 
 fn solve(text: &str) -> Solution {
     let model = lp::read(text).expect("a readable file").model;
-    let options = Options { node_limit: Some(NODES), ..Options::default() };
+    let options = Options::default().with_node_limit(NODES);
     BranchAndBound::new(options).solve(&model).expect("a solvable model")
 }
 
@@ -28,8 +28,7 @@ proptest! {
         let case = family.program(seed);
         let (model, variables) = case.build();
         let truth = family.truth(&case);
-        let mut options = Path::Usual.options();
-        options.node_limit = Some(NODES);
+        let options = Path::Usual.options().with_node_limit(NODES);
         let solution =
             BranchAndBound::new(options.clone()).solve(&model).expect("a solvable model");
         let verdict = family.judge(&case, &variables, &options, &solution, &truth);
@@ -79,7 +78,9 @@ fn a_binary_that_divisibility_decides() {
     assert_eq!(solution.termination(), Termination::Optimal);
     assert_eq!(solution.objective(), Some(0.0));
     // The same where the binary decides a continuous column.
-    let text = text.replace("Bounds", " r3: c - 2000 x4 = 0\nBounds").replace("- 2000 x4 = 4500", "- c = 4500");
+    let text = text
+        .replace("Bounds", " r3: c - 2000 x4 = 0\nBounds")
+        .replace("- 2000 x4 = 4500", "- c = 4500");
     let solution = solve(&text);
     assert_eq!(solution.termination(), Termination::Optimal);
     assert_eq!(solution.objective(), Some(0.0));

@@ -55,7 +55,8 @@ impl Case {
             let (lower, upper) = (f64::from(lower), f64::from(lower + width));
             model.integer(name, lower, upper).expect("a variable")
         };
-        let [x, y, z] = [("x", 0), ("y", 1), ("z", 2)].map(|(name, k)| integer(name, self.whole[k]));
+        let [x, y, z] =
+            [("x", 0), ("y", 1), ("z", 2)].map(|(name, k)| integer(name, self.whole[k]));
         let h = integer("h", self.head);
         let w = model.continuous("w", -2.0, 2.0).expect("a variable");
         let v = model.continuous("v", 0.0, 2.0).expect("a variable");
@@ -63,19 +64,19 @@ impl Case {
         let radius = f64::from(self.radius);
         for (k, cone) in self.cones.iter().enumerate() {
             let name = format!("c{k}");
-            match cone {
-                0 => model.add(name, norm([x + 0.0, y + 0.0, w + 0.0]).leq(radius)),
-                1 => model.add(name, norm([x + 0.0, w + 0.0]).leq(h)),
-                2 => model.add(name, (x.square() + z.square() + w.square()).leq(radius * radius)),
-                3 => model.add(name, (w.square() - h * v).leq(0.0)),
-                4 => model.add(name, (0.25 - h * n).leq(0.0)),
-                5 => {
-                    model.add(name, norm([y + 0.0, z + 0.0, w + 0.0]).leq(h)).expect("a cone");
-                    model.add(format!("r{k}"), (h - y).leq(0.0))
-                }
-                _ => model.add(name, (x.square() + y.square() + w.square() - h * h).leq(0.0)),
+            let conic = match cone {
+                0 => norm([x, y, w]).le(radius),
+                1 => norm([x, w]).le(h),
+                2 => (x.square() + z.square() + w.square()).le(radius * radius),
+                3 => (w.square() - h * v).le(0.0),
+                4 => (0.25 - h * n).le(0.0),
+                5 => norm([y, z, w]).le(h),
+                _ => (x.square() + y.square() + w.square() - h * h).le(0.0),
+            };
+            if *cone == 5 {
+                model.add(format!("r{k}"), (h - y).le(0.0)).expect("a row");
             }
-            .expect("a cone");
+            model.add(name, conic).expect("a cone");
         }
         let costs = self.costs.map(|c| 0.5 * f64::from(c));
         let terms = [x, y, z, h, w, v].into_iter().zip(costs).map(|(x, c)| c * x);
@@ -127,18 +128,21 @@ impl Case {
         }
         let [.., of_w, of_v] = self.costs.map(|c| 0.5 * f64::from(c));
         let most = room.sqrt();
-        let fixed = [x, y, z, h].iter().zip(self.costs).map(|(&x, c)| 0.5 * f64::from(c * x));
+        let fixed = [x, y, z, h].into_iter().zip(self.costs).map(|(x, c)| 0.5 * f64::from(c * x));
         let fixed: f64 = fixed.sum();
         let h = f64::from(h);
-        Some(fixed + if !is_product || of_v <= 0.0 {
-            -of_w.abs() * most + if of_v < 0.0 { 2.0 * of_v } else { 0.0 }
-        } else if h == 0.0 {
-            0.0
-        } else {
-            // `v` is the square of `w` by the head.
-            let w = (-of_w * h / (2.0 * of_v)).clamp(-most, most);
-            of_w * w + of_v * w * w / h
-        })
+        Some(
+            fixed
+                + if !is_product || of_v <= 0.0 {
+                    -of_w.abs() * most + if of_v < 0.0 { 2.0 * of_v } else { 0.0 }
+                } else if h == 0.0 {
+                    0.0
+                } else {
+                    // `v` is the square of `w` by the head.
+                    let w = (-of_w * h / (2.0 * of_v)).clamp(-most, most);
+                    of_w * w + of_v * w * w / h
+                },
+        )
     }
 }
 
@@ -149,8 +153,7 @@ proptest! {
     fn cones_that_whole_numbers_make_thin(case in case()) {
         let model = case.build();
         for presolve in [true, false] {
-            let mut options = Options::default().with_presolve(presolve);
-            options.node_limit = Some(NODES);
+            let options = Options::default().with_presolve(presolve).with_node_limit(NODES);
             let solution = BranchAndBound::new(options).solve(&model).expect("a solvable model");
             match case.least() {
                 None => prop_assert_eq!(solution.termination(), Termination::Infeasible),
@@ -173,8 +176,7 @@ fn thin_cones_do_not_stall() {
         let (model, variables) = case.build().expect("a model");
         let truth = truth(&case, 0.0);
         for path in Path::ALL {
-            let mut options = path.options();
-            options.node_limit = Some(NODES);
+            let options = path.options().with_node_limit(NODES);
             let mut solver = BranchAndBound::new(options);
             let solution = solver.solve(&model).expect("a solvable model");
             let verdict = judge(&case, &variables, solver.options(), &solution, &truth);
@@ -192,7 +194,7 @@ fn a_radius_that_one_entry_takes_up() {
                 L= 1\n\nOBJACOORD\n3\n1 0.5\n0 -3\n2 1\n\nOBJBCOORD\n1.5\n\nACOORD\n5\n0 0 -1\n1 1 0.5\n\
                 1 2 -3\n2 1 1\n3 3 1\n\nBCOORD\n2\n0 3\n2 3\n";
     let model = cbf::read(text).expect("a readable file").model;
-    let options = Options { node_limit: Some(NODES), ..Options::default() };
+    let options = Options::default().with_node_limit(NODES);
     let solution = BranchAndBound::new(options).solve(&model).expect("a solvable model");
     assert_eq!(solution.termination(), Termination::Optimal);
     assert!((solution.objective().expect("a point") + 9.0).abs() < 1e-6);
@@ -205,8 +207,7 @@ fn a_factor_that_may_be_zero() {
                 0 <= y <= 1000000\nGeneral\n x y\nEnd\n";
     let model = lp::read(text).expect("a readable file").model;
     for presolve in [true, false] {
-        let mut options = Options::default().with_presolve(presolve);
-        options.node_limit = Some(NODES);
+        let options = Options::default().with_presolve(presolve).with_node_limit(NODES);
         let solution = BranchAndBound::new(options).solve(&model).expect("a solvable model");
         assert_eq!(solution.termination(), Termination::Optimal);
         assert_eq!(solution.objective(), Some(1.0));

@@ -40,8 +40,7 @@ pub(super) fn program(seed: u64) -> Case {
     for _ in 0..(1 + r.below(2)).min(open - 1) {
         let mut whole: Vec<i32> = (1..open).map(|_| r.within(-6, 6)).collect();
         whole.push(-whole.iter().zip(&growth).map(|(m, p)| m * p).sum::<i32>());
-        let mut coefficients: Vec<f64> =
-            (0..bounded).map(|_| f64::from(r.within(-4, 4))).collect();
+        let mut coefficients: Vec<f64> = (0..bounded).map(|_| f64::from(r.within(-4, 4))).collect();
         coefficients.extend(whole.into_iter().map(f64::from));
         coefficients.resize(n, 0.0);
         if times.is_some() {

@@ -16,7 +16,7 @@ const MAX_ROW_TERMS: usize = 8;
 
 /// A row, and one of its binaries that is in a set of exclusive ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Candidate {
+struct ExclusiveCandidate {
     /// Of the rest of the row and its limit.
     hash: u64,
     row: usize,
@@ -57,11 +57,11 @@ pub(super) fn apply(work: &mut Work) -> usize {
             let others = alike.iter().filter(|other| {
                 other.row > first.row && !is_used[other.row] && differ_in_one(work, first, **other)
             });
-            let others: Vec<Candidate> = others.copied().collect();
+            let others: Vec<ExclusiveCandidate> = others.copied().collect();
             // The set that most of them are in.
             let beside = |clique: &usize| {
                 let is_there = |j: usize| cliques[*clique].binary_search(&j).is_ok();
-                let mut found: Vec<Candidate> = vec![first];
+                let mut found: Vec<ExclusiveCandidate> = vec![first];
                 for &other in others.iter().filter(|other| is_there(other.column)) {
                     if found.iter().all(|k| k.row != other.row && k.column != other.column) {
                         found.push(other);
@@ -136,7 +136,7 @@ fn sign(work: &Work, row: usize) -> Option<f64> {
     }
 }
 
-fn candidate(work: &Work, row: usize, column: usize) -> Option<Candidate> {
+fn candidate(work: &Work, row: usize, column: usize) -> Option<ExclusiveCandidate> {
     let sign = sign(work, row)?;
     let is_harder = sign * work.coefficient(row, column) > 0.0;
     if !is_harder || !is_binary(work, column) {
@@ -148,22 +148,22 @@ fn candidate(work: &Work, row: usize, column: usize) -> Option<Candidate> {
     }
     let limit = if sign > 0.0 { work.row_upper[row] } else { work.row_lower[row] };
     (limit.to_bits(), sign > 0.0).hash(&mut hasher);
-    Some(Candidate { hash: hasher.finish(), row, column })
+    Some(ExclusiveCandidate { hash: hasher.finish(), row, column })
 }
 
 /// Whether two rows are the same but for their binaries.
-fn differ_in_one(work: &Work, one: Candidate, other: Candidate) -> bool {
-    fn rest(work: &Work, of: Candidate) -> impl Iterator<Item = &(usize, f64)> {
+fn differ_in_one(work: &Work, one: ExclusiveCandidate, other: ExclusiveCandidate) -> bool {
+    fn rest(work: &Work, of: ExclusiveCandidate) -> impl Iterator<Item = &(usize, f64)> {
         work.rows[of.row].iter().filter(move |(j, _)| *j != of.column)
     }
-    let limits = |of: Candidate| [work.row_lower[of.row], work.row_upper[of.row]];
+    let limits = |of: ExclusiveCandidate| [work.row_lower[of.row], work.row_upper[of.row]];
     limits(one) == limits(other) && rest(work, one).eq(rest(work, other))
 }
 
 /// Makes the first of some rows all of them.
-fn merge(work: &mut Work, rows: &[Candidate]) {
+fn merge(work: &mut Work, rows: &[ExclusiveCandidate]) {
     let kept = rows[0].row;
-    let member = |k: &Candidate| (k.row, k.column, work.coefficient(k.row, k.column));
+    let member = |k: &ExclusiveCandidate| (k.row, k.column, work.coefficient(k.row, k.column));
     let members: Vec<(usize, usize, f64)> = rows.iter().map(member).collect();
     let mut entries = work.rows[kept].clone();
     entries.extend(members[1..].iter().map(|&(_, j, a)| (j, a)));

@@ -15,8 +15,8 @@ use super::substitute::{is_stable, substitute};
 use super::work::{Sparse, Work};
 
 /// The longest equalities, and most rows of an integer that is replaced.
-const MAX_EQUALITY_TERMS: usize = 12;
-const MAX_COLUMN_ROWS: usize = 12;
+const LONGEST_EQUALITY: usize = 12;
+const MOST_COLUMN_ROWS: usize = 12;
 
 /// Most open integers of a program: more come from large programs, whose bounds follow in other ways.
 const MAX_OPEN_INTEGERS: usize = 64;
@@ -129,7 +129,7 @@ fn solve(work: &mut Work, is_open: &mut [bool], row: usize) -> bool {
         is_open[j]
             && !work.is_held(j)
             && work.is_straight(j)
-            && work.uses[j].len() <= MAX_COLUMN_ROWS
+            && work.uses[j].len() <= MOST_COLUMN_ROWS
     };
     let open: Vec<(usize, f64)> = terms.iter().copied().filter(|&(j, _)| free(j)).collect();
     let by_size = |a: &&(usize, f64), b: &&(usize, f64)| {
@@ -162,7 +162,7 @@ fn is_whole_equality(work: &Work, row: usize) -> bool {
     let terms = &work.rows[row];
     work.is_equality(row)
         && is_whole(work.row_lower[row])
-        && (2..=MAX_EQUALITY_TERMS).contains(&terms.len())
+        && (2..=LONGEST_EQUALITY).contains(&terms.len())
         && terms.iter().all(|&(j, a)| work.integral[j] && is_whole(a))
 }
 

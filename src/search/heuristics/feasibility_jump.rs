@@ -13,10 +13,10 @@ use crate::tolerance;
 const FEWEST_BINARIES: usize = 200;
 
 /// Entries of the matrix that are visited at most; each takes about ten nanoseconds.
-const MOST_VISITS: usize = 30_000_000;
+const MOST_ENTRY_VISITS: usize = 30_000_000;
 
 /// Flips that are compared where many lessen the violation.
-const SAMPLES: usize = 25;
+const COMPARED_FLIPS: usize = 25;
 
 /// The least change of the weighted violation that counts.
 const LEAST_SCORE: f64 = 1e-9;
@@ -44,7 +44,7 @@ pub(super) fn jump_to_feasibility(ctx: &mut Context<'_>) -> bool {
             return try_assignment(ctx, &search.x);
         }
         let is_over = flips % FLIPS_PER_LOOK == 0 && ctx.token.is_over();
-        if is_over || search.visits > MOST_VISITS {
+        if is_over || search.visits > MOST_ENTRY_VISITS {
             break;
         }
         let Some(j) = search.choose() else { break };
@@ -53,17 +53,17 @@ pub(super) fn jump_to_feasibility(ctx: &mut Context<'_>) -> bool {
     false
 }
 
-/// Members of a range of numbers, in no order.
+/// MemberSet of a range of numbers, in no order.
 #[derive(Debug, Default)]
-struct Members {
+struct MemberSet {
     members: Vec<usize>,
     /// By number, its place among the members; `usize::MAX` for none.
     place: Vec<usize>,
 }
 
-impl Members {
+impl MemberSet {
     fn of_none(count: usize) -> Self {
-        Members { members: Vec::new(), place: vec![usize::MAX; count] }
+        MemberSet { members: Vec::new(), place: vec![usize::MAX; count] }
     }
 
     fn set(&mut self, k: usize, is_member: bool) {
@@ -88,11 +88,11 @@ struct LocalSearch<'a> {
     step: Vec<f64>,
     activity: Vec<f64>,
     weight: Vec<f64>,
-    violated: Members,
+    violated: MemberSet,
     /// By column, by how much its flip lessens the weighted violation.
     score: Vec<f64>,
     /// The columns whose flip lessens it.
-    good: Members,
+    good: MemberSet,
     /// The state of the random numbers.
     random: u64,
     visits: usize,
@@ -108,9 +108,9 @@ impl<'a> LocalSearch<'a> {
             x,
             activity: vec![0.0; m],
             weight: vec![1.0; m],
-            violated: Members::of_none(m),
+            violated: MemberSet::of_none(m),
             score: vec![0.0; n],
-            good: Members::of_none(n),
+            good: MemberSet::of_none(n),
             random: 0x9e37_79b9_7f4a_7c15,
             visits: 0,
         };
@@ -151,8 +151,8 @@ impl<'a> LocalSearch<'a> {
         let mut best = None;
         let mut most = f64::NEG_INFINITY;
         let count = self.good.members.len();
-        for k in 0..count.min(SAMPLES) {
-            let k = if count > SAMPLES { self.below(count) } else { k };
+        for k in 0..count.min(COMPARED_FLIPS) {
+            let k = if count > COMPARED_FLIPS { self.below(count) } else { k };
             let j = self.good.members[k];
             if self.score[j] > most {
                 (most, best) = (self.score[j], Some(j));
@@ -166,7 +166,8 @@ impl<'a> LocalSearch<'a> {
             self.weight[row] += 1.0;
             self.add_scores(row, 1.0);
         }
-        let row = self.violated.members[self.below(self.violated.members.len())];
+        let k = self.below(self.violated.members.len());
+        let row = self.violated.members[k];
         let columns = self.program.row(row).0;
         let open = columns.iter().copied().filter(|&j| self.step[j] != 0.0);
         open.max_by(|&a, &b| self.score[a].total_cmp(&self.score[b]))

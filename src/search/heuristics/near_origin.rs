@@ -11,15 +11,15 @@ use crate::search::trace::span;
 use crate::solution::Heuristic;
 
 /// A bound of an integer beyond this is far away.
-const FAR_BOUND: f64 = 1e12;
+const FAR_INTEGER_BOUND: f64 = 1e12;
 
 /// The distance from 0, or from the bound that is nearest to it, within which points are looked for.
-const NEAR: f64 = 1e4;
+const NEAR_DISTANCE: f64 = 1e4;
 
 /// Searches near 0 if no point is known and integers have bounds that are far away.
 pub(super) fn search_near_origin(ctx: &mut Context<'_>) {
     let base = ctx.program();
-    let is_far = |bound: f64| bound.is_finite() && bound.abs() > FAR_BOUND;
+    let is_far = |bound: f64| bound.is_finite() && bound.abs() > FAR_INTEGER_BOUND;
     let has_far_bound = |&&j: &&usize| is_far(base.lower[j]) || is_far(base.upper[j]);
     if ctx.tree.cutoff() < f64::INFINITY || base.integers.iter().find(has_far_bound).is_none() {
         return;
@@ -28,8 +28,8 @@ pub(super) fn search_near_origin(ctx: &mut Context<'_>) {
     let mut program: Program = base.clone();
     for &j in &base.integers {
         let nearest = 0.0_f64.max(base.lower[j]).min(base.upper[j]);
-        program.lower[j] = base.lower[j].max(nearest - NEAR);
-        program.upper[j] = base.upper[j].min(nearest + NEAR);
+        program.lower[j] = base.lower[j].max(nearest - NEAR_DISTANCE);
+        program.upper[j] = base.upper[j].min(nearest + NEAR_DISTANCE);
     }
     let source = ctx.tree.begin(Heuristic::Neighbourhood);
     // As many nodes as such a search has at most.

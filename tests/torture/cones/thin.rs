@@ -15,8 +15,14 @@ const REAL: [usize; 2] = [4, 5];
 const COLUMNS: usize = 6;
 
 /// Tails and the head that is as long.
-const TIGHT: [([i32; 3], i32); 6] =
-    [([0, 0, 0], 0), ([3, 0, 0], 3), ([3, 4, 0], 5), ([1, 2, 2], 3), ([-2, 0, 0], 2), ([0, 0, 4], 4)];
+const TIGHT: [([i32; 3], i32); 6] = [
+    ([0, 0, 0], 0),
+    ([3, 0, 0], 3),
+    ([3, 4, 0], 5),
+    ([1, 2, 2], 3),
+    ([-2, 0, 0], 2),
+    ([0, 0, 4], 4),
+];
 
 pub(crate) fn program(seed: u64) -> ConicCase {
     let r = &mut Random::new(seed);
