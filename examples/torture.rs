@@ -7,8 +7,8 @@
 //! * `--seed S`: seed of the first program, 0 by default; the others follow
 //! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
-//! * `--family NAME`: `mixed` (the default), `large`, `big-m`, `open`, `borderline`, `chain`, `cones`, or
-//!   `all` in turn; see `tests/torture/families.rs` and `tests/torture/cones`
+//! * `--family NAME`: `mixed` (the default), `large`, `big-m`, `open`, `borderline`, `chain`, `open-integers`,
+//!   `cones`, `thin-cones`, or `all` in turn; see `tests/torture/families.rs` and `tests/torture/cones`
 //! * `--paths`: solves each program in all unusual ways as well: without presolve, with a pool, with kept
 //!   leaves, with another branching rule, without cuts
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
@@ -40,17 +40,25 @@ use carom::prelude::{
     BranchAndBound, Control, Interrupt, Model, Options, Solution, Solver, Termination,
 };
 use interrupts::{INTERRUPTED, Signals};
-use torture::cones::{generator, oracle};
+use torture::cones::case::ConicCase;
+use torture::cones::{generator, oracle, thin};
 use torture::families::{Family, Path};
 use torture::oracle::{Truth, Verdict};
+
+/// A family without cones, or one of those with them.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Plain(Family),
+    Cones,
+    ThinCones,
+}
 
 struct Arguments {
     cases: u64,
     seed: u64,
     threads: usize,
     solver_threads: usize,
-    /// `None` stands for programs with cones.
-    families: Vec<Option<Family>>,
+    families: Vec<Kind>,
     paths: Vec<Path>,
     out: String,
 }
@@ -68,7 +76,7 @@ fn main() -> ExitCode {
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
     let (cases, seed, out) = (10_000, 0, "target/torture".to_owned());
     let (threads, solver_threads) = (1, 1);
-    let (families, paths) = (vec![Some(Family::Mixed)], vec![Path::Usual]);
+    let (families, paths) = (vec![Kind::Plain(Family::Mixed)], vec![Path::Usual]);
     let mut arguments = Arguments { cases, seed, threads, solver_threads, families, paths, out };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -83,12 +91,15 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             "--threads" => arguments.threads = value.parse()?,
             "--solver-threads" => arguments.solver_threads = value.parse()?,
             "--family" if value == "all" => {
-                arguments.families = Family::ALL.into_iter().map(Some).chain([None]).collect();
+                let cones = [Kind::Cones, Kind::ThinCones];
+                arguments.families =
+                    Family::ALL.into_iter().map(Kind::Plain).chain(cones).collect();
             }
-            "--family" if value == "cones" => arguments.families = vec![None],
+            "--family" if value == "cones" => arguments.families = vec![Kind::Cones],
+            "--family" if value == "thin-cones" => arguments.families = vec![Kind::ThinCones],
             "--family" => {
                 let family = Family::named(&value).ok_or(format!("no family `{value}`"))?;
-                arguments.families = vec![Some(family)];
+                arguments.families = vec![Kind::Plain(family)];
             }
             "--out" => arguments.out = value,
             _ => return Err(format!("unexpected `{word}`").into()),
@@ -155,8 +166,12 @@ struct Posed {
 }
 
 /// The program of a seed; with cones also the same program in other coordinates.
-fn posed(family: Option<Family>, seed: u64) -> Result<Vec<Posed>, String> {
-    let Some(family) = family else { return with_cones(seed) };
+fn posed(kind: Kind, seed: u64) -> Result<Vec<Posed>, String> {
+    let family = match kind {
+        Kind::Plain(family) => family,
+        Kind::Cones => return with_cones("cones", generator::program(seed), seed),
+        Kind::ThinCones => return with_cones("thin-cones", thin::program(seed), seed),
+    };
     let case = family.program(seed);
     let (model, variables) = case.build();
     let truth = family.truth(&case);
@@ -172,14 +187,13 @@ fn posed(family: Option<Family>, seed: u64) -> Result<Vec<Posed>, String> {
     }])
 }
 
-fn with_cones(seed: u64) -> Result<Vec<Posed>, String> {
-    let case = generator::program(seed);
+fn with_cones(name: &str, case: ConicCase, seed: u64) -> Result<Vec<Posed>, String> {
     let truth = oracle::truth(&case, 0.0);
-    let posed = |name: &str, case: torture::cones::case::ConicCase| -> Result<Posed, String> {
+    let posed = |name: String, case: ConicCase| -> Result<Posed, String> {
         let (model, variables) = case.build().map_err(|error| error.to_string())?;
         let (truth, known, again) = (truth.clone(), truth.clone(), case.clone());
         Ok(Posed {
-            name: name.to_owned(),
+            name,
             model,
             is_infeasible: truth.least.is_none() && !truth.unbounded,
             is_unbounded: truth.unbounded,
@@ -191,10 +205,10 @@ fn with_cones(seed: u64) -> Result<Vec<Posed>, String> {
     };
     let mut all = Vec::new();
     // The bounds of turned columns may not tell the sign of a head any more.
-    if let Some(moved) = Some(case.moved(seed)).filter(torture::cones::case::ConicCase::is_taken) {
-        all.push(posed("cones-moved", moved)?);
+    if let Some(moved) = Some(case.moved(seed)).filter(ConicCase::is_taken) {
+        all.push(posed(format!("{name}-moved"), moved)?);
     }
-    all.push(posed("cones", case)?);
+    all.push(posed(name.to_owned(), case)?);
     Ok(all)
 }
 

@@ -149,11 +149,12 @@ impl Solve<'_> {
     }
 }
 
-/// Whether a search without presolve says more than one with it, because it has come to an end.
+/// Whether a search without presolve says more than one with it, because it has come to an end, or has a point.
 fn is_conclusion(plain: &SearchResult, found: &SearchResult) -> bool {
     match plain.termination {
         Termination::Optimal | Termination::Unbounded => true,
         Termination::Infeasible => found.points.is_empty(),
-        _ => false,
+        // Points are checked by the model.
+        _ => found.points.is_empty() && !plain.points.is_empty(),
     }
 }

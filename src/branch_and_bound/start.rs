@@ -2,9 +2,11 @@
 //!
 //! The integers of a start are completed to a point. Without a start, a large program under a limit of
 //! time gets a point that needs no relaxation, in case that the limit comes before the first relaxation
-//! is solved.
+//! is solved; so does a program of binaries without an objective, of which any point is the answer.
 
-use crate::search::{SearchResult, SolveTask, Start, StartPoint, complete, first_point};
+use crate::search::{
+    SearchResult, SolveTask, Start, StartPoint, complete, first_point, wants_first_point,
+};
 use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Event, Incumbent, Progress};
 
@@ -30,7 +32,7 @@ impl PreliminaryResult {
             }
             Some(Start { point: Some(_), .. }) => None,
             _ => {
-                let found = first_point_of_large(task)?;
+                let found = point_before_relaxing(task)?;
                 (!found.points.is_empty()).then_some(PreliminaryResult { found, is_start: false })
             }
         }
@@ -94,8 +96,12 @@ fn is_completed(task: SolveTask<'_>, start: &Start) -> bool {
     !start.integers.is_empty() || (start.proofs.is_some() && task.options.may_stop())
 }
 
-fn first_point_of_large(task: SolveTask<'_>) -> Option<SearchResult> {
+fn point_before_relaxing(task: SolveTask<'_>) -> Option<SearchResult> {
     let (program, options) = (task.program, task.options);
+    // Any point is an answer.
+    if wants_first_point(program) && options.pool == 1 && options.heuristics.rounding {
+        return Some(first_point(task));
+    }
     let left = task.token.left()?;
     let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
     if entries <= LARGE_ENTRIES || program.integers.is_empty() || !options.heuristics.rounding {

@@ -9,11 +9,11 @@
 use super::coefficients::is_exact;
 use super::domain::Domain;
 use super::parallel::{Patterns, ratio};
-use super::parameters::{CONTRADICTION, IMPLIED};
+use super::parameters::{CONTRADICTION, FEW_ROUNDINGS, IMPLIED};
 use super::projection::{Projection, Projector};
 use super::reduced::{Compressed, Reduced};
 use super::reduced_cone::ReducedCone;
-use crate::program::Program;
+use crate::program::{Cone, ConeRole, Program};
 use crate::sum::Sum;
 use crate::tolerance;
 
@@ -21,6 +21,10 @@ use crate::tolerance;
 /// term that is not exact, and by more than [`CONTRADICTION`], absolute. Presolve leaves at least this
 /// many digits; exact terms have all of them.
 const ROW_DIGITS: f64 = 1e-10;
+
+/// The room that the fixed entries of a cone leave the others counts as none up to this, relative to their
+/// squares: no interior-point method finds an inside there.
+const NO_ROOM: f64 = 1e-13;
 
 /// The largest number of passes over the rows: rows over one column fix columns, which makes more such
 /// rows.
@@ -49,6 +53,8 @@ pub(crate) struct Reducer {
     row_upper: Vec<f64>,
     /// By column of the program: its column in the reduced program.
     position: Vec<usize>,
+    /// By cone, whether the bounds of its entries say all of it.
+    is_settled: Vec<bool>,
     patterns: Patterns,
     projector: Projector,
     /// Programs that are no longer needed, for their memory.
@@ -128,7 +134,61 @@ impl Reducer {
                 break;
             }
         }
+        if self.settle_cones(program)? {
+            self.sweep(program)?;
+        }
         Ok(())
+    }
+
+    /// Bounds the open entries of cones whose fixed entries leave them no room, and notes these cones with their
+    /// parts. Returns whether there are any.
+    fn settle_cones(&mut self, program: &Program) -> Result<bool, Contradictory> {
+        fill(&mut self.is_settled, program.cones.iter().map(|_| false));
+        let (mut next, mut found) = (0, false);
+        for group in program.cones.chunk_by(|_, other| other.role == ConeRole::Part) {
+            let range = next..next + group.len();
+            next = range.end;
+            let Some(reach) = self.reach_of_rest(&group[0]) else { continue };
+            for &j in group[0].tail() {
+                if !self.fixed[j] {
+                    self.intersect(program, j, -reach, reach)?;
+                }
+            }
+            self.is_settled[range].fill(true);
+            found = true;
+        }
+        Ok(found)
+    }
+
+    /// The largest magnitude of the open entries of the tail of a cone whose other entries leave no room for
+    /// more: 0, or what their rounding makes of it. `None` if there is room, or no open entry.
+    fn reach_of_rest(&self, cone: &Cone) -> Option<f64> {
+        let tail = cone.tail();
+        if tail.iter().all(|&j| self.fixed[j]) {
+            return None;
+        }
+        let (mut room, mut size, mut error) = (Sum::default(), 0.0, 0.0);
+        let mut add = |sign: f64, i: usize, j: usize| {
+            let (a, b) = (self.lower[i], self.lower[j]);
+            room.add_product(sign * a, b);
+            size += (a * b).abs();
+            error += self.slack[i] * b.abs() + self.slack[j] * a.abs();
+        };
+        let is_zero = |&j: &usize| self.fixed[j] && self.lower[j] == 0.0 && self.slack[j] == 0.0;
+        if !cone.head().iter().any(is_zero) {
+            let known = |&j: &usize| self.fixed[j] && self.lower[j] > 0.0;
+            match cone.head() {
+                [first, second] if known(first) && known(second) => add(1.0, *first, *second),
+                [head] if known(head) => add(1.0, *head, *head),
+                _ => return None,
+            }
+        }
+        tail.iter().filter(|&&j| self.fixed[j]).for_each(|&j| add(-1.0, j, j));
+        let room = room.value();
+        let most = room.max(0.0) + error;
+        // Where the fixed entries miss the cone, other steps judge by how much they may.
+        let is_missed = room < -error - FEW_ROUNDINGS * size;
+        (most <= NO_ROOM * size && !is_missed).then(|| most.sqrt() * (1.0 + FEW_ROUNDINGS))
     }
 
     fn fix_if_narrow(&mut self, program: &Program, j: usize) {
@@ -245,8 +305,8 @@ impl Reducer {
         self.substitute_objective(program, reduced);
         self.collect_rows(program, reduced)?;
         reduced.values.clone_from(&self.lower);
-        let cones = program.cones.iter();
-        let cones = cones.map(|cone| ReducedCone::new(cone, &self.position, &self.lower));
+        let cones = program.cones.iter().zip(&self.is_settled).filter(|(_, settled)| !**settled);
+        let cones = cones.map(|(cone, _)| ReducedCone::new(cone, &self.position, &self.lower));
         fill(&mut reduced.cones, cones);
         reduced.is_cut_off = program.cone_cuts.is_some();
         reduced.wants_vertex = false;

@@ -36,7 +36,8 @@ pub struct Reduced {
     /// By column, a lower bound on the curvature of the objective along it, for any values of the others
     /// (see `Program::steepness`); empty if none is known, or if all columns with curvature have bounds.
     pub steepness: Vec<f64>,
-    /// The cones with a free column, and those that fixed columns may miss.
+    /// The cones with a free column, and those that fixed columns may miss; without those that the bounds of
+    /// their entries say.
     pub cones: Vec<ReducedCone>,
     /// Whether cones are cut off (see [`Program::cone_cuts`](crate::program::Program)).
     pub is_cut_off: bool,

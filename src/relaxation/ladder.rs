@@ -13,7 +13,7 @@ use super::clarabel::ClarabelRelaxation;
 use super::cone_cut::ConeCut;
 use super::conic::ConicMethod;
 use super::interior::InteriorPoint;
-use super::recession::{is_descent_ray, recession_program};
+use super::recession::{growth_program, is_descent_ray, recession_program, relaxed_along};
 use super::record::Record;
 use super::simplex::DualSimplex;
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
@@ -448,15 +448,36 @@ impl Ladder {
         (findings.relaxed(bound, x, converged), doubt)
     }
 
-    /// Looks for a direction of descent without end when no method named one.
+    /// Looks for a direction of descent without end, or for a curve, when no method named one.
     pub(super) fn falls_forever(&mut self, program: &Reduced, token: &StopToken) -> bool {
-        let Some(directions) = recession_program(program) else { return false };
-        if directions.is_conic() {
-            return self.steepest_conic(&directions, token, |ray| is_descent_ray(program, ray));
+        let is_ray = |ray: &[f64]| is_descent_ray(program, ray);
+        if recession_program(program).is_some_and(|all| self.has_direction(&all, token, is_ray)) {
+            return true;
         }
-        let mut result = self.solve_once(&directions, Purpose::Direction, token);
-        polish(&directions, &mut result.x, token);
-        is_descent_ray(program, &result.x)
+        let Some(growth) = growth_program(program) else { return false };
+        let mut relaxed = None;
+        self.has_direction(&growth, token, |ray| {
+            relaxed = relaxed_along(program, ray);
+            relaxed.is_some()
+        });
+        let Some(relaxed) = relaxed else { return false };
+        let is_ray = |ray: &[f64]| is_descent_ray(&relaxed, ray);
+        recession_program(&relaxed).is_some_and(|all| self.has_direction(&all, token, is_ray))
+    }
+
+    /// Whether the steepest of some directions is accepted.
+    fn has_direction(
+        &mut self,
+        directions: &Reduced,
+        token: &StopToken,
+        mut accept: impl FnMut(&[f64]) -> bool,
+    ) -> bool {
+        if directions.is_conic() {
+            return self.steepest_conic(directions, token, accept);
+        }
+        let mut result = self.solve_once(directions, Purpose::Direction, token);
+        polish(directions, &mut result.x, token);
+        accept(&result.x)
     }
 }
 

@@ -1,4 +1,9 @@
 //! Recession directions: proof that a program has no finite optimum.
+//!
+//! A program may fall for ever along no ray: `x` under `x^2 <= y` along a parabola only, whose direction far
+//! out is that of `y`, which costs nothing. So there are two steps: a ray `r` that costs nothing and along
+//! which such heads grow, and a ray `d` of descent of the program without the cones, rows and bounds that `r`
+//! leaves ever more room. The curve `s d + s^2 r` keeps them all, and the objective falls along it.
 
 use crate::presolve::{Compressed, ConeEntry, FIXED, Reduced, ReducedCone};
 use crate::tolerance;
@@ -8,6 +13,9 @@ const ROW_TOLERANCE: f64 = 1e-8;
 
 /// The size of an entry of a ray, relative to its largest one, up to which it may be rounding (no unit).
 const RAY_ROUNDING: f64 = 1e-9;
+
+/// The entry of a ray at a bound, or its miss of a cone, that may be rounding (no unit).
+const RAY_TOLERANCE: f64 = 1e-7;
 
 /// The curvature along a ray that may be rounding, relative to its terms (no unit). An error of the ray
 /// enters squared.
@@ -63,6 +71,69 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
     Some(directions)
 }
 
+/// The program whose solutions are recession directions without cost along which the free heads of rotated
+/// cones grow, where the other head is fixed; `None` if there are no such cones.
+pub(super) fn growth_program(program: &Reduced) -> Option<Reduced> {
+    let mut directions = recession_program(program)?;
+    directions.rows.push(program.linear.iter().copied().enumerate().filter(|(_, q)| *q != 0.0));
+    directions.row_lower.push(f64::NEG_INFINITY);
+    directions.row_upper.push(0.0);
+    directions.linear.fill(0.0);
+    for head in program.cones.iter().filter_map(growing_head) {
+        directions.linear[head] = -1.0;
+    }
+    directions.linear.iter().any(|q| *q != 0.0).then_some(directions)
+}
+
+/// The free head of a rotated cone whose other head is fixed, and not at 0.
+fn growing_head(cone: &ReducedCone) -> Option<usize> {
+    match cone.head() {
+        [free, fixed] | [fixed, free] if fixed.is_fixed() && !free.is_fixed() => {
+            (fixed.value > 0.0).then_some(free.place)
+        }
+        _ => None,
+    }
+}
+
+/// The program without the cones, and the sides of rows and bounds, that a ray leaves ever more room; `None` if
+/// the ray does not stay in the program, or if it relaxes no cone.
+pub(super) fn relaxed_along(program: &Reduced, ray: &[f64]) -> Option<Reduced> {
+    /// The part of the largest entry of a ray beyond which an entry or a row grows.
+    const GROWS: f64 = 1e-3;
+    let size = ray.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if !(size > 0.0 && size.is_finite()) {
+        return None;
+    }
+    let ray: Vec<f64> = ray.iter().map(|v| v / size).collect();
+    let costs = program.linear.iter().zip(&ray).map(|(q, d)| q * d);
+    let (cost, scale) = costs.fold((0.0, 1.0_f64), |(sum, most), q| (sum + q, most.max(q.abs())));
+    if cost > RAY_TOLERANCE * scale || !stays(program, &ray) {
+        return None;
+    }
+    let mut relaxed = program.clone();
+    let grows = |cone: &ReducedCone| growing_head(cone).is_some_and(|head| ray[head] > GROWS);
+    relaxed.cones.retain(|cone| !grows(cone));
+    for (j, &d) in ray.iter().enumerate() {
+        if d > GROWS {
+            relaxed.lower[j] = f64::NEG_INFINITY;
+        } else if d < -GROWS {
+            relaxed.upper[j] = f64::INFINITY;
+        }
+    }
+    for i in 0..program.rows.len() {
+        let (columns, values) = program.rows.vector(i);
+        let terms = || columns.iter().zip(values).map(|(&j, &a)| a * ray[j]);
+        let largest = terms().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let change: f64 = terms().sum();
+        if change > GROWS * largest {
+            relaxed.row_lower[i] = f64::NEG_INFINITY;
+        } else if change < -GROWS * largest {
+            relaxed.row_upper[i] = f64::INFINITY;
+        }
+    }
+    (relaxed.cones.len() < program.cones.len()).then_some(relaxed)
+}
+
 impl Reduced {
     /// Adds the directions in which a cone of another program goes on for ever. As bounds, if a fixed head
     /// leaves none but `tail = 0`: such a cone has no interior, which methods need.
@@ -86,21 +157,15 @@ impl Reduced {
 /// Whether `ray` is a direction along which the reduced program stays feasible and its objective
 /// falls without limit.
 pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
-    const RAY_TOLERANCE: f64 = 1e-7;
     let size = ray.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if !(size > 0.0 && size.is_finite()) {
         return false;
     }
     let mut d: Vec<f64> = ray.iter().map(|v| v / size).collect();
-    for (j, d) in d.iter_mut().enumerate() {
-        let side = if *d > 0.0 { program.upper[j] } else { program.lower[j] };
-        if side.is_finite() {
-            if d.abs() > RAY_TOLERANCE {
-                return false;
-            }
-            *d = 0.0;
-        }
+    if !keeps_bounds(program, &d) {
+        return false;
     }
+    d.iter_mut().enumerate().filter(|(j, d)| is_held(program, *j, **d)).for_each(|(_, d)| *d = 0.0);
     // Costs of columns that hardly move are left out: curvature would end their decrease early.
     let moves = |d: f64| if d.abs() > 10.0 * RAY_ROUNDING { d } else { 0.0 };
     let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
@@ -133,6 +198,32 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     let flat = bent <= CURVATURE_ROUNDING * bends
         && bend * tolerance::FREE_RADIUS <= -cost
         && curved.iter().all(|c| c.abs() <= RAY_TOLERANCE * cost_scale.max(1.0));
+    flat && keeps_rows(program, &d)
+}
+
+/// Whether a bound ends the movement of a column along its entry of a ray.
+fn is_held(program: &Reduced, j: usize, d: f64) -> bool {
+    let side = if d > 0.0 { program.upper[j] } else { program.lower[j] };
+    side.is_finite()
+}
+
+/// Whether no bound is left along a ray whose largest entry is 1.
+fn keeps_bounds(program: &Reduced, d: &[f64]) -> bool {
+    d.iter().enumerate().all(|(j, &d)| !is_held(program, j, d) || d.abs() <= RAY_TOLERANCE)
+}
+
+/// Whether a ray, whose largest entry is 1, stays in the program, and costs no curvature.
+fn stays(program: &Reduced, d: &[f64]) -> bool {
+    let is_flat = (0..d.len()).all(|j| {
+        let (rows, entries) = program.quadratic.vector(j);
+        let moves = |k: usize| d[k].abs() > 10.0 * RAY_ROUNDING;
+        rows.iter().zip(entries).all(|(&i, &p)| p == 0.0 || !(moves(i) || moves(j)))
+    });
+    is_flat && keeps_bounds(program, d) && keeps_rows(program, d)
+}
+
+/// Whether rows and cones stay satisfied along a ray whose largest entry is 1.
+fn keeps_rows(program: &Reduced, d: &[f64]) -> bool {
     let rows = (0..program.rows.len()).all(|i| {
         let (columns, values) = program.rows.vector(i);
         let terms = || columns.iter().zip(values).map(|(&j, &a)| a * d[j]);
@@ -149,5 +240,5 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
         along.entries.iter_mut().for_each(|entry| (entry.value, entry.place) = (at(entry), FIXED));
         along.miss(&[]) <= RAY_TOLERANCE && along.head().iter().all(|e| e.value >= -RAY_TOLERANCE)
     };
-    flat && rows && program.cones.iter().all(inside)
+    rows && program.cones.iter().all(inside)
 }

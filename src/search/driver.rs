@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::found::SearchResult;
-use super::heuristics::{complete_start, look_for_first_point};
+use super::heuristics::{complete_start, look_for_first_point, suits_jumps};
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
 use super::proofs::{End, ProofMultipliers, ProofTrial};
@@ -14,6 +14,7 @@ use super::task::SolveTask;
 use super::trace::span;
 use super::tree::Tree;
 use super::tree_view::TreeView;
+use crate::program::Program;
 use crate::solution::Heuristic;
 use crate::solver::{Control, Options};
 
@@ -106,6 +107,11 @@ pub(crate) fn complete(task: SolveTask<'_>, start: &Start) -> SearchResult {
         complete_start(ctx);
     });
     SearchResult { bound: found.bound.max(bound), ..found }
+}
+
+/// Whether a point of a program is looked for before its first relaxation, however much time there is.
+pub(crate) fn wants_first_point(program: &Program) -> bool {
+    suits_jumps(program)
 }
 
 /// Looks for a point of a program without solving a relaxation of the whole program.

@@ -94,7 +94,7 @@ mod worker;
 
 pub(crate) use close_node::opposite;
 pub use comparison::Contradiction;
-pub(crate) use driver::{complete, first_point};
+pub(crate) use driver::{complete, first_point, wants_first_point};
 pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
 pub use found::SearchResult;

@@ -50,6 +50,32 @@ fn a_row_beside_a_free_direction() {
     }
 }
 
+/// Along no line, but along a parabola: what grows with its square costs nothing.
+#[test]
+fn a_fall_along_a_parabola() {
+    let plain = "Maximize\n obj: 3 x\nSubject To\n r: - y + [ x ^2 ] <= 110\n\
+                 Bounds\n x free\n y free\n";
+    // Two parabolas, a row along which both grow, and a bound on one side.
+    let both = "Minimize\n obj: 2 x - z\nSubject To\n r: - y + [ x ^2 ] <= 5\n\
+                s: - 2 w + x + [ z ^2 + 2 z * x + x ^2 ] <= 9\n t: y - w <= 4\n\
+                Bounds\n x free\n z free\n 1 <= y\n w free\n";
+    for (text, integers) in [(plain, "y"), (plain, "x y"), (both, "y w")] {
+        for text in [format!("{text}End\n"), format!("{text}General\n {integers}\nEnd\n")] {
+            let endings = endings(&text);
+            assert!(endings.iter().all(|&e| e == Termination::Unbounded), "{endings:?}\n{text}");
+        }
+    }
+    // With a bound of what grows, or a price, there is an optimum.
+    let bounded = plain.replace("y free", "y <= 90");
+    let priced = plain.replace("3 x", "3 x - 0.25 y");
+    for (text, value) in [(bounded, 3.0 * 200.0_f64.sqrt()), (priced, 9.0 + 27.5)] {
+        let model = lp::read(&format!("{text}End\n")).expect("a readable file").model;
+        let solution = BranchAndBound::default().solve(&model).expect("a solvable model");
+        assert_eq!(solution.termination(), Termination::Optimal);
+        assert!((solution.objective().expect("a point") - value).abs() < 1e-4);
+    }
+}
+
 /// An integer that nothing holds was once set to 1.6e13 by a heuristic, and that was called optimal.
 #[test]
 fn an_integer_far_out_is_no_optimum() {

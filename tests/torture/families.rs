@@ -5,6 +5,7 @@ use carom::solver::{BranchingRule, PoolMode};
 
 use super::big_m::big_m;
 use super::generator::{Random, large, program};
+use super::open_integers;
 use super::oracle::{Truth, Verdict, judge, truth};
 use crate::common::case::{Case, Column, Line, Square};
 use crate::common::quadratic_program::dot;
@@ -25,16 +26,19 @@ pub(crate) enum Family {
     Borderline,
     /// Ten steps and fewer of an unstable system: what is missed at the start is amplified.
     Chain,
+    /// Integers without bounds in equalities over whole numbers: divisibility decides.
+    OpenIntegers,
 }
 
 impl Family {
-    pub(crate) const ALL: [Family; 6] = [
+    pub(crate) const ALL: [Family; 7] = [
         Family::Mixed,
         Family::Large,
         Family::BigM,
         Family::Open,
         Family::Borderline,
         Family::Chain,
+        Family::OpenIntegers,
     ];
 
     pub(crate) fn named(name: &str) -> Option<Family> {
@@ -49,6 +53,7 @@ impl Family {
             Family::Open => "open",
             Family::Borderline => "borderline",
             Family::Chain => "chain",
+            Family::OpenIntegers => "open-integers",
         }
     }
 
@@ -61,6 +66,7 @@ impl Family {
             Family::Open => open(seed),
             Family::Borderline => borderline(seed),
             Family::Chain => chain(seed),
+            Family::OpenIntegers => open_integers::program(seed),
         }
     }
 
@@ -78,6 +84,7 @@ impl Family {
     pub(crate) fn truth(self, case: &Case) -> Truth {
         match self {
             Family::Borderline => at_the_corner(case),
+            Family::OpenIntegers => open_integers::truth(case),
             _ => truth(case),
         }
     }
@@ -155,7 +162,7 @@ fn factor(r: &mut Random, most: i32) -> f64 {
     f64::from(r.within(1, most)) * sign(r)
 }
 
-const BINARY: Column = Column { kind: VariableKind::Binary, lower: 0.0, upper: 1.0 };
+pub(super) const BINARY: Column = Column { kind: VariableKind::Binary, lower: 0.0, upper: 1.0 };
 
 fn open(seed: u64) -> Case {
     let r = &mut Random::new(seed);

@@ -9,4 +9,5 @@ pub(crate) mod cones;
 mod dyadic;
 pub(crate) mod families;
 pub(crate) mod generator;
+mod open_integers;
 pub(crate) mod oracle;

@@ -4,15 +4,16 @@
 //! * A tail without open entries bounds the head, and a head without open columns bounds a tail with one
 //!   open entry. The bound says all that the cone does.
 //! * A norm of one entry is two rows.
-//! * A cone goes that bounds imply.
+//! * A cone goes that bounds imply, or whose bounds leave one point.
 //! * A long cone of which few entries are left needs no parts.
 //!
 //! The columns that leave a cone are like any others from there on.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Sparse, Work};
-use crate::presolve::conic_tightening::{BoundedColumns, is_implied};
+use crate::presolve::conic_tightening::{BoundedColumns, is_implied, pins};
 use crate::presolve::parameters::{CONTRADICTION, FEW_ROUNDINGS};
+use crate::presolve::tightening::Tightening;
 use crate::program::{Cone, ConeRole, ConeShape, LONGEST_TAIL, conic_columns};
 
 /// Parts of a cone that is left without them.
@@ -55,6 +56,8 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
     }
     if cone.head().iter().any(|&j| work.upper[j] == 0.0) {
         cone.tail().iter().try_for_each(|&j| work.intersect(j, [0.0, 0.0], 0.0))?;
+    } else if cone.columns.iter().all(|&j| work.column_noise[j] == 0.0) {
+        pin(work, cone)?;
     }
     let stays = |work: &Work, j: &usize| [work.lower[*j], work.upper[*j]] != [0.0, 0.0];
     let tail: Vec<usize> = cone.tail().iter().copied().filter(|j| stays(work, j)).collect();
@@ -75,7 +78,7 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
         for sign in [1.0, -1.0] {
             let mut terms = vec![(entry, sign), (head, -1.0)];
             terms.sort_unstable_by_key(|term| term.0);
-            add_row(work, terms);
+            add_row(work, terms, [f64::NEG_INFINITY, 0.0]);
         }
         drop_parts(work, cone.columns[0], parts);
         return Ok(1);
@@ -99,11 +102,26 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
 
 /// Whether bounds imply a cone.
 fn holds_anyway(work: &Work, cone: &Cone) -> bool {
+    alone(work, cone, is_implied)
+}
+
+/// Fixes the entries of a cone that is one point.
+fn pin(work: &mut Work, cone: &Cone) -> Result<(), Infeasible> {
+    for Tightening { column, is_upper, value } in alone(work, cone, pins) {
+        let [below, above] = [f64::NEG_INFINITY, f64::INFINITY];
+        let bounds = if is_upper { [below, value] } else { [value, above] };
+        work.intersect(cone.columns[column], bounds, 0.0)?;
+    }
+    Ok(())
+}
+
+/// What a function says of a cone whose columns are numbered by its entries.
+fn alone<T>(work: &Work, cone: &Cone, of: impl Fn(BoundedColumns<'_>, &Cone) -> T) -> T {
     let bounds: Vec<[f64; 2]> =
         cone.columns.iter().map(|&j| [work.lower[j], work.upper[j]]).collect();
     let integral: Vec<bool> = cone.columns.iter().map(|&j| work.integral[j]).collect();
     let here = Cone { columns: (0..bounds.len()).collect(), ..cone.clone() };
-    is_implied(BoundedColumns { integral: &integral, bounds: &bounds }, &here)
+    of(BoundedColumns { integral: &integral, bounds: &bounds }, &here)
 }
 
 /// Makes a cone a bound of its only open column, or checks it if there is none.
@@ -147,15 +165,16 @@ fn bound(work: &mut Work, cone: &Cone, open: &[usize]) -> Result<(), Infeasible>
     }
 }
 
-/// Adds the row that some terms (sorted by column, none of them 0) are at most 0 together.
-fn add_row(work: &mut Work, terms: Sparse) {
+/// Adds a row with some terms (sorted by column, none of them 0) and limits; returns its number.
+pub(super) fn add_row(work: &mut Work, terms: Sparse, [lower, upper]: [f64; 2]) -> usize {
     let row = work.rows.len();
     terms.iter().for_each(|&(column, _)| work.uses[column].push(row));
     work.rows.push(terms);
-    work.row_lower.push(f64::NEG_INFINITY);
-    work.row_upper.push(0.0);
+    work.row_lower.push(lower);
+    work.row_upper.push(upper);
     work.row_alive.push(true);
     work.row_noise.push(0.0);
+    row
 }
 
 /// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves would do.

@@ -12,6 +12,9 @@
 //! Columns of cones are no candidates. Signs are enough for others, because a column that moves alone
 //! changes no cone; but a program with cones may have an optimum without multipliers, so it ends there.
 //!
+//! A column with curvature has a slope for each point within the bounds; if all of them have one sign, the same
+//! holds of its movement alone.
+//!
 //! For an integral column the argument is the same: the optimal value as a function of the column
 //! is convex, and its slopes are the reduced costs.
 
@@ -21,6 +24,9 @@ use super::work::Work;
 /// The distance of a reduced cost from 0 at which its sign counts, relative to its terms, if bounds of
 /// multipliers were computed. Signs alone are exact.
 const REDUCED_COST_MARGIN: f64 = 1e-9;
+
+/// The rounding of the slope of a curved objective, relative to the sum of the magnitudes of its terms.
+const CURVED_ROUNDING: f64 = 1e-13;
 
 /// The largest number of rounds that tighten the bounds of multipliers.
 const MAX_MULTIPLIER_ROUNDS: usize = 3;
@@ -81,10 +87,13 @@ fn decided(
     multiplier: impl Fn(usize) -> [f64; 2] + Copy,
     margin: f64,
 ) -> Option<f64> {
-    if work.is_held(column) || !work.is_straight(column) {
+    // Bounds of multipliers belong to an optimum, where curvature leaves the reduced cost no sign.
+    if work.is_held(column) || (margin > 0.0 && !work.is_straight(column)) {
         return None;
     }
     let [least, most] = reduced_cost(work, column, multiplier, None);
+    let [fall, rise] = slopes(work, column);
+    let [least, most] = [least + fall, most + rise];
     if least == f64::NEG_INFINITY && most == f64::INFINITY {
         return None;
     }
@@ -120,6 +129,26 @@ fn reduced_cost(
         }
     }
     range
+}
+
+/// Least and largest slope that the curvature of the objective adds to the cost of a column within the bounds;
+/// of both signs also the rounding of the sum.
+fn slopes(work: &Work, column: usize) -> [f64; 2] {
+    let (mut range, mut size) = ([0.0; 2], work.linear[column].abs());
+    for (&other, &p) in &work.quadratic[column] {
+        let (at_lower, at_upper) = (p * work.lower[other], p * work.upper[other]);
+        range[0] += at_lower.min(at_upper);
+        range[1] += at_lower.max(at_upper);
+        size += at_lower.abs().max(at_upper.abs());
+    }
+    // Terms that do not cancel leave the sign of the sum.
+    let cost = work.linear[column];
+    let rounding = if size.is_finite() { CURVED_ROUNDING * size } else { 0.0 };
+    let is_mixed = |end: f64| end != 0.0 && end.is_finite() && (end < 0.0) != (cost < 0.0);
+    [
+        range[0] - if is_mixed(range[0]) || range[0] < 0.0 { rounding } else { 0.0 },
+        range[1] + if is_mixed(range[1]) || range[1] > 0.0 { rounding } else { 0.0 },
+    ]
 }
 
 /// The size of a reduced cost's finite terms, at least that of the cost.

@@ -9,11 +9,11 @@
 //! are right with cones for one of three reasons:
 //!
 //! * They conclude from rows and bounds what holds at every point, so further conditions change nothing:
-//!   singleton rows, redundant rows, parallel rows, coefficients. A row that forces columns stays if one of
+//!   singleton rows, redundant rows, parallel rows, coefficients, exclusive rows. A row that forces columns stays if one of
 //!   them is in a cone: a cone may turn a rounding of its head into a large change of its tail.
 //! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves rows and
 //!   objective, and stays), binary codes, doubletons, lineality, slack columns, implied free columns,
-//!   parallel columns. The columns that go or move are in no cone, so that the cones do not change.
+//!   parallel columns, open integers. The columns that go or move are in no cone, so that the cones do not change.
 //! * They move a column while all others stay, at no cost, until something stops it: implied binaries, held
 //!   columns, dominated columns. Columns of cones are not moved, and cones do not stop others. What needs
 //!   multipliers is left out (see `dominated_columns`).
@@ -28,11 +28,13 @@ mod coefficients;
 mod cones;
 mod dominated_columns;
 mod doubletons;
+mod exclusive_rows;
 mod fixed_columns;
 mod held_columns;
 mod implied_binaries;
 mod implied_free;
 mod lineality;
+mod open_integers;
 mod parallel_columns;
 mod parallel_rows;
 mod postsolve;
@@ -87,11 +89,15 @@ pub enum PresolveRule {
     ParallelColumns,
     /// Coefficients and limits of rows with integers are tightened.
     Coefficients,
+    /// Rows that differ in binaries of which at most one is 1 become one row.
+    ExclusiveRows,
+    /// Integers without bounds are taken out of equalities over whole numbers.
+    OpenIntegers,
 }
 
 impl PresolveRule {
     /// All rules, in the order of their application.
-    pub const ALL: [PresolveRule; 15] = [
+    pub const ALL: [PresolveRule; 17] = [
         PresolveRule::FixedColumns,
         PresolveRule::SingletonRows,
         PresolveRule::RedundantRows,
@@ -107,11 +113,13 @@ impl PresolveRule {
         PresolveRule::DominatedColumns,
         PresolveRule::ParallelColumns,
         PresolveRule::Coefficients,
+        PresolveRule::ExclusiveRows,
+        PresolveRule::OpenIntegers,
     ];
 
     /// The rules that keep the meaning of every remaining column, and every assignment of the integral
     /// ones that has a point. They suit programs whose columns are referred to from outside.
-    pub const FAITHFUL: [PresolveRule; 9] = [
+    pub const FAITHFUL: [PresolveRule; 10] = [
         PresolveRule::FixedColumns,
         PresolveRule::SingletonRows,
         PresolveRule::RedundantRows,
@@ -121,6 +129,7 @@ impl PresolveRule {
         PresolveRule::SlackColumns,
         PresolveRule::ImpliedFree,
         PresolveRule::Coefficients,
+        PresolveRule::ExclusiveRows,
     ];
 
     fn apply(self, work: &mut Work) -> Result<usize, Infeasible> {
@@ -148,6 +157,8 @@ impl PresolveRule {
             PresolveRule::DominatedColumns => Ok(dominated_columns::apply(work)),
             PresolveRule::ParallelColumns => Ok(parallel_columns::apply(work)),
             PresolveRule::Coefficients => work.each_row(coefficients::apply),
+            PresolveRule::ExclusiveRows => Ok(exclusive_rows::apply(work)),
+            PresolveRule::OpenIntegers => Ok(open_integers::apply(work)),
         }
     }
 }

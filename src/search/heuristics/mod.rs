@@ -3,6 +3,8 @@
 mod allowance;
 mod completion;
 mod diving;
+mod feasibility_jump;
+mod near_origin;
 mod neighbourhood;
 mod parameters;
 mod penalties;
@@ -12,6 +14,9 @@ mod rounding;
 pub use allowance::Allowance;
 pub(super) use completion::complete_start;
 use diving::dive_where_it_pays;
+use feasibility_jump::jump_to_feasibility;
+pub(super) use feasibility_jump::suits as suits_jumps;
+use near_origin::search_near_origin;
 use neighbourhood::search_near_incumbent;
 use parameters::HEURISTICS;
 pub use roll_out::Frontier;
@@ -108,6 +113,9 @@ pub(super) fn look_for_points(
     if on.diving && !whole {
         dive_where_it_pays(ctx, &mut heuristics.diving, pseudocosts, point, bound);
     }
+    if on.neighbourhood && at_root {
+        search_near_origin(ctx);
+    }
     if on.neighbourhood {
         search_near_incumbent(ctx, &mut heuristics.neighbourhood, heuristics.nodes, point, bound);
     }
@@ -119,7 +127,9 @@ pub(super) fn look_for_first_point(ctx: &mut Context<'_>) {
     span!(DEBUG, "heuristic", name = "first point");
     let activity = ctx.clock.switch(Activity::Heuristic);
     let before = ctx.tree.begin(Heuristic::Rounding);
-    fix_at_cheap_ends(ctx);
+    if !fix_at_cheap_ends(ctx) && suits_jumps(ctx.program()) {
+        jump_to_feasibility(ctx);
+    }
     ctx.tree.end(before);
     ctx.clock.switch(activity);
 }

@@ -50,7 +50,7 @@ pub(super) fn search_near_incumbent(
 /// # Arguments
 ///
 /// * `nodes`: that this worker has processed, for the mean cost of a node.
-fn search_within(
+pub(super) fn search_within(
     ctx: &mut Context<'_>,
     program: &Program,
     cutoff: f64,

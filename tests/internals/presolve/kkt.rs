@@ -12,7 +12,7 @@ use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 
-use super::logical_programs::{coded, conjunctions};
+use super::logical_programs::{coded, conjunctions, routes};
 use super::programs::program;
 use super::search_alone;
 use crate::common::case::Case;
@@ -172,6 +172,12 @@ proptest! {
     #[test]
     fn binary_codes(case in coded()) {
         check(&case, &[PresolveRule::BinaryCodes])?;
+        check(&case, &PresolveRule::ALL)?;
+    }
+
+    #[test]
+    fn exclusive_rows(case in routes()) {
+        check(&case, &[PresolveRule::ExclusiveRows])?;
         check(&case, &PresolveRule::ALL)?;
     }
 

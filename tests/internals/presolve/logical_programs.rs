@@ -133,3 +133,42 @@ pub(super) fn selections() -> impl Strategy<Value = Case> {
         Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: false }
     })
 }
+
+/// Two stages, each with up to three routes of which one is taken, or at most one; each route has a row of its
+/// own for the time that it takes.
+pub(super) fn routes() -> impl Strategy<Value = Case> {
+    let stage = (prop::collection::vec((0i8..=6, -3i8..=3), 2..=3), any::<bool>(), any::<bool>());
+    let end = (-2i8..=3, 0u8..12);
+    (stage.clone(), stage, end, rows()).prop_map(|(first, second, (cost, end), rows)| {
+        let (a, b) = (first.0.len(), second.0.len());
+        let mut columns: Vec<Column> =
+            (0..3).map(|_| column(VariableKind::Continuous, 0.0, 15.0)).collect();
+        columns.extend((0..a + b).map(|_| column(VariableKind::Binary, 0.0, 1.0)));
+        let count = columns.len();
+        let (mut lines, mut linear) = (Vec::new(), vec![0.0; count]);
+        for (k, begin, (routes, is_taken, is_below)) in [(0, 3, first), (1, 3 + a, second)] {
+            let mut one = vec![0.0; count];
+            one[begin..begin + routes.len()].fill(1.0);
+            lines.push(line(&one, if is_taken { 1.0 } else { f64::NEG_INFINITY }, 1.0));
+            for (j, (duration, own)) in routes.into_iter().enumerate() {
+                let mut coefficients = vec![0.0; count];
+                let sign = if is_below { -1.0 } else { 1.0 };
+                (coefficients[k], coefficients[k + 1]) = (sign, -sign);
+                coefficients[begin + j] = sign * f64::from(duration);
+                let (lower, upper) = match is_below {
+                    true => (0.0, f64::INFINITY),
+                    false => (f64::NEG_INFINITY, 0.0),
+                };
+                lines.push(line(&coefficients, lower, upper));
+                linear[begin + j] = f64::from(own);
+            }
+        }
+        let mut last = vec![0.0; count];
+        last[2] = 1.0;
+        lines.push(line(&last, f64::from(end), f64::INFINITY));
+        lines.extend(extra(&rows, &[0, 1, 2, 3, 4, 5, 6], count));
+        linear[2] = f64::from(cost);
+        let (switches, squares) = (Vec::new(), Vec::new());
+        Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: false }
+    })
+}

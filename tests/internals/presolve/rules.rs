@@ -6,7 +6,7 @@ use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 
-use super::logical_programs::{coded, conjunctions, selections};
+use super::logical_programs::{coded, conjunctions, routes, selections};
 use super::programs::program;
 use super::search_alone;
 use crate::common::case::Case;
@@ -104,6 +104,22 @@ proptest! {
     #[test]
     fn coefficients(case in program(true)) {
         compare(&case, &[PresolveRule::Coefficients])?;
+    }
+
+    #[test]
+    fn exclusive_rows(case in routes()) {
+        compare(&case, &[PresolveRule::ExclusiveRows])?;
+        compare(&case, &PresolveRule::ALL)?;
+    }
+
+    #[test]
+    fn open_integers(case in program(true)) {
+        compare(&case, &[PresolveRule::OpenIntegers])?;
+    }
+
+    #[test]
+    fn dominated_columns_with_curvature(case in program(true)) {
+        compare(&case, &[PresolveRule::DominatedColumns])?;
     }
 
     #[test]
