@@ -19,7 +19,7 @@ use crate::semidefinite::{
 use crate::sum::exact_sum;
 
 /// The sum of multiples that is slight beside the coefficients of the products (no unit).
-const SLIGHT: f64 = 0.1;
+const SLIGHT_SHIFT: f64 = 0.1;
 
 /// Most products of a column, on average, that get columns of their own, and most of a block.
 const FEW_PRODUCTS: f64 = 4.0;
@@ -37,18 +37,20 @@ pub(super) struct ConvexForm {
     pub(super) model: Model,
     /// By how much its objective may be below that of the model at a point, in the objective's unit.
     pub(super) loss: f64,
-    /// Columns between 0 and 1 and the multiples of `z^2 - z` that make the objective as it was convex, as
+    /// CurvedColumns between 0 and 1 and the multiples of `z^2 - z` that make the objective as it was convex, as
     /// far as there are any: for proofs.
-    pub(super) squares: Vec<(usize, f64)>,
+    pub(super) squares: Option<Vec<(usize, f64)>>,
 }
 
 /// The bounds of columns, and which have two values at most.
-struct Columns<'a> {
+struct CurvedColumns<'a> {
     domain: &'a Domain,
     has_two_values: Vec<bool>,
+    /// Which are integral within 0 and 1 by their own bounds.
+    is_binary: Vec<bool>,
 }
 
-impl Columns<'_> {
+impl CurvedColumns<'_> {
     fn ends(&self, j: usize) -> [f64; 2] {
         self.domain.bounds(j)
     }
@@ -61,13 +63,14 @@ impl Columns<'_> {
 
 /// The changes of an objective.
 #[derive(Default)]
-struct Changes {
+struct ConvexChanges {
     /// Multiples of `(x - l)(x - u)`.
     squares: Vec<(usize, f64)>,
     /// Products that get columns of their own.
     products: Vec<Product>,
     loss: f64,
-    proof: Vec<(usize, f64)>,
+    /// Those of columns between 0 and 1 that are enough; `None` where they are not.
+    proof: Option<Vec<(usize, f64)>>,
 }
 
 /// The form of a model that has only rows.
@@ -81,8 +84,13 @@ pub(super) fn convex_form(model: &Model, domain: &Domain) -> Result<ConvexForm, 
         let width = domain.upper(j) - domain.lower(j);
         width == 0.0 || (whole && width <= 1.0)
     });
-    let columns = Columns { domain, has_two_values: two.collect() };
-    let mut changes = Changes::default();
+    let binary = model.variables().map(|variable| {
+        let bounds = variable.bounds();
+        variable.kind().is_integral() && bounds.lower >= 0.0 && bounds.upper <= 1.0
+    });
+    let (has_two_values, is_binary) = (two.collect(), binary.collect());
+    let columns = CurvedColumns { domain, has_two_values, is_binary };
+    let mut changes = ConvexChanges { proof: Some(Vec::new()), ..ConvexChanges::default() };
     for (names, products) in blocks(&model.minimized_products()) {
         let products = products.into_iter().map(|(a, b, q)| (names[a], names[b], q));
         let mut products: Vec<Product> = products.collect();
@@ -93,13 +101,13 @@ pub(super) fn convex_form(model: &Model, domain: &Domain) -> Result<ConvexForm, 
     Ok(ConvexForm { model: changes.apply(model, &columns)?, loss, squares })
 }
 
-impl Changes {
+impl ConvexChanges {
     /// Makes the products of a block convex.
     fn add_block(
         &mut self,
         model: &Model,
         block: &[Product],
-        columns: &Columns<'_>,
+        columns: &CurvedColumns<'_>,
     ) -> Result<(), Error> {
         let Some(direction) = negative_direction(block, &|_| 0.0) else { return Ok(()) };
         let two = |j: usize| columns.has_two_values[j];
@@ -128,9 +136,11 @@ impl Changes {
             return Ok(());
         }
         let shift = least_shift(&raised, &members(block).into_iter().filter(|j| two(*j)).collect());
-        if let Ok(amounts) = &shift {
-            let is_binary = |j: usize| columns.ends(j).iter().all(|e| *e == 0.0 || *e == 1.0);
-            self.proof.extend(amounts.iter().filter(|(j, _)| is_binary(*j)));
+        match (&shift, &mut self.proof) {
+            (Ok(amounts), Some(proof)) if amounts.iter().all(|(j, _)| columns.is_binary[*j]) => {
+                proof.extend(amounts);
+            }
+            _ => self.proof = None,
         }
         let crossing = |(a, b, _): &&Product| a != b;
         let is_bounded =
@@ -145,7 +155,7 @@ impl Changes {
             Ok(amounts)
                 if !is_linear
                     || !is_sparse
-                    || amounts.iter().map(|(_, a)| a).sum::<f64>() <= SLIGHT * total =>
+                    || amounts.iter().map(|(_, a)| a).sum::<f64>() <= SLIGHT_SHIFT * total =>
             {
                 self.squares.extend(amounts);
             }
@@ -156,7 +166,7 @@ impl Changes {
     }
 
     /// The model with the objective that the changes leave, and rows for products.
-    fn apply(self, model: &Model, columns: &Columns<'_>) -> Result<Model, Error> {
+    fn apply(self, model: &Model, columns: &CurvedColumns<'_>) -> Result<Model, Error> {
         let sign = model.sense().sign();
         let ids: Vec<Variable> = model.variables().map(|variable| variable.id()).collect();
         let mut convex = model.clone();

@@ -16,7 +16,7 @@ const BOX_NODES: u64 = 200;
 
 /// What the row allows more than the cost of the point, relative to it and at least absolute, so that the
 /// point is not at its edge.
-const ROOM: f64 = 1e-3;
+const CUTOFF_ROOM: f64 = 1e-3;
 
 impl Solve<'_> {
     /// The model with a row that says that its objective is no worse than that of a point; `None` if no
@@ -41,7 +41,8 @@ impl Solve<'_> {
             let point = Point::new(boxed, values)?;
             let value = point.value(objective)?;
             let sign = model.sense().sign();
-            let worst = value + sign * ROOM * value.abs().max(1.0) - objective.affine().offset();
+            let worst =
+                value + sign * CUTOFF_ROOM * value.abs().max(1.0) - objective.affine().offset();
             let (lower, upper) = match sign > 0.0 {
                 true => (f64::NEG_INFINITY, worst),
                 false => (worst, f64::INFINITY),

@@ -33,7 +33,7 @@ pub(super) struct LoweredProgram {
 struct StatedProgram {
     program: Program,
     /// Multiples of `z^2 - z` of columns between 0 and 1 that make the objective as it was convex.
-    squares: Vec<(usize, f64)>,
+    squares: Option<Vec<(usize, f64)>>,
 }
 
 impl LoweredProgram {
@@ -56,11 +56,12 @@ impl LoweredProgram {
         LoweredProgram { loss, stated, ..self }
     }
 
-    /// The program that the model states, and multiples of `z^2 - z` that make its objective convex.
-    pub(super) fn stated(&self) -> (&Program, &[(usize, f64)]) {
+    /// The program that the model states, and multiples of `z^2 - z` that make its objective convex, if there
+    /// are any.
+    pub(super) fn stated(&self) -> (&Program, Option<&[(usize, f64)]>) {
         match &self.stated {
-            Some(stated) => (&stated.program, &stated.squares),
-            None => (&self.program, &[]),
+            Some(stated) => (&stated.program, stated.squares.as_deref()),
+            None => (&self.program, Some(&[])),
         }
     }
 

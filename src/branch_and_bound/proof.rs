@@ -48,7 +48,11 @@ impl Solve<'_> {
             }
             _ => return Ok(None),
         };
-        let guide = Guide::new(std::mem::take(&mut found.forks), solved.columns.take());
+        let guide = Guide::new(
+            std::mem::take(&mut found.forks),
+            solved.columns.take(),
+            program.column_count(),
+        );
         let token = StopToken::new(self.options.time_limit, interrupt);
         let failed = |source| {
             let what = format!("the proof cannot be written to {}", path.display());

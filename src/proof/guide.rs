@@ -12,16 +12,19 @@ pub(crate) struct Guide {
     pub(super) forks: BTreeMap<u32, Fork>,
     /// The column of the lowered program behind each column of the search.
     pub(super) columns: Option<Vec<usize>>,
+    /// Number of columns of the lowered program; the search may have had more.
+    pub(super) count: usize,
     /// Whether the search was one of the lowered program as it is.
     pub(super) is_plain: bool,
 }
 
 impl Guide {
     /// The splits of a search.
-    pub(crate) fn new(forks: Vec<Fork>, columns: Option<Vec<usize>>) -> Self {
+    pub(crate) fn new(forks: Vec<Fork>, columns: Option<Vec<usize>>, count: usize) -> Self {
         Guide {
             forks: forks.into_iter().map(|fork| (fork.id(), fork)).collect(),
             columns,
+            count,
             is_plain: false,
         }
     }
@@ -50,6 +53,7 @@ impl Guide {
             Some(columns) => columns.get(decision.column).copied(),
             None => Some(decision.column),
         };
+        let column = column.filter(|column| *column < self.count);
         Some((column.map(|column| Decision { column, ..decision }), child))
     }
 }

@@ -78,8 +78,9 @@ use zero_products::ObjectiveTerms;
 pub(crate) struct ProofRequest<'a> {
     /// The lowered program.
     pub(crate) program: &'a Program,
-    /// Multiples of `z^2 - z`, of columns between 0 and 1, that make an objective convex which is not.
-    pub(crate) squares: &'a [(usize, f64)],
+    /// Multiples of `z^2 - z`, of columns between 0 and 1, that make an objective convex which is not;
+    /// `None` if none do.
+    pub(crate) squares: Option<&'a [(usize, f64)]>,
     /// The names of its columns and of its rows, as far as there are any.
     pub(crate) names: [&'a [String]; 2],
     pub(crate) claim: Claim,
@@ -122,6 +123,12 @@ impl ProofRequest<'_> {
         if let Some(point) = point {
             log.point(point);
         }
+        let squares = if claim == Claim::Infeasible { Some(&[][..]) } else { squares };
+        let Some(squares) = squares else {
+            log.remark("the objective is not convex, and no products that are 0 make it so");
+            let (commands, bytes) = log.abandon()?;
+            return Ok(ProofReport { is_complete: false, commands, bytes });
+        };
         let facts = Facts::new(program);
         let bounds = Bounds::new(program);
         let mut program = program.clone();

@@ -34,6 +34,6 @@ impl Relaxer<'_> {
         if self.token.is_over() {
             return Err(Limit);
         }
-        Ok(Guide { is_plain: true, ..Guide::new(found.forks, None) })
+        Ok(Guide { is_plain: true, ..Guide::new(found.forks, None, usize::MAX) })
     }
 }

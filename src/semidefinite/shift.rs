@@ -6,16 +6,16 @@ use super::direction::Direction;
 use super::{Product, negative_direction};
 
 /// The part by which a multiple may be larger than the least one (no unit).
-const CLOSE: f64 = 0.05;
+const CLOSE_MULTIPLE: f64 = 0.05;
 
 /// Most factorisations for one multiple.
-const MOST_TRIALS: usize = 60;
+const MOST_MULTIPLES: usize = 60;
 
 /// The largest multiple, relative to the largest coefficient for a weight of 1 (no unit).
-const LARGEST: f64 = 1e6;
+const LARGEST_MULTIPLE: f64 = 1e6;
 
 /// The least one that is tried, relative to the largest (no unit).
-const LEAST: f64 = 1e-22;
+const LEAST_MULTIPLE: f64 = 1e-22;
 
 /// A small `t` such that `sum q_jk x_j x_k + t sum weight_j x_j^2` is proved convex.
 ///
@@ -35,10 +35,10 @@ pub(crate) fn least_multiple(
 ) -> Result<f64, Direction> {
     let largest = products.iter().map(|(.., q)| q.abs()).fold(0.0, f64::max);
     let lightest = weights.values().copied().filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
-    let most = LARGEST * largest / lightest;
+    let most = LARGEST_MULTIPLE * largest / lightest;
     let (mut below, mut above, mut at) = (0.0_f64, f64::INFINITY, 0.0_f64);
-    let (mut growth, mut worst) = (CLOSE / 2.0, None);
-    for _ in 0..MOST_TRIALS {
+    let (mut growth, mut worst) = (CLOSE_MULTIPLE / 2.0, None);
+    for _ in 0..MOST_MULTIPLES {
         match negative_direction(&with_squares(products, weights, at), &|_| 0.0) {
             None => above = at,
             Some(direction) => {
@@ -53,13 +53,13 @@ pub(crate) fn least_multiple(
                 worst = Some(direction);
             }
         }
-        if above <= below * (1.0 + CLOSE) || above == 0.0 {
+        if above <= below * (1.0 + CLOSE_MULTIPLE) || above == 0.0 {
             return Ok(above);
         }
         at = match above.is_finite() {
             true if below > 0.0 => (below * above).sqrt(),
             true => 0.5 * above,
-            false => (below * (1.0 + growth)).max(LEAST * most).min(most),
+            false => (below * (1.0 + growth)).max(LEAST_MULTIPLE * most).min(most),
         };
         growth *= 2.0;
     }

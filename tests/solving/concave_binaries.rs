@@ -115,7 +115,7 @@ prop_compose! {
         lower in prop::collection::vec(prop_oneof![4 => Just(None), 1 => (-3..4).prop_map(Some)], n),
         cost in prop::collection::vec(-9..10, n),
         products in prop::collection::vec((0..n, 0..n, -9..10), 0..=(n * n) * density as usize / 100 + 1),
-        continuous in prop::collection::vec((-3..3, 0..5, -5..6, 0..4), m),
+        continuous in prop::collection::vec((-3..3, 1..5, -5..6, 0..4), m),
         ties in prop::collection::vec((0..m.max(1), 0..n, -9..10), if m > 0 { 0..6 } else { 0..1 }),
         rows in prop::collection::vec((prop::collection::vec(-3..4, n), -4..9), 0..3),
     ) -> Curved {
@@ -273,4 +273,78 @@ fn rounded_forms_over_binaries_are_solved() {
     });
     let best = best.fold(f64::INFINITY, f64::min);
     assert!((solution.objective().expect("a point") - best).abs() < 1e-6 * best.abs().max(1.0));
+}
+
+/// Rows with products of binaries, and a cost.
+#[derive(Debug, Clone)]
+struct CurvedRows {
+    cost: Vec<i32>,
+    rows: Vec<(Vec<(usize, usize, i32)>, Vec<i32>, i32)>,
+}
+
+prop_compose! {
+    fn curved_rows()(n in 2_usize..7)(
+        cost in prop::collection::vec(-9..10, n),
+        rows in prop::collection::vec((
+            prop::collection::vec((0..n, 0..n, -4..5), 1..6),
+            prop::collection::vec(-4..5, n),
+            -6..9,
+        ), 1..3),
+    ) -> CurvedRows {
+        CurvedRows { cost, rows }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(100, "tests/regressions/concave_rows.txt"))]
+
+    #[test]
+    fn rows_over_binaries_have_the_optimum_of_enumeration(case in curved_rows()) {
+        let n = case.cost.len();
+        let mut model = Model::new("rows");
+        let b: Vec<Variable> = (0..n).map(|k| model.binary(format!("b{k}")).expect("a binary")).collect();
+        let mut cost = Affine::zero();
+        case.cost.iter().zip(&b).for_each(|(&c, &v)| cost += f64::from(c) * v);
+        model.minimize(cost).expect("an objective");
+        for (k, (products, linear, right)) in case.rows.iter().enumerate() {
+            let mut row = Quadratic::zero();
+            products.iter().for_each(|&(i, j, q)| row.add_product(f64::from(q), b[i], b[j]));
+            linear.iter().zip(&b).for_each(|(&a, &v)| row += f64::from(a) * v);
+            if row.products().is_empty() {
+                continue;
+            }
+            model.add(format!("r{k}"), row.le(f64::from(*right))).expect("a convex form");
+        }
+        let mut best: Option<i32> = None;
+        for bits in 0..1_u32 << n {
+            let at = |k: usize| (bits >> k & 1) as i32;
+            let holds = case.rows.iter().all(|(products, linear, right)| {
+                let squares: i32 = products.iter().map(|&(i, j, q)| q * at(i) * at(j)).sum();
+                let mut sum: Vec<(usize, usize, i32)> = Vec::new();
+                for &(i, j, q) in products {
+                    let pair = (i.min(j), i.max(j));
+                    match sum.iter_mut().find(|entry| (entry.0, entry.1) == pair) {
+                        Some(entry) => entry.2 += q,
+                        None => sum.push((pair.0, pair.1, q)),
+                    }
+                }
+                // A row whose products cancel is left out.
+                let is_left = sum.iter().all(|entry| entry.2 == 0);
+                is_left || squares + linear.iter().enumerate().map(|(k, &a)| a * at(k)).sum::<i32>() <= *right
+            });
+            if holds {
+                let value = case.cost.iter().enumerate().map(|(k, &c)| c * at(k)).sum();
+                best = Some(best.map_or(value, |best| best.min(value)));
+            }
+        }
+        let solution = BranchAndBound::default().solve(&model).expect("a solve");
+        match best {
+            None => prop_assert!(solution.is_infeasible(), "{:?}\n{model}", solution.termination()),
+            Some(best) => {
+                prop_assert!(solution.is_optimal(), "{:?}, not {best}\n{model}", solution.termination());
+                let found = solution.objective().expect("a point");
+                prop_assert!((found - f64::from(best)).abs() < 1e-3, "{found} {best}\n{model}");
+            }
+        }
+    }
 }

@@ -13,6 +13,11 @@ fn refused(result: Result<impl std::fmt::Debug, Error>) -> String {
 const HELP: &str = "within the bounds, a convex form of it loses more than the gap that is asked for; write \
                     squares, give closer bounds or allow a larger gap";
 
+/// A solve of a model that is prepared, which knows the gap.
+fn prepared(solver: &mut BranchAndBound, model: &Model) -> Result<Solution, Error> {
+    solver.prepare(model)?.solve(&[], &mut Control::default())
+}
+
 /// The solve of a model that is read.
 fn solved(text: &str) -> Result<Solution, Error> {
     BranchAndBound::default().solve(&lp::read(text)?.model)
@@ -114,7 +119,7 @@ fn bounds_may_change() {
     model.set_bounds(x, -1e6, 1e6).unwrap();
     model.set_bounds(y, -1e6, 1e6).unwrap();
     refused(solver.solve(&model));
-    refused(solver.prepare(&model).map(|_| ()));
+    refused(prepared(&mut solver, &model));
     assert!(solver.solve(&copy).unwrap().is_optimal());
     // With indicators, which are lowered first.
     let on = model.binary("on").unwrap();
@@ -148,5 +153,5 @@ fn parameters_count_with_their_range() {
     model.minimize((y + z).square() - 1e-10 * y.square()).unwrap();
     let mut solver = BranchAndBound::default();
     assert!(solver.solve(&model).unwrap().is_optimal());
-    refused(solver.prepare(&model).map(|_| ()));
+    refused(prepared(&mut solver, &model));
 }

@@ -166,3 +166,53 @@ fn wrong_words_are_told_from_wrong_files() {
         "{said:?}"
     );
 }
+
+#[test]
+fn warnings_are_counted_by_kind() {
+    let bounds: String = (0..10).map(|k| format!(" y{k} <= {k}\n")).collect();
+    let text = format!("min x\nst\n c: x >= 1\nbounds\n{bounds} x <= 3\n x <= 2\nend\n");
+    let said = solve(&["-"], text.as_bytes());
+    let warnings: Vec<&str> = said.err.lines().filter(|line| line.starts_with("warning")).collect();
+    assert_eq!(
+        warnings,
+        [
+            "warning: standard input: line 5, column 2: `y0` is neither in the objective nor in a row before",
+            "warning: standard input: line 6, column 2: `y1` is neither in the objective nor in a row before",
+            "warning: standard input: line 7, column 2: `y2` is neither in the objective nor in a row before",
+            "warning: standard input: 7 more of this kind",
+            "warning: standard input: line 16, column 2: the upper bound of `x` was 3 before and is 2 now; the \
+             last one counts",
+        ],
+        "{said:?}"
+    );
+    let quiet = solve(&["--quiet", "-"], text.as_bytes());
+    assert_eq!(quiet.err, "");
+}
+
+#[test]
+fn a_gap_says_that_it_leaves_out_a_constant() {
+    let text = "min 3 a + 4 b + 5 c + 100000000 one\nst\n r1: a + b >= 1\n r2: b + c >= 1\n r3: a + c >= 1\nbounds\n \
+                one = 1\nbinary\n a b c\nend\n";
+    let said = solve(&["--gap", "1", "-"], text.as_bytes());
+    let summary = said.err.lines().find(|line| line.contains("proved bound")).expect("a summary");
+    let is_closed = summary.contains("gap 0 %");
+    assert!(
+        is_closed || summary.contains(" of the objective without its constant 100000000"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn an_explanation_says_which_domains_are_defaults() {
+    let text = "min x\nst\n c: x + y <= -1\nbounds\n y <= 5\nend\n";
+    let said = solve(&["--explain", "-"], text.as_bytes());
+    let domains: Vec<&str> = said.out.lines().filter(|line| line.starts_with("domain: ")).collect();
+    assert_eq!(
+        domains,
+        [
+            "domain: 0 <= x (the default of LP files, where the file gives no bounds)",
+            "domain: 0 <= y <= 5 (a lower bound of 0 is the default of LP files)",
+        ],
+        "{said:?}"
+    );
+}

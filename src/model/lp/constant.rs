@@ -1,7 +1,7 @@
 //! The constant of the objective as a column that is fixed to 1.
 
 use super::defined;
-use super::functions::LpArgument;
+use super::function::LpArgument;
 use super::names::CONSTANT;
 use super::read::LpFile;
 use crate::model::text::row_condition::RowCondition;

@@ -1,7 +1,7 @@
 //! Variables that are functions of others, from the entries of a file to statements of the model.
 
 use super::build::at;
-use super::functions::{LpArgument, LpFunction, LpFunctionKind};
+use super::function::{LpArgument, LpFunction, LpFunctionKind};
 use super::names;
 use super::read::{LpColumn, LpFile};
 use crate::error::Error;

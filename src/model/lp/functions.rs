@@ -1,42 +1,10 @@
 //! The section `General Constraints`: variables that are functions of others.
 
+use super::function::{LpArgument, LpFunction, LpFunctionKind};
 use super::lexer::{TokenKind, number_length};
 use super::read::LpFile;
 use crate::error::Error;
 use crate::model::text::token::Token;
-
-/// `result = KIND ( arguments )` as the file has it.
-#[derive(Debug)]
-pub(super) struct LpFunction<'a> {
-    /// Its label, or the result.
-    pub(super) place: Token<'a>,
-    pub(super) is_named: bool,
-    pub(super) result: usize,
-    pub(super) kind: LpFunctionKind,
-    pub(super) arguments: Vec<LpArgument>,
-    /// The points of a piecewise function.
-    pub(super) points: Vec<(f64, f64)>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LpFunctionKind {
-    Maximum,
-    Minimum,
-    Absolute,
-    And,
-    Or,
-    /// The sum of magnitudes.
-    OneNorm,
-    /// The largest magnitude.
-    LargestNorm,
-    Piecewise,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(super) enum LpArgument {
-    Column(usize),
-    Number(f64),
-}
 
 /// A word without the brackets and commas around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +30,7 @@ impl<'a> LpFile<'a> {
             if !self.at_name() {
                 return Err(self.unexpected("the name of a variable"));
             }
-            let result = self.known_column()?;
+            let result = self.column()?;
             if !self.accept(TokenKind::Equal) {
                 return Err(self.unexpected("`=` and a function, such as `MAX ( x , y , 3 )`"));
             }
@@ -270,7 +238,8 @@ fn split<'a>(word: Token<'a>, marks: &mut Vec<(Mark, Token<'a>)>) {
             '[' => index += 1,
             ']' => index = index.saturating_sub(1),
             _ if index > 0 => {}
-            '(' if start < place => depth += 1,
+            // The first word is a function, which may stand at its bracket.
+            '(' if start < place && !marks.is_empty() => depth += 1,
             ')' if depth > 0 => depth -= 1,
             '(' | ')' => {
                 end_word(start, place, marks);

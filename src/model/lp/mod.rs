@@ -6,6 +6,7 @@ mod constant;
 mod defined;
 mod dialect;
 mod expression;
+mod function;
 mod functions;
 mod lexer;
 pub(crate) mod names;

@@ -1,7 +1,7 @@
 //! Reading: from tokens to objective, rows and columns as the file lists them.
 
 use super::expression::Expression;
-use super::functions::LpFunction;
+use super::function::LpFunction;
 use super::lexer::{self, TokenKind, TypedToken};
 use super::rows::LpRow;
 use super::section::{self, LpSection};

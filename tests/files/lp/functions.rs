@@ -93,7 +93,7 @@ fn damaged_functions_are_named() {
         (" g: w = OR ( 1 , y )", "line 9, column 9: `OR` is a function of variables alone"),
         (
             " g: w = AND ( x , y )",
-            "line 9, column 2: `w` stands in `AND` or `OR` and is not listed under `Binary`",
+            "line 9, column 2: `x` stands in `AND` or `OR` and is not listed under `Binary`",
         ),
         (
             " g: w = PWL ( x )",
