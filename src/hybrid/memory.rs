@@ -98,7 +98,7 @@ impl Memory {
 
     /// For how many samples a mode of a choice must still hold, and for how many more it may; this one is not
     /// counted.
-    pub(in crate::hybrid) fn left(
+    pub(crate) fn left(
         &self,
         choice: &str,
         mode: &str,
@@ -114,23 +114,23 @@ impl Memory {
 
     /// The samples that a mode has lasted, and whether it may have been longer; of a mode that is open as of
     /// one in which the run begins.
-    pub(in crate::hybrid) fn lasted(&self, choice: &str) -> (usize, bool) {
+    pub(crate) fn lasted(&self, choice: &str) -> (usize, bool) {
         self.held(choice).map_or((1, true), |held| (held.samples, held.at_least))
     }
 
     /// Sets that the mode of a choice, which was open, is one that may have lasted for any time.
-    pub(in crate::hybrid) fn decide(&mut self, choice: &str, mode: &str) {
+    pub(crate) fn decide(&mut self, choice: &str, mode: &str) {
         let open = || Held { mode: mode.to_owned(), samples: 1, at_least: true };
         self.held.entry(choice.to_owned()).or_insert_with(open);
     }
 
     /// Forgets the mode of a choice.
-    pub(in crate::hybrid) fn forget(&mut self, choice: &str) {
+    pub(crate) fn forget(&mut self, choice: &str) {
         self.held.remove(choice);
     }
 
     /// The memory at the next sample of a run that takes a transition of a choice of this name.
-    pub(in crate::hybrid) fn advance(&mut self, choice: &str, transition: &Transition) {
+    pub(crate) fn advance(&mut self, choice: &str, transition: &Transition) {
         self.events += usize::from(transition.is_event);
         let Some((from, to)) = &transition.modes else { return };
         let (samples, at_least) = match self.held(choice) {
@@ -146,16 +146,13 @@ impl Memory {
     /// # Errors
     ///
     /// [`ErrorKind::UnknownName`].
-    pub(in crate::hybrid) fn check(&self, system: &HybridSystem) -> Result<(), Error> {
+    pub(crate) fn check(&self, system: &HybridSystem) -> Result<(), Error> {
         let named = system.choices.iter().map(|choice| (choice.name.clone(), choice));
         self.check_choices(&named.collect::<Vec<_>>())
     }
 
     /// Refuses modes that none of some choices has; these are known by a name.
-    pub(in crate::hybrid) fn check_choices(
-        &self,
-        choices: &[(String, &Choice)],
-    ) -> Result<(), Error> {
+    pub(crate) fn check_choices(&self, choices: &[(String, &Choice)]) -> Result<(), Error> {
         for (choice, Held { mode, .. }) in &self.held {
             let mut named = choices.iter().filter(|(name, _)| name == choice).peekable();
             if named.peek().is_none() {

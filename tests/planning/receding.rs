@@ -85,7 +85,9 @@ fn a_move_comes_from_the_last_plan_when_there_is_no_new_one() {
     let second = controller.step(&state).unwrap();
     assert_eq!(second.source, MoveSource::LastPlan);
     assert_eq!((second.input, second.is_admissible), (first.inputs[1].clone(), Some(true)));
-    assert!(second.reason.is_some() && second.states.is_empty());
+    // It comes with what is left of the plan, from the measured state.
+    assert!(second.reason.is_some() && second.states.len() == 6);
+    assert_eq!((&second.states[0], &second.inputs[..]), (&state, &first.inputs[1..]));
     // Six inputs were planned.
     for _ in 0..4 {
         assert_eq!(controller.step(&[0.0, 0.0]).unwrap().source, MoveSource::LastPlan);

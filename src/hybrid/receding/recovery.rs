@@ -12,7 +12,7 @@ use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
 /// How often the way between a state with a plan and one without is halved.
-const HALVINGS: usize = 4;
+const RECOVERY_HALVINGS: usize = 4;
 
 /// A state whose entries lie in their ranges, if they miss them by rounding or by what a solver leaves.
 pub(super) fn rounded_into(state: &[f64], ranges: &[Interval]) -> Vec<f64> {
@@ -47,7 +47,7 @@ impl RecedingHorizon<'_> {
             let foreseen = clamped(foreseen);
             found = self.planned_from(&foreseen, since)?;
             let (mut without, mut with) = (0.0, 1.0);
-            for _ in 0..HALVINGS {
+            for _ in 0..RECOVERY_HALVINGS {
                 if found.is_none() {
                     break;
                 }

@@ -8,7 +8,7 @@ use crate::hybrid::system::{HybridSystem, InputValues};
 use crate::model::{Affine, Family, Model, Variable};
 
 /// By how much values may differ from equal distances, relative to the largest, so that a number counts them.
-const EVEN: f64 = 1e-13;
+const EVEN_VALUES: f64 = 1e-13;
 
 /// How the values of an input are written.
 #[derive(Debug, Clone)]
@@ -59,7 +59,7 @@ pub(super) fn variables(
         let numbers = model.binary_family(&number, steps)?;
         return Ok(Some(Levels::Even { first, distance, numbers }));
     }
-    if list.iter().enumerate().map(off).all(|off| off <= EVEN * size) {
+    if list.iter().enumerate().map(off).all(|off| off <= EVEN_VALUES * size) {
         let numbers = model.integer_family(&number, steps, 0.0, (list.len() - 1) as f64)?;
         return Ok(Some(Levels::Even { first, distance, numbers }));
     }

@@ -27,7 +27,7 @@ pub struct SimulationOptions {
     /// on beyond what is allowed: guards, ranges of inputs and modes still say what is possible.
     pub keeps_limits: bool,
     /// Whether another transition is taken where one that is named is not possible.
-    pub(in crate::hybrid) prefers: bool,
+    pub(crate) prefers: bool,
 }
 
 impl Default for SimulationOptions {

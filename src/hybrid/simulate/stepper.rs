@@ -44,7 +44,7 @@ struct Way<'a> {
 }
 
 /// The combinations of transitions of a step.
-struct Combinations {
+struct PossibleMoves {
     /// How many are possible.
     moves: usize,
     /// The first of these, or the least violating one if there is none; `None` if there were too many to try.
@@ -92,7 +92,7 @@ impl<'a> Stepper<'a> {
             .iter()
             .map(|ways| (0..ways.len()).filter(|&k| ways[k].holds(tolerance)).collect())
             .collect();
-        let Combinations { moves, mut best, mut rival } = self.combine(&mut ways, &alone)?;
+        let PossibleMoves { moves, mut best, mut rival } = self.combine(&mut ways, &alone)?;
         let candidates: Vec<Vec<Candidate>> =
             ways.iter().map(|ways| ways.iter().map(Way::candidate).collect()).collect();
         if plan.iter().any(Option::is_some) {
@@ -164,9 +164,9 @@ impl<'a> Stepper<'a> {
         &self,
         ways: &mut [Vec<Way<'a>>],
         alone: &[Vec<usize>],
-    ) -> Result<Combinations, Error> {
+    ) -> Result<PossibleMoves, Error> {
         let tolerance = self.options.tolerance;
-        let mut all = Combinations { moves: 0, best: None, rival: None };
+        let mut all = PossibleMoves { moves: 0, best: None, rival: None };
         let mut digits = vec![0; ways.len()];
         let mut tried = 0;
         while alone.iter().all(|list| !list.is_empty()) {

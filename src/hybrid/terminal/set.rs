@@ -200,7 +200,7 @@ impl TerminalSet {
     }
 
     /// The transitions that are taken for ever, by choice.
-    pub(in crate::hybrid) fn transitions(&self) -> &[String] {
+    pub(crate) fn transitions(&self) -> &[String] {
         &self.transitions
     }
 

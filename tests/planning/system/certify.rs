@@ -66,7 +66,8 @@ proptest! {
     fn one_wrong_number_is_named(raw in system(), wishes in wishes(), place in any::<[u8; 3]>()) {
         let system = raw.hybrid();
         let (start, inputs) = raw.cut(&wishes);
-        let simulation = system.simulate(&start, &inputs).unwrap();
+        let first = SimulationOptions::default().with_first_possible(true);
+        let simulation = system.simulate_with(&start, &inputs, &first).unwrap();
         prop_assume!(!simulation.steps.is_empty());
         let mut run = simulation.to_run();
         let steps = simulation.steps.len();
@@ -89,7 +90,8 @@ proptest! {
     ) {
         let system = raw.hybrid();
         let (start, inputs) = raw.cut(&wishes);
-        let simulation = system.simulate(&start, &inputs).unwrap();
+        let first = SimulationOptions::default().with_first_possible(true);
+        let simulation = system.simulate_with(&start, &inputs, &first).unwrap();
         prop_assume!(!simulation.steps.is_empty());
         let mut run = simulation.to_run();
         let c = usize::from(place[0]) % system.choices.len();
@@ -194,7 +196,8 @@ fn what_is_wrong_is_named() {
 fn modes_are_compared() {
     let room =
         HybridSystem::thermostat(60.0, 1800.0, 5.0, 40.0, Interval::new(19.0, 21.0)).unwrap();
-    let run = room.simulate(&[19.5], &[[]; 100]).unwrap().to_run();
+    let off = SimulationOptions::default().with_mode("heater", "off");
+    let run = room.simulate_with(&[19.5], &[[]; 100], &off).unwrap().to_run();
     let certificate = room.certify(&run).unwrap();
     assert!(certificate.events > 2);
     let mut wrong = run;

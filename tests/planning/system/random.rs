@@ -186,8 +186,8 @@ pub(crate) fn follow_wishes(
     wishes: &Wishes,
 ) -> SimulationOptions {
     let mut plan: Vec<Vec<String>> = Vec::new();
-    let options =
-        |plan: &[Vec<String>]| SimulationOptions::default().with_transitions(plan.to_vec());
+    let first = SimulationOptions::default().with_first_possible(true);
+    let options = |plan: &[Vec<String>]| first.clone().with_transitions(plan.to_vec());
     for (t, (_, wish)) in wishes.1.iter().enumerate() {
         let names = system
             .choices

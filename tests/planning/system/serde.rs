@@ -1,6 +1,6 @@
 //! Hybrid systems from and to `serde`.
 
-use carom::hybrid::{HybridSystem, Region};
+use carom::hybrid::{HybridSystem, Region, SimulationOptions};
 use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::model::norm;
@@ -22,7 +22,8 @@ proptest! {
         prop_assert_eq!(&back, &system);
         prop_assert_eq!(back.to_string(), system.to_string());
         let (start, inputs) = raw.cut(&wishes);
-        let run = back.simulate(&start, &inputs).unwrap();
+        let first = SimulationOptions::default().with_first_possible(true);
+        let run = back.simulate_with(&start, &inputs, &first).unwrap();
         let text = serde_json::to_string(&run).unwrap();
         prop_assert_eq!(serde_json::from_str::<carom::hybrid::Simulation>(&text).unwrap(), run);
     }

@@ -29,6 +29,10 @@ fn planned(names: &[&str]) -> SimulationOptions {
     SimulationOptions::default().with_transitions(steps)
 }
 
+fn first_possible() -> SimulationOptions {
+    SimulationOptions::default().with_first_possible(true)
+}
+
 #[test]
 fn a_wall_is_hit_as_in_its_own_replay() {
     let inputs: Vec<[f64; 1]> = (0..120).map(|t| [((t * 7) % 5) as f64 * 0.3 - 0.95]).collect();
@@ -90,10 +94,10 @@ fn ties_and_dead_ends_say_by_how_much() {
 
 #[test]
 fn modes_dwell_times_and_events_are_kept() {
-    let on = SimulationOptions::default().with_mode("heater", "on");
+    let on = first_possible().with_mode("heater", "on");
     let none: &[[f64; 0]] = &[[]; 6];
     // The first possible: off may last for ever.
-    let run = heater().simulate(&[20.0], none).unwrap();
+    let run = heater().simulate_with(&[20.0], none, &first_possible()).unwrap();
     assert!(run.steps.iter().all(|step| step.taken == ["idle"] && step.events == 0));
     assert_eq!(run.modes[0], [Some("off".to_owned())]);
     // On may last for three samples: two steps stay, the third leaves.
@@ -102,7 +106,7 @@ fn modes_dwell_times_and_events_are_kept() {
     assert_eq!(taken, ["heat", "heat", "stop", "idle", "idle", "idle"]);
     // A start in the mode may have lasted before, so it may be left at once; an entry may not.
     let mut plan = planned(&["stop", "start", "stop"]);
-    plan.modes = on.modes.clone();
+    plan.memory = on.memory.clone();
     let run = heater().simulate_with(&[20.0], none, &plan).unwrap();
     let Some(DeadEnd::Planned { step: 2, candidate: Some(c), .. }) = run.dead_end else { panic!() };
     assert_eq!(c.tightest, Some(Condition::LeastDwell { mode: "on".into() }));
@@ -141,7 +145,8 @@ fn choices_add_and_are_possible_together() {
         .with_flow(flow([0.0, 0.0]))
         .with_choice(thruster("east", [2.0, 0.0]))
         .with_choice(thruster("north", [1.0, 1.0]));
-    let run = system.simulate(&[0.0, 0.0], &[[-0.5], [0.25], [0.0]]).unwrap();
+    let inputs = [[-0.5], [0.25], [0.0]];
+    let run = system.simulate_with(&[0.0, 0.0], &inputs, &first_possible()).unwrap();
     assert_eq!(run.taken(), [["fire", "fire"], ["rest", "rest"], ["rest", "rest"]]);
     assert_eq!(run.states[1], [2.5, 1.0]);
     let moves: Vec<usize> = run.steps.iter().map(|step| step.moves).collect();
@@ -150,7 +155,8 @@ fn choices_add_and_are_possible_together() {
     assert!(!run.steps[1].candidates[1][0].is_possible);
     assert!((run.steps[1].candidates[1][0].slack + 0.75).abs() < 1e-12);
 
-    let few = system.clone().with_most_events(1).simulate(&[0.0, 0.0], &[[0.0]; 3]).unwrap();
+    let few = system.clone().with_most_events(1);
+    let few = few.simulate_with(&[0.0, 0.0], &[[0.0]; 3], &first_possible()).unwrap();
     assert_eq!(few.taken()[0], ["fire", "rest"]);
     assert_eq!((few.events(), few.is_complete()), (1, true));
     // No combination stays inside.
