@@ -408,7 +408,9 @@ impl Source<'_> {
         let limits = self.system.limits.iter().map(|limit| limit.parts(n).0);
         let own = limits.chain(guards.map(|guard| guard.states.as_slice()));
         let ends = self.ends.iter().flat_map(|end| &end.halfspaces).map(|h| h.normal.as_slice());
-        let further = self.options.directions.iter().map(Vec::as_slice).chain(ends);
+        let given = self.options.directions.iter().map(|own| self.coordinates.factors(own));
+        let given: Vec<Vec<f64>> = given.collect();
+        let further = given.iter().map(Vec::as_slice).chain(ends);
         let local = |normal: &[f64]| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
         let mut directions: Vec<Vec<f64>> = own.chain(further).map(local).collect();
         if states.len() <= 4 {

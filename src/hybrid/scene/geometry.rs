@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 /// How far a corner may be outside a face, relative to the size of the set (no unit).
 const NEAR: f64 = 1e-9;
 
+/// A set that is more of its sizes away from the origin is looked at from nearby.
+const FAR_OFF: f64 = 1024.0;
+
 /// A half-space `normal . x <= limit`, with a normal of length 1.
 pub(super) type Side = (Vec<f64>, f64);
 
@@ -33,11 +36,37 @@ pub(super) fn frame(sides: &[Side], axes: usize) -> Vec<Side> {
     (0..axes).flat_map(|i| [1.0, -1.0].map(|sign| (unit(axes, i, sign), size))).collect()
 }
 
-/// The corners of a set, each with the sides on which it lies.
+/// The corners of a set, each with the sides on which it lies. Of a set far from the origin they are found about a
+/// corner of it.
 pub(super) fn corners(sides: &[Side], axes: usize) -> Vec<(Vec<f64>, Vec<usize>)> {
+    let size = |sides: &[Side]| sides.iter().map(|(_, b)| b.abs()).fold(0.0, f64::max);
+    let first: Vec<usize> = (0..axes).collect();
+    let (Some(one), true) = (meet_some(sides, axes), sides.len() >= axes) else {
+        return corners_near(sides, &first);
+    };
+    let moved: Vec<Side> = sides.iter().map(|(n, b)| (n.clone(), b - dot(n, &one))).collect();
+    if size(sides) <= FAR_OFF * size(&moved) {
+        return corners_near(sides, &first);
+    }
+    let mut found = corners_near(&moved, &first);
+    for (corner, _) in &mut found {
+        corner.iter_mut().zip(&one).for_each(|(x, by)| *x += by);
+    }
+    found
+}
+
+/// A point at which some of the sides meet.
+fn meet_some(sides: &[Side], axes: usize) -> Option<Vec<f64>> {
+    let picks = (0..sides.len().saturating_sub(axes - 1)).map(|k| (k..k + axes).collect());
+    let mut points = picks.filter_map(|pick: Vec<usize>| meet(sides, &pick));
+    points.next()
+}
+
+fn corners_near(sides: &[Side], first: &[usize]) -> Vec<(Vec<f64>, Vec<usize>)> {
+    let axes = first.len();
     let scale = sides.iter().map(|(_, b)| b.abs()).fold(1.0, f64::max);
     let mut found: Vec<(Vec<f64>, Vec<usize>)> = Vec::new();
-    let mut pick: Vec<usize> = (0..axes).collect();
+    let mut pick: Vec<usize> = first.to_vec();
     if sides.len() < axes {
         return found;
     }

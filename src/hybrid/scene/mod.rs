@@ -23,6 +23,7 @@ mod plan;
 mod program;
 mod rebound;
 mod replay;
+mod replayed;
 mod resting;
 mod rule;
 pub(crate) mod samples;

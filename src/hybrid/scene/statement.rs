@@ -1,6 +1,5 @@
 //! A scene: bodies, obstacles, pairs of bodies.
 
-use super::axes::AXES;
 use super::body::{Body, Shape};
 use super::error::SceneError;
 use super::geometry::{self, Side, dot, length};
@@ -8,11 +7,9 @@ use super::handles::BodyHandle;
 use super::rule::DamageRule;
 use super::solid::Solid;
 use super::surface::Surface;
-use super::units::SceneUnits;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::system::check_digits;
 use crate::interval::Interval;
 use crate::model::{ModelTag, is_name};
 use crate::setters::setters;
@@ -236,30 +233,7 @@ impl Scene {
     }
 
     /// Refuses scenes that contradict themselves; returns the scene with normals of length 1.
-    pub(crate) fn checked(&self) -> Result<Scene, Error> {
-        let (scene, units) = self.in_units()?;
-        Ok(if units.is_plain() { scene } else { units.inverse().scene(&scene) })
-    }
-
-    /// The checked scene in units of its own.
-    pub(super) fn in_units(&self) -> Result<(Scene, SceneUnits), Error> {
-        let units = SceneUnits::of(self);
-        if units.is_plain() {
-            return Ok((self.checked_as_stated()?, units));
-        }
-        for body in &self.bodies {
-            for (axis, range) in AXES.iter().zip(&body.domain) {
-                check_digits(&format!("{} {axis}", body.name), *range)?;
-            }
-        }
-        match units.scene(self).checked_as_stated() {
-            Ok(scene) => Ok((scene, units)),
-            // Said in the user's units where it is wrong there too.
-            Err(error) => self.checked_as_stated().and(Err(error)),
-        }
-    }
-
-    fn checked_as_stated(&self) -> Result<Scene, Error> {
+    pub(super) fn checked_as_stated(&self) -> Result<Scene, Error> {
         Horizon::new(1, self.time_step)?;
         if !(self.margin >= 0.0 && self.margin.is_finite()) {
             let range = "finite and at least 0 m";

@@ -5,15 +5,14 @@
 //! A scene of another size, or far from the origin of its map, is restated before anything is computed; what is
 //! found is in the user's units again. Masses stay as they are.
 
+use super::axes::AXES;
 use super::body::{Body, Shape, Spin};
-use super::error::SceneError;
-use super::plan::{BodyPath, SceneHit};
-use super::replay::{self, SceneCertificate};
 use super::rule::{DamageMeasure, DamageRule};
 use super::solid::{Face, Solid};
 use super::statement::Scene;
+use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
-use crate::hybrid::system::{Coordinates, Measure, power_of_two};
+use crate::hybrid::system::{Coordinates, Measure, check_digits, power_of_two};
 use crate::interval::Interval;
 use crate::sum::Sum;
 
@@ -25,7 +24,7 @@ const ORDINARY_PUSH: [f64; 2] = [6.103515625e-5, 1048576.0];
 pub(super) struct SceneUnits {
     origin: Vec<f64>,
     pub(super) length: f64,
-    time: f64,
+    pub(super) time: f64,
 }
 
 impl SceneUnits {
@@ -85,7 +84,7 @@ impl SceneUnits {
         self.length / self.time / self.time
     }
 
-    fn place(&self, axis: usize) -> Measure {
+    pub(super) fn place(&self, axis: usize) -> Measure {
         Measure { origin: self.origin.get(axis).copied().unwrap_or(0.0), scale: self.length }
     }
 
@@ -123,7 +122,7 @@ impl SceneUnits {
         Coordinates { measures, states, outputs }
     }
 
-    fn torque(&self) -> f64 {
+    pub(super) fn torque(&self) -> f64 {
         self.speed() * self.speed()
     }
 
@@ -211,96 +210,30 @@ impl SceneUnits {
             pieces.iter_mut().for_each(|(slope, _)| *slope *= self.speed());
         }
     }
+}
 
-    /// A path in these units.
-    pub(super) fn path(&self, stated: &BodyPath) -> BodyPath {
-        let mut path = stated.clone();
-        for place in &mut path.position {
-            for (axis, x) in place.iter_mut().enumerate() {
-                *x = self.place(axis).inward(*x);
+impl Scene {
+    /// Refuses scenes that contradict themselves; returns the scene with normals of length 1.
+    pub(crate) fn checked(&self) -> Result<Scene, Error> {
+        let (scene, units) = self.in_units()?;
+        Ok(if units.is_plain() { scene } else { units.inverse().scene(&scene) })
+    }
+
+    /// The checked scene in units of its own.
+    pub(super) fn in_units(&self) -> Result<(Scene, SceneUnits), Error> {
+        let units = SceneUnits::of(self);
+        if units.is_plain() {
+            return Ok((self.checked_as_stated()?, units));
+        }
+        for body in &self.bodies {
+            for (axis, range) in AXES.iter().zip(&body.domain) {
+                check_digits(&format!("{} {axis}", body.name), *range)?;
             }
         }
-        let over = |values: &mut dyn Iterator<Item = &mut f64>, unit: f64| {
-            values.for_each(|value| *value /= unit);
-        };
-        over(&mut path.velocity.iter_mut().flatten(), self.speed());
-        over(&mut path.acceleration.iter_mut().flatten(), self.acceleration());
-        over(&mut path.spin.iter_mut(), 1.0 / self.time);
-        over(&mut path.torque.iter_mut(), self.torque());
-        path
-    }
-
-    /// A hit that was found in these units, in the user's.
-    fn stated_hit(&self, own: &mut SceneHit) {
-        let speed = self.speed();
-        for value in [&mut own.start_speed, &mut own.end_speed, &mut own.damage, &mut own.speed] {
-            *value *= speed;
+        match units.scene(self).checked_as_stated() {
+            Ok(scene) => Ok((scene, units)),
+            // Said in the user's units where it is wrong there too.
+            Err(error) => self.checked_as_stated().and(Err(error)),
         }
-        own.time *= self.time;
-        for (axis, x) in own.place.iter_mut().enumerate() {
-            *x = self.place(axis).outward(*x);
-        }
-        own.impulse.iter_mut().for_each(|impulse| *impulse *= speed);
-        own.energy *= speed * speed;
-    }
-
-    /// The units of places, speeds and spins.
-    fn kinds(&self) -> [f64; 3] {
-        [self.length, self.speed(), 1.0 / self.time]
-    }
-
-    /// Replays paths in these units through a scene in these units. The hits and the certificate are then in
-    /// the user's.
-    pub(super) fn replayed(
-        &self,
-        scene: &Scene,
-        paths: &[BodyPath],
-        hits: &mut Vec<SceneHit>,
-    ) -> Result<SceneCertificate, SceneError> {
-        if self.is_plain() {
-            return replay::certify(scene, paths, hits, [1.0; 3]);
-        }
-        let replayed = replay::certify(scene, paths, hits, self.kinds());
-        hits.iter_mut().for_each(|hit| self.stated_hit(hit));
-        match replayed {
-            Ok(own) => Ok(self.stated_certificate(own)),
-            Err(refusal) => Err(self.stated_refusal(refusal)),
-        }
-    }
-
-    /// A certificate that was found in these units, in the user's; see [`kinds`](SceneUnits::kinds).
-    fn stated_certificate(&self, own: SceneCertificate) -> SceneCertificate {
-        let (length, speed) = (self.length, self.speed());
-        let energy = speed * speed;
-        SceneCertificate {
-            time_step: own.time_step * self.time,
-            largest_residual: own.largest_residual,
-            drift: own.drift,
-            penetration: own.penetration * length,
-            dip: own.dip * length,
-            unreported: own.unreported * speed,
-            missed: own.missed,
-            momentum_error: own.momentum_error * speed,
-            angular_momentum_error: own.angular_momentum_error * length * speed,
-            energy_gain: own.energy_gain * energy,
-            stepped_gain: own.stepped_gain * energy,
-            cone_excess: own.cone_excess * speed,
-            step_error: own.step_error * length,
-            step_speed_error: own.step_speed_error * speed,
-            continuous_drift: own.continuous_drift * length,
-        }
-    }
-
-    /// What a replay in these units refuses, in the user's.
-    fn stated_refusal(&self, own: SceneError) -> SceneError {
-        let SceneError::Replay { step, what, by, allowed } = own else { return own };
-        let unit = match &what[..] {
-            text if text.ends_with("(m)") => self.length,
-            text if text.ends_with("(m/s)") => self.speed(),
-            // Of several kinds: at most this.
-            text if text.ends_with("rad/s)") => self.kinds().into_iter().fold(0.0, f64::max),
-            _ => 1.0,
-        };
-        SceneError::Replay { step, what, by: by * unit, allowed: allowed * unit }
     }
 }

@@ -8,8 +8,12 @@ use crate::interval::Interval;
 /// and 1e-10 of a range.
 const ORDINARY: [f64; 2] = [0.015625, 16384.0];
 
-/// Other widths become between this and twice as much.
-const TARGET: f64 = 8.0;
+/// Smaller widths become between this and twice as much.
+const FROM_SMALL: f64 = 8.0;
+
+/// Larger widths become between this and twice as much: no less, because a domain may be wide only for want of a
+/// limit, and what happens in it small.
+const FROM_LARGE: f64 = 8192.0;
 
 /// A range whose middle is more of its widths away from 0 is measured from its middle.
 const FAR: f64 = 64.0;
@@ -49,7 +53,8 @@ impl Measure {
         if !size.is_finite() {
             return Measure::PLAIN;
         }
-        let scale = if is_ordinary { 1.0 } else { power_of_two(size / TARGET) };
+        let target = if size > ORDINARY[1] { FROM_LARGE } else { FROM_SMALL };
+        let scale = if is_ordinary { 1.0 } else { power_of_two(size / target) };
         Measure::around(range, width, scale)
     }
 

@@ -151,12 +151,12 @@ impl TerminalSet {
         let (stated, system) = (target, own);
         let target = &coordinates.inward(stated)[..];
         let input = holding_input(system, &stay, target).map_err(|error| match error {
-            Held::Moves { state, drift } => {
+            Unheld::Moves { state, drift } => {
                 let drift = drift * coordinates.state(state).scale;
                 let state = system.states[state].0.clone();
                 TerminalError::NoEquilibrium { state, drift }.into()
             }
-            Held::Refused(error) => error,
+            Unheld::Refused(error) => error,
         })?;
         let (of_state, of_input) =
             (|i: usize| coordinates.state(i).scale, |u: usize| coordinates.input(u).scale);
@@ -220,7 +220,7 @@ impl TerminalSet {
 }
 
 /// Why no input holds a target.
-enum Held {
+enum Unheld {
     /// This state moves by so much in a step.
     Moves {
         state: usize,
@@ -230,14 +230,14 @@ enum Held {
 }
 
 /// The input that holds the target, as near as possible to the middle of the ranges.
-fn holding_input(system: &HybridSystem, stay: &Stay, target: &[f64]) -> Result<Vec<f64>, Held> {
+fn holding_input(system: &HybridSystem, stay: &Stay, target: &[f64]) -> Result<Vec<f64>, Unheld> {
     let middle: Vec<f64> = stay.ranges.iter().map(|r| 0.5 * (r.lower + r.upper)).collect();
-    let input = stay.holding_input(target, &middle).map_err(Held::Refused)?;
-    let (state, drift, relative) = stay.drift(system, target, &input).map_err(Held::Refused)?;
+    let input = stay.holding_input(target, &middle).map_err(Unheld::Refused)?;
+    let (state, drift, relative) = stay.drift(system, target, &input).map_err(Unheld::Refused)?;
     if relative <= DRIFT {
         return Ok(input);
     }
-    Err(Held::Moves { state, drift })
+    Err(Unheld::Moves { state, drift })
 }
 
 /// The domains around the target, in their units.

@@ -88,7 +88,7 @@ fn rules_of_a_case_are_its_own() -> Result<(), Error> {
     assert!(!plan.hits.is_empty() && plan.cases["careful"].hits.is_empty());
     // The names of the case begin with its own.
     let far = program.in_case("careful", |case| case.largest_impact())?;
-    let name = program.model().variable_ref(far)?.name().to_string();
+    let name = program.model().variable_ref(far.terms()[0].0)?.name().to_string();
     assert_eq!(name, "careful_largest_damage");
     Ok(())
 }

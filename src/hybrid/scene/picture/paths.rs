@@ -50,7 +50,8 @@ pub(super) fn in_plane(picture: &ScenePicture, axes: [&str; 2]) -> Chart {
                 continue;
             }
             let at_end = k == 0 || k > count;
-            if !(at_end && ends.iter().any(|(own, _)| distance(own, &place) < 1e-6)) {
+            if !(at_end && ends.iter().any(|(own, _)| distance(own, &place) < 1e-6 * picture.unit))
+            {
                 ghost(&mut chart, &motion, (time, &place), colour);
             }
             if k > 0 && k <= count && time < motion.plan.duration() - 0.3 * every {
@@ -77,7 +78,7 @@ pub(super) fn in_plane(picture: &ScenePicture, axes: [&str; 2]) -> Chart {
             } else {
                 let v = &motion.path.velocity[0];
                 let speed = motion.speed(0);
-                if speed > 1e-9 {
+                if speed > 1e-9 * picture.unit {
                     let length = ARROW * size / speed;
                     chart.arrow(colour, at, [at[0] + length * v[0], at[1] + length * v[1]]);
                 }

@@ -4,6 +4,7 @@ use super::motion::Motion;
 use crate::error::{Error, check_length};
 use crate::hybrid::scene::plan::ScenePlan;
 use crate::hybrid::scene::statement::Scene;
+use crate::hybrid::scene::units::SceneUnits;
 use crate::picture::COLOURS;
 use crate::setters::setters;
 
@@ -32,6 +33,8 @@ use crate::setters::setters;
 #[derive(Debug, Clone)]
 pub struct ScenePicture {
     pub(super) scene: Scene,
+    /// The unit of length in which small lengths are told, in m.
+    pub(super) unit: f64,
     /// Plans and what they are called.
     pub(super) plans: Vec<(String, ScenePlan)>,
     pub(super) title: String,
@@ -63,10 +66,10 @@ impl ScenePicture {
     }
 
     pub(super) fn new(scene: &Scene, plan: &ScenePlan) -> Result<Self, Error> {
-        let scene = scene.checked()?;
+        let (scene, unit) = (scene.checked()?, SceneUnits::of(scene).length);
         check(&scene, plan)?;
         let plans = vec![(String::new(), plan.clone())];
-        Ok(ScenePicture { scene, plans, title: String::new() })
+        Ok(ScenePicture { scene, unit, plans, title: String::new() })
     }
 
     /// The longest duration, in s.

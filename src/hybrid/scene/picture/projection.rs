@@ -78,7 +78,8 @@ fn frame(picture: &ScenePicture) -> Vec<Side> {
         let paths = picture.plans.iter().flat_map(|(_, plan)| &plan.bodies);
         let places = paths.flat_map(|path| &path.position).map(|x| Interval::point(x[i]));
         let all = places.reduce(|a, b| a.hull(b)).unwrap_or(Interval::point(0.0));
-        let near = Interval::new(all.lower - all.width() - 1.0, all.upper + all.width() + 1.0);
+        let room = all.width() + picture.unit;
+        let near = Interval::new(all.lower - room, all.upper + room);
         let domains = picture.scene.bodies.iter().map(|body| body.domain[i]);
         let domain = domains.reduce(|a, b| a.hull(b)).unwrap_or(near);
         let of = |end: f64, other: f64| if end.is_finite() { end } else { other };
@@ -121,7 +122,7 @@ fn sides_of(corners: Vec<[f64; 2]>) -> Vec<Side> {
         let (x, y) = (b[1] - a[1], a[0] - b[0]);
         let length = x.hypot(y);
         let normal = [x / length, y / length];
-        (length > FLAT).then(|| (normal.to_vec(), normal[0] * a[0] + normal[1] * a[1]))
+        (length > 0.0).then(|| (normal.to_vec(), normal[0] * a[0] + normal[1] * a[1]))
     });
     sides.collect()
 }

@@ -55,7 +55,7 @@ impl View {
             wide(a).total_cmp(&wide(b)).then(b.cmp(&a))
         })?;
         let across = (axes > 1).then(|| spread(1 - axis));
-        if across.is_some_and(|(low, high)| high - low > STRAIGHT) {
+        if across.is_some_and(|(low, high)| high - low > STRAIGHT * picture.unit) {
             return None;
         }
         let across = across.map(|(low, _)| low);
@@ -67,7 +67,7 @@ impl View {
             }
         }
         // Obstacles that are near.
-        let size = (high - low).max(0.1);
+        let size = (high - low).max(0.1 * picture.unit);
         let near = [low - NEARBY * size, high + NEARBY * size];
         let mut range = [low, high];
         for solid in &scene.obstacles {
@@ -79,7 +79,7 @@ impl View {
                 }
             }
         }
-        let room = 0.1 * (range[1] - range[0]).max(0.1);
+        let room = 0.1 * (range[1] - range[0]).max(0.1 * picture.unit);
         Some(Track { axis, across, range: [range[0] - room, range[1] + room] })
     }
 
@@ -100,7 +100,7 @@ impl View {
                 }
             }
         }
-        let size = (high[0] - low[0]).max(high[1] - low[1]).max(0.1);
+        let size = (high[0] - low[0]).max(high[1] - low[1]).max(0.1 * picture.unit);
         let near = [0, 1].map(|axis| (low[axis] - NEARBY * size, high[axis] + NEARBY * size));
         for corner in nearby(&picture.scene, picture.plans[0].1.steps()) {
             for axis in 0..2 {
@@ -112,7 +112,7 @@ impl View {
             }
         }
         let extent = [high[0] - low[0], high[1] - low[1]];
-        let long = extent[0].max(extent[1]).max(0.1);
+        let long = extent[0].max(extent[1]).max(0.1 * picture.unit);
         for axis in 0..2 {
             let missing = (NARROW * long - extent[axis]).max(0.0);
             low[axis] -= 0.5 * missing + 0.05 * long;
