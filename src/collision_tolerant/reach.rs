@@ -14,6 +14,8 @@ use crate::hybrid::{
     ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem, Waiting,
 };
 use crate::interval::Interval;
+use crate::solution::Solution;
+use crate::solver::Solver;
 use crate::tolerance;
 
 /// How many times longer the steps of the coarser grid are, and the number of steps from which it
@@ -176,6 +178,15 @@ impl HorizonModel for Programs {
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         self.scenario.reach_sets().map(Some)
+    }
+
+    fn settled(
+        &self,
+        program: &PlanningProgram,
+        solution: Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<Solution, Error> {
+        Ok(program.settled(&solution, Some(solver))?.into_owned())
     }
 
     fn time_step(&self) -> Option<f64> {

@@ -367,7 +367,7 @@ impl Tube {
                 self.died = Some(t);
                 return;
             };
-            self.boxes.push(found);
+            self.boxes.push(self.system.margins.widened(&found));
         }
     }
 

@@ -6,7 +6,7 @@ use web_time::Duration;
 
 use super::guess::{LastIntegers, simulated};
 use crate::error::{Error, ErrorKind, check_length};
-use crate::hybrid::program::{HybridProgram, Members};
+use crate::hybrid::program::{HybridProgram, Members, as_drift};
 use crate::hybrid::system::HybridSystem;
 use crate::model::{Affine, Family, Model, Variable};
 use crate::solution::{Point, Solution};
@@ -121,6 +121,10 @@ impl Planned {
             Err(error) if matches!(error.kind(), ErrorKind::OutOfRange { .. }) => {
                 return Ok(Planned::Nothing(None, error.to_string()));
             }
+            // The plan is no run of its inputs.
+            Err(error) if as_drift(&error).is_some() => {
+                return Ok(Planned::Nothing(None, error.to_string()));
+            }
             Err(other) => return Err(other),
         };
         let Some(point) = solution.point() else {
@@ -132,6 +136,11 @@ impl Planned {
         let excess = excess.map(|excess| point.value(excess)).transpose()?;
         Ok(Planned::Found(solution, states, inputs, excess))
     }
+}
+
+/// The solution whose states are the run of its inputs, without a second solve.
+fn settled(members: &Members, model: &Model, solution: Solution) -> Result<Solution, Error> {
+    Ok(members.settled(model, &solution, None)?.into_owned())
 }
 
 impl Planner<'_> {
@@ -182,6 +191,11 @@ impl Planner<'_> {
                     control = control.with_start(start);
                 }
                 let result = prepared.solve(&values, &mut control);
+                let model = prepared.model();
+                let result = match members {
+                    Some(members) => result.and_then(|found| settled(members, model, found)),
+                    None => result,
+                };
                 Planned::of(result, handles, question.excess)
             }
             Planner::Built { solver, build, clock, last } => {
@@ -216,7 +230,8 @@ impl Planner<'_> {
                 }
                 let result = model
                     .set_parameters(&handles.values(state))
-                    .and_then(|()| solver.solve_with(&model, &mut control));
+                    .and_then(|()| solver.solve_with(&model, &mut control))
+                    .and_then(|found| settled(&members, &model, found));
                 let planned = Planned::of(result, &handles, question.excess)?;
                 if let Planned::Found(solution, ..) = &planned
                     && let Some(point) = solution.point()

@@ -196,7 +196,8 @@ impl RobustProgram {
         solver: &mut dyn Solver,
         control: &mut Control<'_>,
     ) -> Result<RobustPlan, Error> {
-        self.plan(&solver.solve_with(self.program.model(), control)?)
+        let solution = solver.solve_with(self.program.model(), control)?;
+        RobustPlan::of(self, self.program.plan_by(&solution, solver)?)
     }
 
     /// The certified plan of a solution of the program's model.
@@ -205,7 +206,7 @@ impl RobustProgram {
     ///
     /// Those of [`solve`](RobustProgram::solve) that do not come from the solver.
     pub fn plan(&self, solution: &Solution) -> Result<RobustPlan, Error> {
-        RobustPlan::of(self, solution)
+        RobustPlan::of(self, self.program.plan(solution)?)
     }
 }
 

@@ -8,6 +8,7 @@ use web_time::Duration;
 use super::Waiting;
 use crate::error::Error;
 use crate::hybrid::reach::{ReachSets, Tube};
+use crate::hybrid::simulate::RunError;
 use crate::solution::{ProofReport, Solution, Statistics, Termination};
 
 /// How a horizon was refuted.
@@ -167,6 +168,9 @@ pub struct Shortest<P> {
     /// Every refuted horizon and every solve, in order. Restricted programs without a point are
     /// undecided.
     pub attempts: Vec<Attempt>,
+    /// The horizons that are open because the solver's plan is not the run of its inputs and could not be
+    /// corrected, with why. Their verdict is undecided.
+    pub drifts: Vec<(usize, RunError)>,
     /// The logs that [`Options::with_proof`](crate::solver::Options::with_proof) of the solver has asked for,
     /// in ascending order: one for each horizon up to `refuted_steps`, and one for `steps`, each about the
     /// program as the model states it. The plan is then the point in its log. Empty without that option.
@@ -213,8 +217,12 @@ impl<P> fmt::Display for Shortest<P> {
             (status, found) => {
                 write!(f, "{status}, under {law}")?;
                 match found {
-                    Some(1) => write!(f, ": 1 step is enough"),
-                    Some(found) => write!(f, ": {found} steps are enough"),
+                    Some(1) => write!(f, ": 1 step is enough")?,
+                    Some(found) => write!(f, ": {found} steps are enough")?,
+                    None => {}
+                }
+                match self.drifts.first() {
+                    Some((steps, drift)) => write!(f, "; {} are open: {drift}", horizon(*steps)),
                     None => Ok(()),
                 }
             }
@@ -238,6 +246,7 @@ impl<P> Shortest<P> {
             sets: self.sets,
             tube: self.tube,
             attempts: self.attempts,
+            drifts: self.drifts,
             proofs: self.proofs,
             time: self.time,
         })

@@ -11,7 +11,7 @@ use std::path::Path;
 use super::HorizonModel;
 use super::options::ShortestOptions;
 use super::outcome::{HorizonProof, Solved};
-use super::search::{ANY_GAP, HorizonEvent, build};
+use super::search::{ANY_GAP, HorizonEvent, build, settled};
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::solution::Solution;
@@ -115,7 +115,9 @@ impl<'a> HorizonLogs<'a> {
         }
         let solved = self.log(steps, own, &start, Solution::is_optimal);
         self.solver.options_mut().absolute_gap = gap;
-        if let Some(solution) = solved? {
+        if let Some(solution) = solved?
+            && let Ok(solution) = settled(builder, &program, solution, self.solver, &self.token)?
+        {
             *plan = Solved { program, solution };
         }
         Ok(())

@@ -8,19 +8,24 @@
 
 mod certify;
 mod condition;
+mod digits;
 mod disturbed;
 mod error;
+mod follow;
 mod memory;
+mod open_run;
 mod options;
 mod plan;
 mod run;
 mod simulation;
 mod step;
 mod stepper;
+mod track;
 
 pub use certify::RunCertificate;
 pub use condition::Condition;
 pub use disturbed::DisturbedRun;
 pub use error::RunError;
+pub(in crate::hybrid) use follow::Followed;
 pub use options::SimulationOptions;
 pub use simulation::{Candidate, DeadEnd, SimulatedStep, Simulation};
