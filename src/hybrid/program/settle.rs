@@ -56,12 +56,10 @@ impl Members {
         mut solver: Option<&mut dyn Solver>,
     ) -> Result<Cow<'s, Solution>, Error> {
         let Some(point) = solution.point() else { return Ok(Cow::Borrowed(solution)) };
-        let (corrected, drift) = match self.corrected(model, point)? {
-            Correction::NotNeeded => return Ok(Cow::Borrowed(solution)),
-            Correction::Runs(runs, drift) => (Some(runs), drift),
-            Correction::None(drift) => (None, drift),
+        let Some((corrections, drift)) = self.corrected(model, point)? else {
+            return Ok(Cow::Borrowed(solution));
         };
-        if let Some(runs) = corrected {
+        for runs in corrections {
             let solver: Option<&mut dyn Solver> = match &mut solver {
                 Some(own) => Some(&mut **own),
                 None => None,
@@ -73,34 +71,41 @@ impl Members {
         let Some(solver) = solver else { return Err(drift.into()) };
         // Another plan with the same transitions, whose inputs can be corrected.
         let another = self.with_room(model, point, solver)?;
-        if let Some(another) = another.as_ref().and_then(Solution::point)
-            && let Correction::Runs(runs, _) = self.corrected(model, another)?
-            && let Some(found) = self.with_runs(model, solution, &runs, another, Some(solver))?
-        {
-            return Ok(Cow::Owned(found));
+        let Some(another) = another.as_ref().and_then(Solution::point) else {
+            return Err(drift.into());
+        };
+        let Some((corrections, _)) = self.corrected(model, another)? else {
+            let feasibility = solver.options().feasibility;
+            let found = with_values(model, solution, another.as_slice().to_vec(), feasibility)?;
+            return found.point().is_some().then_some(Cow::Owned(found)).ok_or(drift.into());
+        };
+        for runs in corrections {
+            if let Some(found) = self.with_runs(model, solution, &runs, another, Some(solver))? {
+                return Ok(Cow::Owned(found));
+            }
         }
         Err(drift.into())
     }
 
-    /// Follows the runs of a point from their starts.
-    fn corrected(&self, model: &Model, point: &Point) -> Result<Correction, Error> {
-        let (mut runs, mut drift) = (Vec::new(), None);
+    /// Follows the runs of a point from their starts: `None` if all are as planned, and otherwise corrections
+    /// of all runs together, and the drift for which they are made.
+    fn corrected(&self, model: &Model, point: &Point) -> Result<Option<Corrections>, Error> {
+        let (mut all, mut drift): (Vec<Vec<HybridRun>>, _) = (Vec::new(), None);
         for own in self.iter() {
             let run = own.read_point(point)?;
             let start = stated_start(own, model, point)?;
             match own.system().follow(&run, &start)? {
-                Followed::AsPlanned => runs.push(run),
-                Followed::Corrected(run, error) => {
-                    runs.push(*run);
+                Followed::AsPlanned => all.push(vec![run]),
+                Followed::Leaves(runs, error) => {
+                    all.push(runs);
                     drift.get_or_insert(error);
                 }
-                Followed::Drifts(error) => return Ok(Correction::None(error)),
             }
         }
-        Ok(match drift {
-            None => Correction::NotNeeded,
-            Some(drift) => Correction::Runs(runs, drift),
-        })
+        let most = all.iter().map(Vec::len).max().unwrap_or(0);
+        let together =
+            |k: usize| all.iter().map(|own| own.get(k).or(own.last()).cloned()).collect();
+        Ok(drift.map(|drift| ((0..most).filter_map(together).collect(), drift)))
     }
 
     /// The solution with these runs in the place of its own, if the model and the systems accept it. Other
@@ -113,6 +118,9 @@ impl Members {
         point: &Point,
         solver: Option<&mut dyn Solver>,
     ) -> Result<Option<Solution>, Error> {
+        if !self.iter().zip(runs).all(|(own, run)| own.system().certify(run).is_ok()) {
+            return Ok(None);
+        }
         let mut values = point.as_slice().to_vec();
         let mut known = vec![false; values.len()];
         for (own, run) in self.iter().zip(runs) {
@@ -124,8 +132,7 @@ impl Members {
         let feasibility = solver.as_ref().map_or(FEASIBILITY, |own| own.options().feasibility);
         let accepted = |values: Vec<f64>| -> Result<Option<Solution>, Error> {
             let found = with_values(model, solution, values, feasibility)?;
-            let is_certified = || self.iter().all(|own| own.certified(&found).is_ok());
-            Ok((found.point().is_some() && is_certified()).then_some(found))
+            Ok(found.point().is_some().then_some(found))
         };
         if let Some(found) = accepted(values.clone())? {
             return Ok(Some(found));
@@ -169,13 +176,8 @@ impl Members {
     }
 }
 
-/// What following the runs of a point has found.
-enum Correction {
-    NotNeeded,
-    /// All runs, and the drift for which they are corrected.
-    Runs(Vec<HybridRun>, RunError),
-    None(RunError),
-}
+/// Ways to correct all runs, and the drift for which they are corrected.
+type Corrections = (Vec<Vec<HybridRun>>, RunError);
 
 /// Solves without a log, which would replace that of the search.
 fn solve(solver: &mut dyn Solver, model: &Model) -> Result<Solution, Error> {

@@ -104,8 +104,10 @@ fn grows(system: &HybridSystem) -> bool {
         let is_new = known.is_none_or(|known| known.a() != flow.a());
         known = Some(flow);
         is_new
-            && flow.a().faer().eigenvalues().is_ok_and(|values| {
-                values.iter().any(|value| value.re.hypot(value.im) > GROWTH)
-            })
+            && flow
+                .a()
+                .faer()
+                .eigenvalues()
+                .is_ok_and(|values| values.iter().any(|value| value.re.hypot(value.im) > GROWTH))
     })
 }

@@ -13,7 +13,8 @@ pub struct ShortestOptions {
     /// The largest horizon tried, in steps (`1..=`[`MAX_STEPS`](crate::tolerance::MAX_STEPS));
     /// default 10 000.
     pub max_steps: usize,
-    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time.
+    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time, and the
+    /// limits of the solver's own options hold for each solve anew.
     pub time_limit: Option<Duration>,
     /// Stops the search and the current solve.
     pub interrupt: Interrupt,

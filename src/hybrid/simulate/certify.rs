@@ -89,7 +89,7 @@ impl HybridSystem {
         certificate.sample(last, sample_conditions(self, last, &plan.states[last]))?;
         certificate.events = memory.events;
         let open = OpenRun::of(&plan, &plan.states[0], &plan.inputs);
-        certificate.drift = open.largest_drift(&plan);
+        certificate.drift = open.largest_drift();
         match open.worst(&plan) {
             Some(departure) => Err(plan.drifts(&plan.states[0], &plan.inputs, &departure).into()),
             None => Ok(certificate),

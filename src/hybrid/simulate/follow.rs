@@ -12,10 +12,9 @@ use crate::hybrid::system::HybridSystem;
 pub(in crate::hybrid) enum Followed {
     /// It is the run of its inputs, up to what is allowed.
     AsPlanned,
-    /// It leaves that run, and this run has the same transitions and other inputs.
-    Corrected(Box<HybridRun>, RunError),
-    /// It leaves that run, and there are no such inputs.
-    Drifts(RunError),
+    /// It leaves that run. These runs have the same transitions and other inputs, and need not keep what is
+    /// stated.
+    Leaves(Vec<HybridRun>, RunError),
 }
 
 impl HybridSystem {
@@ -35,29 +34,20 @@ impl HybridSystem {
             return Ok(Followed::AsPlanned);
         };
         let error = plan.drifts(start, &inputs, &departure);
-        let kept = [Freedom::ToNearerEnd, Freedom::WholeRange].into_iter().find_map(|freedom| {
-            let tracked = plan.tracked(start, freedom)?;
-            plan.is_near(&tracked.states).then_some(tracked)
+        // Without inputs, there is one run.
+        let freedoms = match self.inputs.is_empty() {
+            true => &[Freedom::WholeRange][..],
+            false => &[Freedom::ToNearerEnd, Freedom::WholeRange],
+        };
+        let tracked = freedoms.iter().filter_map(|freedom| plan.tracked(start, *freedom));
+        let runs = tracked.map(|TrackedRun { inputs, states }| {
+            let mut run = run.clone();
+            put(&mut run.states, &states);
+            put(&mut run.inputs, &inputs);
+            run.outputs.clear();
+            run
         });
-        Ok(match kept {
-            None => Followed::Drifts(error),
-            Some(TrackedRun { inputs, states }) => {
-                let mut run = run.clone();
-                put(&mut run.states, &states);
-                put(&mut run.inputs, &inputs);
-                Followed::Corrected(Box::new(run), error)
-            }
-        })
-    }
-}
-
-impl PlannedRun<'_> {
-    /// Whether states are as near to the plan's as drifts may be.
-    fn is_near(&self, states: &[Vec<f64>]) -> bool {
-        states.iter().zip(&self.states).enumerate().all(|(sample, (states, planned))| {
-            let apart = states.iter().zip(planned).map(|(a, b)| (a - b).abs());
-            apart.zip(self.allowed_drifts(sample)).all(|(apart, allowed)| apart <= allowed)
-        })
+        Ok(Followed::Leaves(runs.collect(), error))
     }
 }
 

@@ -5,7 +5,7 @@
 //! miss at every further step, so it can carry a plan to where no input leads. This is seen only from the
 //! start.
 
-use super::digits::Digits;
+use super::digits::{Digits, Rounded, RunNumber};
 use super::error::RunError;
 use super::plan::PlannedRun;
 use crate::hybrid::affine::{self, Map};
@@ -13,7 +13,7 @@ use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{HybridSystem, Transition};
 use crate::tolerance::allowed_drift;
 
-/// Floats of a number at first; they suffice unless the system is very unstable.
+/// Floats of a number where rounding is too much; they suffice unless the system is very unstable.
 const FEW: usize = 2;
 
 /// Floats of a number if a few do not suffice: some 1000 bits.
@@ -22,15 +22,18 @@ const MANY: usize = 20;
 /// The share of what is allowed that digits may lose (no unit).
 const LOST: f64 = 1e-3;
 
-/// A run from a start, by sample and state.
+/// A run from a start beside a plan.
 pub(super) struct OpenRun {
-    pub(super) samples: Vec<Vec<Digits>>,
+    /// By how much the run differs from the plan, by sample and state; NaN if that has no float.
+    differences: Vec<Vec<f64>>,
+    /// The most that the digits have lost.
+    lost: Vec<Vec<f64>>,
 }
 
 /// `A x + B u + c`.
-fn fly(flow: &LinearSystem, state: &[Digits], input: &[f64], most: usize) -> Vec<Digits> {
+fn fly<N: RunNumber>(flow: &LinearSystem, state: &[N], input: &[f64], most: usize) -> Vec<N> {
     let row = |i: usize| {
-        let mut sum = Digits::new(flow.c()[i]);
+        let mut sum = N::new(flow.c()[i]);
         for (j, x) in state.iter().enumerate() {
             if flow.a()[(i, j)] != 0.0 {
                 sum.add_multiple(flow.a()[(i, j)], x);
@@ -48,19 +51,19 @@ fn fly(flow: &LinearSystem, state: &[Digits], input: &[f64], most: usize) -> Vec
 }
 
 /// Where a transition leads if no other choice changes anything.
-fn follow(
+fn follow<N: RunNumber>(
     transition: &Transition,
     step: usize,
-    state: &[Digits],
+    state: &[N],
     input: &[f64],
     most: usize,
-) -> Vec<Digits> {
+) -> Vec<N> {
     let prediction = fly(&transition.flow, state, input, most);
     let Some(reset) = &transition.reset else { return prediction };
     let offset = reset.offset.get(step);
     let row = |i: usize| {
         let offset = offset.and_then(|offset| offset.get(i)).copied();
-        let mut sum = Digits::new(offset.unwrap_or(0.0));
+        let mut sum = N::new(offset.unwrap_or(0.0));
         for (j, y) in prediction.iter().enumerate() {
             if reset.matrix[(i, j)] != 0.0 {
                 sum.add_multiple(reset.matrix[(i, j)], y);
@@ -73,14 +76,14 @@ fn follow(
 }
 
 /// The next state under one transition per choice: each adds what it changes about the common flow.
-pub(super) fn lead(
+pub(super) fn lead<N: RunNumber>(
     system: &HybridSystem,
     taken: &[&Transition],
     step: usize,
-    state: &[Digits],
+    state: &[N],
     input: &[f64],
     most: usize,
-) -> Vec<Digits> {
+) -> Vec<N> {
     let common = match (&system.flow, taken) {
         (_, [only]) => return follow(only, step, state, input, most),
         (Some(flow), _) => flow,
@@ -100,67 +103,74 @@ pub(super) fn lead(
     next
 }
 
-/// A number of a sample as it is.
-pub(super) fn exact(state: &[f64]) -> Vec<Digits> {
-    state.iter().map(|&value| Digits::new(value)).collect()
+/// The numbers of a sample as they are.
+pub(super) fn exact<N: RunNumber>(state: &[f64]) -> Vec<N> {
+    state.iter().map(|&value| N::new(value)).collect()
 }
 
-/// By how much numbers differ from a plan's, at most; NaN if that has no float.
-pub(super) fn differences(state: &[Digits], plan: &[f64]) -> Vec<f64> {
-    let of = |(value, &plan): (&Digits, &f64)| {
-        let mut difference = value.clone();
-        difference.add(-plan);
-        difference.value()
-    };
-    state.iter().zip(plan).map(of).collect()
+/// By how much numbers differ from a plan's; NaN if that has no float.
+pub(super) fn differences<N: RunNumber>(state: &[N], plan: &[f64]) -> Vec<f64> {
+    state.iter().zip(plan).map(|(number, &plan)| number.minus(plan)).collect()
 }
 
 impl OpenRun {
     /// The run of a plan's transitions from a start with some inputs, in so many digits that what is lost is
     /// small beside the drift that is allowed.
     pub(super) fn of(plan: &PlannedRun<'_>, start: &[f64], inputs: &[Vec<f64>]) -> Self {
-        let run = OpenRun::with_parts(plan, start, inputs, FEW);
-        let suffices = |(sample, numbers): (usize, &Vec<Digits>)| {
-            let allowed = plan.allowed_drifts(sample);
-            numbers.iter().zip(allowed).all(|(number, allowed)| number.lost() <= LOST * allowed)
+        let suffices = |run: &OpenRun| {
+            run.lost.iter().enumerate().all(|(sample, lost)| {
+                let allowed = plan.allowed_drifts(sample);
+                lost.iter().zip(allowed).all(|(lost, allowed)| *lost <= LOST * allowed)
+            })
         };
-        match run.samples.iter().enumerate().all(suffices) {
-            true => run,
-            false => OpenRun::with_parts(plan, start, inputs, MANY),
+        let rough = OpenRun::with_parts::<Rounded>(plan, start, inputs, 1);
+        if suffices(&rough) {
+            return rough;
+        }
+        let few = OpenRun::with_parts::<Digits>(plan, start, inputs, FEW);
+        match suffices(&few) {
+            true => few,
+            false => OpenRun::with_parts::<Digits>(plan, start, inputs, MANY),
         }
     }
 
-    fn with_parts(
+    fn with_parts<N: RunNumber>(
         plan: &PlannedRun<'_>,
         start: &[f64],
         inputs: &[Vec<f64>],
         most: usize,
     ) -> Self {
-        let mut samples = vec![exact(start)];
-        for (step, input) in inputs.iter().enumerate() {
-            let taken = plan.transitions(step);
-            let next = lead(plan.system, &taken, step, &samples[step], input, most);
-            samples.push(next);
+        let mut run = OpenRun { differences: Vec::new(), lost: Vec::new() };
+        let mut state: Vec<N> = exact(start);
+        for (step, planned) in plan.states.iter().enumerate() {
+            run.differences.push(differences(&state, planned));
+            run.lost.push(state.iter().map(N::lost).collect());
+            if let Some(input) = inputs.get(step) {
+                state = lead(plan.system, &plan.transitions(step), step, &state, input, most);
+            }
         }
-        OpenRun { samples }
+        run
     }
 
     /// The largest difference between a sample of the plan and the run, in the states' units. Infinite if it
     /// has left the range of floats.
-    pub(super) fn largest_drift(&self, plan: &PlannedRun<'_>) -> f64 {
-        let of = |(numbers, states): (&Vec<Digits>, &Vec<f64>)| self::drifts(numbers, states);
-        self.samples.iter().zip(&plan.states).flat_map(of).fold(0.0, f64::max)
+    pub(super) fn largest_drift(&self) -> f64 {
+        self.differences
+            .iter()
+            .flatten()
+            .map(|difference| magnitude(*difference))
+            .fold(0.0, f64::max)
     }
 
     /// Where the plan differs from the run by more than is allowed: the sample and the state at which it does
     /// so the most beside what is allowed there, the difference, and what is allowed.
     pub(super) fn worst(&self, plan: &PlannedRun<'_>) -> Option<Departure> {
         let mut worst: Option<(f64, Departure)> = None;
-        for (sample, (numbers, states)) in self.samples.iter().zip(&plan.states).enumerate() {
+        for (sample, (differences, lost)) in self.differences.iter().zip(&self.lost).enumerate() {
             let allowed = plan.allowed_drifts(sample);
-            for (state, (drift, allowed)) in
-                drifts(numbers, states).into_iter().zip(allowed).enumerate()
-            {
+            let each = differences.iter().zip(lost).zip(allowed).enumerate();
+            for (state, ((difference, lost), allowed)) in each {
+                let drift = magnitude(*difference + lost.copysign(*difference));
                 let share = drift / allowed;
                 if share > 1.0 && worst.as_ref().is_none_or(|(most, _)| share > *most) {
                     worst = Some((share, Departure { sample, state, drift, allowed }));
@@ -171,13 +181,9 @@ impl OpenRun {
     }
 }
 
-/// The magnitudes of the differences, with what digits have lost.
-fn drifts(numbers: &[Digits], states: &[f64]) -> Vec<f64> {
-    let of = |(difference, number): (f64, &Digits)| {
-        let drift = difference.abs() + number.lost();
-        if drift.is_nan() { f64::INFINITY } else { drift }
-    };
-    differences(numbers, states).into_iter().zip(numbers).map(of).collect()
+/// The magnitude of a difference; infinite if it has no float.
+fn magnitude(difference: f64) -> f64 {
+    if difference.is_nan() { f64::INFINITY } else { difference.abs() }
 }
 
 /// Where a plan leaves the run of its inputs.
@@ -199,14 +205,15 @@ impl PlannedRun<'_> {
     pub(super) fn allowed_drifts(&self, sample: usize) -> Vec<f64> {
         let states = self.system.states.iter().zip(&self.states[sample]);
         let steps = self.inputs.len();
-        states.map(|((_, domain), &x)| allowed_drift(domain.upper - domain.lower, x, steps)).collect()
+        states
+            .map(|((_, domain), &x)| allowed_drift(domain.upper - domain.lower, x, steps))
+            .collect()
     }
 
     /// The next state as functions of the state and the input at a step.
     pub(super) fn maps(&self, step: usize) -> Vec<Map> {
-        let of = |own: &&Transition| {
-            affine::behaviour(self.system, own, &[], Vec::new(), step).next
-        };
+        let of =
+            |own: &&Transition| affine::behaviour(self.system, own, &[], Vec::new(), step).next;
         let parts: Vec<Vec<Map>> = self.transitions(step).iter().map(of).collect();
         let parts: Vec<&[Map]> = parts.iter().map(Vec::as_slice).collect();
         let common = self.system.flow.as_ref().map(affine::flow);
@@ -216,7 +223,7 @@ impl PlannedRun<'_> {
     /// By how much each sample misses where the one before leads with an input, by step and state.
     pub(super) fn residuals(&self, inputs: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let of = |(step, input): (usize, &Vec<f64>)| {
-            let state = exact(&self.states[step]);
+            let state: Vec<Digits> = exact(&self.states[step]);
             let next = lead(self.system, &self.transitions(step), step, &state, input, FEW);
             differences(&next, &self.states[step + 1])
         };

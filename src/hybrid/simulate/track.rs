@@ -8,10 +8,12 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
+use super::certify::MISS;
 use super::digits::Digits;
 use super::open_run::{differences, exact, lead};
 use super::plan::PlannedRun;
 use crate::interval::Interval;
+use crate::tolerance::margin_scale;
 
 /// Floats of a number of a run.
 const PARTS: usize = 20;
@@ -53,11 +55,15 @@ impl PlannedRun<'_> {
         inputs.map(|u| self.system.input_range_of(&taken, u, step)).collect()
     }
 
-    /// The inputs of the plan, each within its range.
+    /// The inputs of the plan, each within its range if it misses that by a tolerance only.
     pub(super) fn inputs_within(&self) -> Vec<Vec<f64>> {
+        let nearest = |(&u, range): (&f64, Interval)| {
+            let nearest = range.nearest(u);
+            let is_small = (u - nearest).abs() <= MISS * margin_scale(u.abs(), 0.0);
+            if is_small { nearest } else { u }
+        };
         let of = |(step, input): (usize, &Vec<f64>)| {
-            let ranges = self.input_ranges(step);
-            input.iter().zip(ranges).map(|(&u, range)| range.nearest(u)).collect()
+            input.iter().zip(self.input_ranges(step)).map(nearest).collect()
         };
         self.inputs.iter().enumerate().map(of).collect()
     }
@@ -104,7 +110,8 @@ impl PlannedRun<'_> {
         let residuals = self.residuals(planned);
         let weight = |sample: usize| {
             let allowed = self.allowed_drifts(sample);
-            let entry = |i: usize, j: usize| if i == j { (CLOSENESS * allowed[i]).powi(-2) } else { 0.0 };
+            let entry =
+                |i: usize, j: usize| if i == j { (CLOSENESS * allowed[i]).powi(-2) } else { 0.0 };
             Mat::from_fn(n, n, entry)
         };
         let mut cost = weight(planned.len());
@@ -124,7 +131,7 @@ impl PlannedRun<'_> {
                     Freedom::ToNearerEnd => nearer,
                     Freedom::WholeRange => width,
                 };
-                free.max(LEAST * width).max(f64::MIN_POSITIVE.sqrt()).powi(-2)
+                free.max(LEAST * width).max(f64::EPSILON * value.abs().max(1.0)).powi(-2)
             };
             let prices = Mat::from_fn(m, m, |i, j| if i == j { price(i) } else { 0.0 });
             // The cost to go is `e'P e + 2 p'e`.
