@@ -68,10 +68,14 @@ pub const CONVEXITY: f64 = 1e-7;
 /// The breakpoint between them is dropped.
 pub const SLOPE: f64 = 1e-12;
 
-/// Largest difference of a plan's samples from its discrete replay, in SI units (m, m/s). This and the other
-/// tolerances of systems and scenes are in the unit of the domains where these are not of an ordinary size (some
-/// 0.02 to 16,000), and about their middles where these are far from 0.
+/// Largest difference of a plan's samples from its discrete replay, a step at a time, in SI units (m, m/s). This
+/// and the other tolerances of systems and scenes are in the unit of the domains where these are not of an
+/// ordinary size (some 0.02 to 16,000), and about their middles where these are far from 0.
 pub const REPLAY: f64 = 1e-6;
+
+/// How far a sample of a plan may be from the run of the plan's inputs from its start, relative to the width of
+/// the state's domain (no unit), where [`REPLAY`] at every step allows more than that.
+pub const DRIFT: f64 = 1e-5;
 
 /// Distance from a surface, in m, within which a replay with located impacts asks the plan in which
 /// step an impact is, because rows are satisfied only to [`FEASIBILITY`]. Farther away the replay
@@ -120,6 +124,20 @@ pub const ROUNDING: f64 = 4.0 * f64::EPSILON;
 ///   row of integers with whole coefficients, which has no rounding.
 pub(crate) fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
     feasibility + ROUNDING * magnitude
+}
+
+/// How far a sample of a plan may be from the run of the plan's inputs from its start, in the state's unit: what
+/// so many steps may miss if nothing multiplies it, at most [`DRIFT`] of the domain, and at least what one step
+/// may miss.
+///
+/// # Arguments
+///
+/// * `width`: of the state's domain, in its unit; may be infinite.
+/// * `value`: the state in the plan.
+/// * `steps`: those of the plan.
+pub(crate) fn allowed_drift(width: f64, value: f64, steps: usize) -> f64 {
+    let step = REPLAY * margin_scale(value.abs(), 0.0);
+    (steps as f64 * step).min(DRIFT * width).max(step)
 }
 
 /// The magnitude that a relative gap is relative to: that of the objective with or without its

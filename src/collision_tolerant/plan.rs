@@ -131,7 +131,8 @@ impl PlanningProgram {
         solver: &mut dyn Solver,
         control: &mut Control<'_>,
     ) -> Result<Plan, Error> {
-        self.plan(&solver.solve_with(self.model(), control)?)
+        let solution = solver.solve_with(self.model(), control)?;
+        self.read(&*self.program.settled(&solution, Some(solver))?)
     }
 
     /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for those who
@@ -142,6 +143,11 @@ impl PlanningProgram {
     /// Those of [`solve`](PlanningProgram::solve) that do not come from the solver;
     /// [`ErrorKind::ForeignHandle`] for a solution of another model.
     pub fn plan(&self, solution: &Solution) -> Result<Plan, Error> {
+        self.read(&*self.program.settled(solution, None)?)
+    }
+
+    /// The plan of a solution whose states are the run of its inputs.
+    fn read(&self, solution: &Solution) -> Result<Plan, Error> {
         self.scenario.check()?;
         let mut trajectory = Trajectory::read(self, solution)?;
         let horizon = Horizon::new(self.steps(), self.scenario.time_step)?;
@@ -152,7 +158,7 @@ impl PlanningProgram {
         let no_point = || no_point(solution.termination());
         let verification = solution.verification().cloned().ok_or_else(no_point)?;
         let objective = solution.objective().ok_or_else(no_point)?;
-        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.plan(solution)?)));
+        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.read(solution)?)));
         let cases = cases.collect::<Result<_, Error>>()?;
         Ok(Plan {
             trajectory,

@@ -15,6 +15,8 @@ use crate::hybrid::{
     Waiting,
 };
 use crate::interval::Interval;
+use crate::solution::Solution;
+use crate::solver::Solver;
 use crate::tolerance;
 
 /// How many times longer the steps of the coarser grid are, and the number of steps from which it
@@ -177,6 +179,15 @@ impl HorizonModel for Programs {
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         self.scenario.reach_sets().map(Some)
+    }
+
+    fn settled(
+        &self,
+        program: &PlanningProgram,
+        solution: Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<Solution, Error> {
+        Ok(program.settled(&solution, Some(solver))?.into_owned())
     }
 
     fn time_step(&self) -> Option<f64> {

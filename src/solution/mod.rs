@@ -154,6 +154,28 @@ impl Solution {
         })
     }
 
+    /// No answer: of what was stored without a solution.
+    #[cfg(feature = "serde")]
+    pub(crate) fn unknown() -> Self {
+        Solution {
+            termination: Termination::Stalled,
+            point: None,
+            objective: None,
+            bound: f64::NEG_INFINITY,
+            constant: 0.0,
+            sense: Sense::Minimize,
+            verification: None,
+            rounding: 0.0,
+            statistics: Statistics::default(),
+            pool: Pool::default(),
+            leaves: Vec::new(),
+            start: None,
+            multipliers: None,
+            refused: None,
+            proof: None,
+        }
+    }
+
     /// Adds points to the pool. Each has one value per variable, in the order of creation. Points
     /// that fail the verification are dropped; of points with the same integers, the best is kept.
     ///

@@ -18,6 +18,7 @@ mod reach;
 mod receding;
 mod robust;
 mod rows;
+mod runs;
 mod scenes;
 mod shortest;
 mod system;

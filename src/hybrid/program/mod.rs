@@ -8,6 +8,7 @@
 //! | the memory of the start | `program/memory.rs` |
 //! | sums over the steps, magnitudes, soft limits | `program/costs.rs` |
 //! | certified plans | `program/plan.rs` |
+//! | plans that are the runs of their inputs | `program/settle.rs` |
 //! | scenes and others that own such a program | `program/owner.rs` |
 
 mod costs;
@@ -16,6 +17,7 @@ mod owner;
 mod plan;
 mod require;
 mod sample;
+mod settle;
 
 use std::borrow::{Borrow, BorrowMut};
 use std::sync::Arc;
@@ -26,6 +28,7 @@ pub use plan::HybridPlan;
 pub use require::When;
 pub use sample::AtSample;
 pub(crate) use sample::Members;
+pub(in crate::hybrid) use settle::as_drift;
 
 use super::reach::{HorizonVariables, TighteningReport, Tube};
 use super::rows::SystemVariables;
@@ -232,11 +235,17 @@ impl HybridProgram {
     /// Solves the program. The plan is [certified](HybridSystem::certify): replayed against the systems
     /// as they are stated, by code that shares nothing with the rows.
     ///
+    /// A plan is a run from its start. Rows hold within a tolerance, which an unstable system multiplies at
+    /// every step; where the solver's plan leaves the run of its inputs, they are corrected with the same
+    /// transitions. The solution of the plan is then that of the corrected run, with its own objective, and is
+    /// called optimal only if that is within the gap. A plan that cannot be corrected is refused.
+    ///
     /// # Errors
     ///
     /// [`ErrorKind::NoPlan`] if the solver ends without a plan, because there is none or because it was
     /// stopped: [`explain`](crate::explain) says why the [model](HybridProgram::model) has none. Errors
-    /// of the solver; those of [`HybridSystem::certify`] for a plan that is not what a system states.
+    /// of the solver; those of [`HybridSystem::certify`] for a plan that is not what a system states, or that
+    /// leaves the run of its inputs and cannot be corrected.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<HybridPlan, Error> {
         self.solve_with(solver, &mut Control::default())
     }
@@ -251,7 +260,17 @@ impl HybridProgram {
         solver: &mut dyn Solver,
         control: &mut Control<'_>,
     ) -> Result<HybridPlan, Error> {
-        self.plan(&solver.solve_with(&self.model, control)?)
+        let solution = solver.solve_with(&self.model, control)?;
+        self.plan_by(&solution, solver)
+    }
+
+    /// As [`plan`](HybridProgram::plan), with a solver for what a corrected plan may need.
+    pub(in crate::hybrid) fn plan_by(
+        &self,
+        solution: &Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<HybridPlan, Error> {
+        HybridPlan::of(&self.members, &*self.settled(solution, Some(solver))?)
     }
 
     /// The certified plan of a solution of the [model](HybridProgram::model), for those who solve it
@@ -262,7 +281,7 @@ impl HybridProgram {
     /// Those of [`solve`](HybridProgram::solve) that do not come from the solver;
     /// [`ErrorKind::ForeignHandle`] for a solution of another model.
     pub fn plan(&self, solution: &Solution) -> Result<HybridPlan, Error> {
-        HybridPlan::of(&self.members, solution)
+        HybridPlan::of(&self.members, &*self.settled(solution, None)?)
     }
 
     /// Fixes transitions and modes that no plan of a tube takes and narrows bounds. The tube is that of
@@ -330,7 +349,7 @@ impl HybridProgram {
         solver: &mut dyn Solver,
     ) -> Result<Option<HybridPlan>, Error> {
         let solution = self.members.extreme(&self.model, plan, solver)?;
-        solution.map(|solution| self.plan(&solution)).transpose()
+        solution.map(|solution| self.plan_by(&solution, solver)).transpose()
     }
 }
 

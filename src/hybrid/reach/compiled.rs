@@ -8,6 +8,7 @@ use faer::Mat;
 
 use super::inputs::{Joint, tightened};
 use super::law::{Context, Guard, Law, Prediction};
+use super::margins::Margins;
 use super::moves::Moves;
 use super::options::SetOptions;
 use super::rounding::EPSILON;
@@ -82,6 +83,8 @@ pub(super) struct CompiledMove {
     pub(super) inputs: Vec<Interval>,
     /// Guards on inputs.
     pub(super) joint: Vec<Joint>,
+    /// Those of its predictions.
+    pub(super) margins: Margins,
     pub(super) predictions: Vec<(usize, Prediction)>,
 }
 
@@ -101,6 +104,7 @@ pub(super) struct Compiled {
     pub(super) moves: Vec<CompiledMove>,
     /// Numbers of transitions of choices that are not followed.
     pub(super) relaxed: Vec<usize>,
+    pub(super) margins: Margins,
 }
 
 /// The data from which a step of a system is compiled.
@@ -116,6 +120,7 @@ pub(super) struct Source<'a> {
     pub(super) ends: [&'a Region; 2],
     /// Magnitudes of the states, for the scale of the margin.
     pub(super) sizes: &'a [f64],
+    pub(super) margins: &'a Margins,
 }
 
 impl Compiled {
@@ -163,6 +168,7 @@ impl Compiled {
                 is_possible,
                 inputs,
                 joint,
+                margins: source.margins.after(&law.flow),
                 predictions: law.predictions,
             }
         });
@@ -183,6 +189,7 @@ impl Compiled {
             coordinates: Arc::clone(source.coordinates),
             transitions: system.transitions().map(|t| (t.name.clone(), t.is_event)).collect(),
             relaxed: source.moves.relaxed.clone(),
+            margins: source.margins.clone(),
         }
     }
 
@@ -272,10 +279,18 @@ fn groups(system: &HybridSystem, laws: &[Law]) -> Vec<Vec<usize>> {
 }
 
 impl Source<'_> {
+    /// The margin of an input or a reset at the step.
+    fn step_margin(&self) -> f64 {
+        match self.given {
+            Some(_) => self.margins.of_given(),
+            None => self.margins.of_step(),
+        }
+    }
+
     /// The range of an input with its margin.
     fn wide(&self, range: &Interval) -> Interval {
         let size = range.magnitude();
-        let slack = self.options.margin * margin_scale(size, 0.0) + 4.0 * EPSILON * size;
+        let slack = self.step_margin() * margin_scale(size, 0.0) + 4.0 * EPSILON * size;
         Interval::new(range.lower - slack, range.upper + slack)
     }
 
@@ -294,16 +309,24 @@ impl Source<'_> {
             block,
             normal: block.map(local).unwrap_or_default(),
             gains: guard.inputs.clone(),
-            limit: guard.limit + self.options.margin * margin_scale(largest, guard.limit),
+            limit: guard.limit
+                + self.margins.of_condition(&guard.states, &guard.inputs, largest, guard.limit),
             given: guard.limit,
         }
     }
 
-    fn cut(&self, states: &[usize], name: &str, full: &[f64], given: f64) -> Option<Cut> {
+    fn cut(
+        &self,
+        states: &[usize],
+        name: &str,
+        full: &[f64],
+        given: f64,
+        margins: &Margins,
+    ) -> Option<Cut> {
         let normal: Vec<f64> = states.iter().map(|&i| full[i]).collect();
         let terms = full.iter().zip(self.sizes).map(|(n, size)| (n * size).abs());
         let largest = terms.fold(0.0, f64::max);
-        let limit = given + self.options.margin * margin_scale(largest, given);
+        let limit = given + margins.of_condition(full, &[], largest, given);
         let limits = given < f64::INFINITY && normal.iter().any(|&n| n != 0.0);
         limits.then(|| Cut { name: name.to_owned(), normal, limit, given })
     }
@@ -318,7 +341,7 @@ impl Source<'_> {
             {
                 let mut normal = vec![0.0; states.len()];
                 normal[k] = sign;
-                let wide = limit + self.options.margin * margin_scale(self.sizes[state], limit);
+                let wide = limit + self.margins.of_state(state, self.sizes[state], limit);
                 let name = format!("the {word} limit of {name}");
                 limits.push(Cut { name, normal, limit: wide, given: limit });
             }
@@ -326,7 +349,8 @@ impl Source<'_> {
         let n = self.system.states.len();
         let own = self.system.limits.iter().filter(|limit| !limit.is_joint(n));
         limits.extend(own.filter_map(|limit| {
-            self.cut(states, &limit.name, limit.parts(n).0, limit.limit_at(self.step))
+            let (normal, given) = (limit.parts(n).0, limit.limit_at(self.step));
+            self.cut(states, &limit.name, normal, given, self.margins)
         }));
         limits
     }
@@ -356,11 +380,12 @@ impl Source<'_> {
     }
 
     fn step(&self, law: &Law, states: &[usize], domain: &Shape, maps: &mut Maps) -> Step {
-        let margin = self.options.margin;
+        let margin = self.step_margin();
         let local = |normal: &[f64]| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
-        let cuts = |guards: &[Guard]| -> Vec<Cut> {
+        let cuts = |guards: &[Guard], margins: &Margins| -> Vec<Cut> {
             let guards = guards.iter().filter(|guard| !guard.is_joint());
-            guards.filter_map(|g| self.cut(states, &g.name, &g.states, g.limit)).collect()
+            let cut = |g: &Guard| self.cut(states, &g.name, &g.states, g.limit, margins);
+            guards.filter_map(cut).collect()
         };
         let n = self.system.states.len();
         let rows = || states.iter().map(|&i| &law.flow[i]);
@@ -385,9 +410,9 @@ impl Source<'_> {
             predictions.widen(&vec![noise; states.len()]);
         }
         Step {
-            before: cuts(&law.before),
+            before: cuts(&law.before, self.margins),
             flow,
-            after: cuts(&law.after),
+            after: cuts(&law.after, &self.margins.after(&law.flow)),
             reset,
             loose: states.iter().map(loose).collect(),
             predictions,

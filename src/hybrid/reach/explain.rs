@@ -162,7 +162,7 @@ impl ReachSets {
         ends.into_iter().find_map(|(at_start, end)| {
             let sample = if at_start { 0 } else { steps };
             let system = self.sample(sample);
-            let set = ReachSet::from_region(system, end, self.options.margin, &self.sizes);
+            let set = ReachSet::from_region(system, end, &self.sizes, at_start);
             let emptied = set.err()?;
             if let Place::End(k) = emptied.place {
                 let halfspace = &end.halfspaces[k];

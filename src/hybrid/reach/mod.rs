@@ -7,6 +7,7 @@ mod inputs;
 mod joint;
 mod law;
 mod lifted;
+mod margins;
 mod moves;
 mod options;
 mod picture;

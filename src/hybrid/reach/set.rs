@@ -8,7 +8,6 @@ use super::shape::Shape;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::system::{Region, check_ends};
 use crate::interval::Interval;
-use crate::tolerance::margin_scale;
 
 /// A set of states: the product of its blocks' sets.
 ///
@@ -62,13 +61,16 @@ impl ReachSet {
     pub(super) fn from_region(
         system: &Arc<Compiled>,
         region: &Region,
-        margin: f64,
         sizes: &[f64],
+        is_start: bool,
     ) -> Result<Self, Emptied> {
-        let ranges = closed(&system.states, region);
+        let (ranges, margins) = (closed(&system.states, region), &system.margins);
         let wide = |i: &usize| {
             let range = ranges[*i];
-            let margin = margin * margin_scale(range.magnitude(), 0.0);
+            let margin = match is_start {
+                true => margins.of_start(range),
+                false => margins.of_state(*i, range.magnitude(), 0.0),
+            };
             (range.lower - margin, range.upper + margin)
         };
         let mut shapes = Vec::with_capacity(system.blocks.len());
@@ -82,7 +84,8 @@ impl ReachSet {
         for (k, halfspace) in region.halfspaces.iter().enumerate() {
             let terms = halfspace.normal.iter().zip(sizes).map(|(n, size)| (n * size).abs());
             let given = halfspace.limit_at(0);
-            let limit = given + margin * margin_scale(terms.fold(0.0, f64::max), given);
+            let largest = terms.fold(0.0, f64::max);
+            let limit = given + margins.of_condition(&halfspace.normal, &[], largest, given);
             set.keep_below(&halfspace.normal, limit, Place::End(k))?;
         }
         Ok(set)

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::compiled::{Compiled, Source};
 use super::graph::Graph;
+use super::margins::Margins;
 use super::moves::Moves;
 use super::options::SetOptions;
 use super::set::{Emptied, Layers, ReachSet, closed};
@@ -64,6 +65,7 @@ pub struct ReachSets {
     ends: (Region, Region),
     first_inputs: Option<Vec<Interval>>,
     pub(super) options: SetOptions,
+    margins: Margins,
     norm_excess: f64,
     forward: Vec<Shared>,
     backward: Vec<Shared>,
@@ -136,6 +138,7 @@ impl ReachSets {
             sizes: sizes.collect(),
             ends: (start, goal),
             first_inputs: None,
+            margins: Margins::new(system, options.margin),
             options,
             forward: Vec::new(),
             backward: Vec::new(),
@@ -143,8 +146,8 @@ impl ReachSets {
             emptied: None,
         };
         sets.compile();
-        sets.forward.push(sets.end_layers(0, &sets.ends.0));
-        sets.backward.push(sets.end_layers(system.settles(), &sets.ends.1));
+        sets.forward.push(sets.end_layers(0, &sets.ends.0, true));
+        sets.backward.push(sets.end_layers(system.settles(), &sets.ends.1, false));
         sets
     }
 
@@ -179,6 +182,7 @@ impl ReachSets {
             options: &self.options,
             ends: [&self.ends.0, &self.ends.1],
             sizes: &self.sizes,
+            margins: &self.margins,
         };
         Compiled::new(&source, self.compiled.first().map(Arc::as_ref))
     }
@@ -338,9 +342,9 @@ impl ReachSets {
     }
 
     /// A start or goal at a sample, in its modes.
-    fn end_layers(&self, sample: usize, region: &Region) -> Shared {
+    fn end_layers(&self, sample: usize, region: &Region, is_start: bool) -> Shared {
         let system = self.sample(sample);
-        let set = ReachSet::from_region(system, region, self.options.margin, &self.sizes).ok();
+        let set = ReachSet::from_region(system, region, &self.sizes, is_start).ok();
         let mut layers = vec![None; self.graph.layers()];
         for node in self.graph.nodes_in(region) {
             layers[self.graph.layer(node, 0)] = set.clone();
@@ -353,7 +357,7 @@ impl ReachSets {
     pub(super) fn goal_layers(&self, sample: usize) -> Shared {
         match sample >= self.source.settles() {
             true => Arc::clone(&self.backward[0]),
-            false => self.end_layers(sample, &self.ends.1),
+            false => self.end_layers(sample, &self.ends.1, false),
         }
     }
 

@@ -194,11 +194,12 @@ pub(super) fn prediction_boxes(
                     true => *range,
                     false => *range + Interval::point(by),
                 });
-                shifted.collect()
+                taken.margins.widened(&shifted.collect::<Vec<_>>())
             }
             Prediction::Own(flow) => {
                 let around = [set.own_box(), taken.inputs.clone()].concat();
-                flow.iter().map(|row| row.over(&around)).collect()
+                let ranges: Vec<_> = flow.iter().map(|row| row.over(&around)).collect();
+                system.margins.after(flow).widened(&ranges)
             }
         };
         (*transition, found)

@@ -372,7 +372,7 @@ impl Tube {
                 self.died = Some(t);
                 return;
             };
-            self.boxes.push(found);
+            self.boxes.push(self.system.margins.widened(&found));
         }
         if !self.system.coordinates.is_plain() {
             let stated = |own: &Vec<Interval>| self.system.stated_ranges(own);

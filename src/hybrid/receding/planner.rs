@@ -8,7 +8,7 @@ use super::guess::{LastIntegers, simulated};
 use super::loop_plan::LoopPlan;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::memory::Memory;
-use crate::hybrid::program::{HybridProgram, Members};
+use crate::hybrid::program::{HybridProgram, Members, as_drift};
 use crate::hybrid::rows::MemoryRow;
 use crate::hybrid::system::{InputValues, Measure};
 use crate::interval::Interval;
@@ -193,6 +193,10 @@ impl Planned {
             Err(error) if matches!(error.kind(), ErrorKind::OutOfRange { .. }) => {
                 return Ok(Planned::Nothing(None, error.to_string()));
             }
+            // The plan is no run of its inputs.
+            Err(error) if as_drift(&error).is_some() => {
+                return Ok(Planned::Nothing(None, error.to_string()));
+            }
             Err(other) => return Err(other),
         };
         let Some(point) = solution.point() else {
@@ -215,6 +219,11 @@ impl Planned {
         let excess = excess.map(|excess| point.value(excess)).transpose()?;
         Ok(Planned::Found(solution, plan, excess))
     }
+}
+
+/// The solution whose states are the run of its inputs, without a second solve.
+fn settled(members: &Members, model: &Model, solution: Solution) -> Result<Solution, Error> {
+    Ok(members.settled(model, &solution, None)?.into_owned())
 }
 
 impl Planner<'_> {
@@ -323,6 +332,11 @@ impl Planner<'_> {
                     control = control.with_start(start);
                 }
                 let result = prepared.solve(&values, &mut control);
+                let model = prepared.model();
+                let result = match members.as_deref() {
+                    Some(members) => result.and_then(|found| settled(members, model, found)),
+                    None => result,
+                };
                 Planned::of(result, handles, members.as_deref(), question.excess)
             }
             Planner::Built { solver, last, program, .. } => {
@@ -339,7 +353,8 @@ impl Planner<'_> {
                 }
                 let result = model
                     .set_parameters(&handles.values(question))
-                    .and_then(|()| solver.solve_with(model, &mut control));
+                    .and_then(|()| solver.solve_with(model, &mut control))
+                    .and_then(|found| settled(members, model, found));
                 let planned = Planned::of(result, handles, Some(members), question.excess)?;
                 if let Planned::Found(solution, ..) = &planned
                     && let Some(point) = solution.point()

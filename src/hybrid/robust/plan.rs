@@ -106,11 +106,8 @@ fn certified(
 }
 
 impl RobustPlan {
-    pub(super) fn of(
-        program: &RobustProgram,
-        solution: &crate::solution::Solution,
-    ) -> Result<Self, Error> {
-        let plan = program.program.plan(solution)?;
+    /// Of a plan of the program with the tube.
+    pub(super) fn of(program: &RobustProgram, plan: HybridPlan) -> Result<Self, Error> {
         let start = &program.start;
         let certificate = certified(&plan, &program.own_feedback, start, 1.0)?;
         let robust = RobustPlan {

@@ -218,7 +218,8 @@ impl RobustProgram {
         solver: &mut dyn Solver,
         control: &mut Control<'_>,
     ) -> Result<RobustPlan, Error> {
-        self.plan(&solver.solve_with(self.program.model(), control)?)
+        let solution = solver.solve_with(self.program.model(), control)?;
+        RobustPlan::of(self, self.program.plan_by(&solution, solver)?)
     }
 
     /// The certified plan of a solution of the program's model.
@@ -238,7 +239,7 @@ impl RobustProgram {
             let kind = ErrorKind::NoPlan { termination, help };
             return Err(Error::with_source(kind, meeting.error()));
         }
-        RobustPlan::of(self, solution)
+        RobustPlan::of(self, self.program.plan(solution)?)
     }
 }
 

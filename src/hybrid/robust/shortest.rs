@@ -12,6 +12,7 @@ use crate::hybrid::shortest_horizon::{
     HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon,
 };
 use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
+use crate::solution::Solution;
 use crate::solver::Solver;
 
 impl HybridSystem {
@@ -122,6 +123,15 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
 
     fn takes_any_point(&self) -> bool {
         self.nominal.takes_any_point()
+    }
+
+    fn settled(
+        &self,
+        program: &RobustProgram,
+        solution: Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<Solution, Error> {
+        Ok(program.program.settled(&solution, Some(solver))?.into_owned())
     }
 
     fn variables(&self, program: &RobustProgram) -> HorizonVariables {

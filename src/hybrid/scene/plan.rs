@@ -88,7 +88,7 @@ impl SceneHit {
 /// A plan of a scene, replayed. It is nominal: [pushes](super::Body::with_pushes) and
 /// [spreads](super::Surface::with_spread) of the scene are left out; plans that hold under them are made by
 /// [`HybridProgram::robust`](crate::hybrid::HybridProgram::robust).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ScenePlan {
@@ -102,9 +102,26 @@ pub struct ScenePlan {
     pub run: HybridRun,
     /// The result of the replay.
     pub certificate: SceneCertificate,
+    /// The solution from which it comes, with its objective, bound and counts; that of the whole program for
+    /// a case. A plan that was stored without one has no answer and no bound.
+    #[cfg_attr(feature = "serde", serde(default = "Solution::unknown"))]
+    pub solution: Solution,
     /// The plans of the [cases](SceneProgram::add_case), by name, each replayed in its own scene.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "BTreeMap::is_empty"))]
     pub cases: BTreeMap<String, ScenePlan>,
+}
+
+/// Plans are equal if they do the same, however they were found.
+impl PartialEq for ScenePlan {
+    fn eq(&self, other: &Self) -> bool {
+        let ScenePlan { time_step, bodies, hits, run, certificate, solution: _, cases } = self;
+        *time_step == other.time_step
+            && *bodies == other.bodies
+            && *hits == other.hits
+            && *run == other.run
+            && *certificate == other.certificate
+            && *cases == other.cases
+    }
 }
 
 impl ScenePlan {
@@ -134,7 +151,7 @@ impl ScenePlan {
         let program = scene.plain_program(self.steps())?;
         match program.variables().extreme(program.model(), &self.run, solver)? {
             None => Ok(self.clone()),
-            Some(solution) => program.plan(&solution),
+            Some(solution) => program.plan_by(&solution, solver),
         }
     }
 
@@ -251,7 +268,17 @@ impl SceneProgram {
         solver: &mut dyn Solver,
         control: &mut Control<'_>,
     ) -> Result<ScenePlan, Error> {
-        self.plan(&solver.solve_with(self.model(), control)?)
+        let solution = solver.solve_with(self.model(), control)?;
+        self.plan_by(&solution, solver)
+    }
+
+    /// As [`plan`](SceneProgram::plan), with a solver for what a corrected plan may need.
+    pub(super) fn plan_by(
+        &self,
+        solution: &Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<ScenePlan, Error> {
+        self.read(&*self.program.settled(solution, Some(solver))?)
     }
 
     /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for those who
@@ -262,6 +289,11 @@ impl SceneProgram {
     /// Those of [`solve`](SceneProgram::solve) that do not come from the solver;
     /// [`ErrorKind::ForeignHandle`] for a solution of another model.
     pub fn plan(&self, solution: &Solution) -> Result<ScenePlan, Error> {
+        self.read(&*self.program.settled(solution, None)?)
+    }
+
+    /// The plan of a solution whose states are the run of its inputs.
+    fn read(&self, solution: &Solution) -> Result<ScenePlan, Error> {
         let (run, _) = self.variables().certified(solution)?;
         self.program.members.check_missions(solution)?;
         let bodies = self.paths(&run)?;
@@ -281,9 +313,10 @@ impl SceneProgram {
         hits.sort_by_key(|hit| hit.step);
         let certificate = self.units.replayed(&self.scene, &paths, &mut hits)?;
         let time_step = run.time_step;
-        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.plan(solution)?)));
+        let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.read(solution)?)));
         let cases = cases.collect::<Result<_, Error>>()?;
-        Ok(ScenePlan { time_step, bodies, hits, run, certificate, cases })
+        let solution = solution.clone();
+        Ok(ScenePlan { time_step, bodies, hits, run, certificate, solution, cases })
     }
 
     /// The paths of the bodies in a run.

@@ -22,6 +22,7 @@ use crate::hybrid::shortest_horizon::{
 use crate::hybrid::system::{HybridSystem, Region, Restated};
 use crate::interval::Interval;
 use crate::model::Affine;
+use crate::solution::Solution;
 use crate::solver::{Solver, StopToken};
 
 /// How many times longer the steps of the coarser grid are.
@@ -300,6 +301,15 @@ impl HorizonModel for ScenePrograms {
         statements: &mut dyn FnMut(&mut HybridProgram),
     ) {
         statements(program);
+    }
+
+    fn settled(
+        &self,
+        program: &SceneProgram,
+        solution: Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<Solution, Error> {
+        Ok(program.settled(&solution, Some(solver))?.into_owned())
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {

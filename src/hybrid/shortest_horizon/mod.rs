@@ -30,6 +30,8 @@ use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::model::Model;
+use crate::solution::Solution;
+use crate::solver::Solver;
 
 /// A family of programs, one for each number of steps.
 pub trait HorizonModel {
@@ -89,6 +91,23 @@ pub trait HorizonModel {
     #[doc(hidden)]
     fn takes_any_point(&self) -> bool {
         false
+    }
+
+    /// The solution whose states are the run of its inputs: the same one by default, or a corrected one.
+    ///
+    /// # Errors
+    ///
+    /// A [`RunError::Drift`](crate::hybrid::RunError::Drift) if there is none leaves the horizon open; any
+    /// other error ends the search.
+    #[doc(hidden)]
+    fn settled(
+        &self,
+        program: &Self::Program,
+        solution: Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<Solution, Error> {
+        let _ = (program, solver);
+        Ok(solution)
     }
 
     /// Δt of the programs, in s, for the words of the result; `None` by default.

@@ -8,6 +8,7 @@ use web_time::Duration;
 use super::Waiting;
 use crate::error::Error;
 use crate::hybrid::reach::{ReachSets, Tube};
+use crate::hybrid::simulate::RunError;
 use crate::solution::{ProofReport, Solution, Statistics, Termination};
 
 /// How a horizon was refuted.
@@ -200,6 +201,9 @@ pub struct Shortest<P> {
     /// Every refuted horizon and every solve, in order. Restricted programs without a point are
     /// undecided.
     pub attempts: Vec<Attempt>,
+    /// The horizons that are open because the solver's plan is not the run of its inputs and could not be
+    /// corrected, with why. Their verdict is undecided.
+    pub drifts: Vec<(usize, RunError)>,
     /// The logs that [`Options::with_proof`](crate::solver::Options::with_proof) of the solver has asked for,
     /// in ascending order: one for each horizon up to `refuted_steps`, and one for `steps`, each about the
     /// program as the model states it. The plan is then the point in its log. Empty without that option.
@@ -268,6 +272,9 @@ impl<P> fmt::Display for Shortest<P> {
                     Some(found) => write!(f, ": {found} steps are enough")?,
                     None => f.write_str(": no plan was found")?,
                 }
+                if let Some((steps, drift)) = self.drifts.first() {
+                    write!(f, "; {} are open: {drift}", horizon(*steps))?;
+                }
                 match self.refuted_steps {
                     None => Ok(()),
                     Some(1) => f.write_str(", 1 step is refuted"),
@@ -295,6 +302,7 @@ impl<P> Shortest<P> {
             sets: self.sets,
             tube: self.tube,
             attempts: self.attempts,
+            drifts: self.drifts,
             proofs: self.proofs,
             time: self.time,
             starts_in_goal: self.starts_in_goal,

@@ -12,7 +12,7 @@ use super::HorizonModel;
 use super::event::HorizonEvent;
 use super::options::ShortestOptions;
 use super::outcome::{HorizonProof, Solved};
-use super::search::{ANY_GAP, build};
+use super::search::{ANY_GAP, build, settled};
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::solution::Solution;
@@ -116,7 +116,9 @@ impl<'a> HorizonLogs<'a> {
         }
         let solved = self.log(steps, own, &start, Solution::is_optimal);
         self.solver.options_mut().absolute_gap = gap;
-        if let Some(solution) = solved? {
+        if let Some(solution) = solved?
+            && let Ok(solution) = settled(builder, &program, solution, self.solver, &self.token)?
+        {
             *plan = Solved { program, solution };
         }
         Ok(())

@@ -11,7 +11,9 @@ use super::options::ShortestOptions;
 use super::outcome::{Attempt, Shortest, ShortestStatus, Solved, Verdict};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::check_steps;
+use crate::hybrid::program::as_drift;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
+use crate::hybrid::simulate::RunError;
 use crate::model::Model;
 use crate::solution::{Solution, Termination};
 use crate::solver::{Event, Solver, StopToken};
@@ -50,6 +52,7 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         best: None,
         undecided: Vec::new(),
         attempts: Vec::new(),
+        drifts: Vec::new(),
         ascended: 0,
         ascent: 0,
         sets: None,
@@ -65,6 +68,12 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         None => false,
     };
     let (refuted, attempts, sets) = (search.refuted, search.attempts, search.sets);
+    // A longer look may have decided a horizon later.
+    let is_open = |steps: usize| {
+        let of = attempts.iter().rev().find(|attempt| attempt.steps == steps);
+        steps > refuted && of.is_some_and(|last| matches!(last.verdict, Verdict::Undecided(_)))
+    };
+    let drifts = search.drifts.into_iter().filter(|(steps, _)| is_open(*steps)).collect();
     let mut found = Shortest {
         status,
         steps: None,
@@ -75,6 +84,7 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         sets,
         tube: None,
         attempts,
+        drifts,
         proofs: Vec::new(),
         time,
         starts_in_goal,
@@ -114,6 +124,8 @@ pub(super) struct Search<'a, B: HorizonModel + ?Sized> {
     /// Undecided horizons, with the reason.
     pub(super) undecided: Vec<(usize, Termination)>,
     pub(super) attempts: Vec<Attempt>,
+    /// Horizons whose point is no run, and why.
+    drifts: Vec<(usize, RunError)>,
     /// How many of the attempts came before the search proper: the first ascent by forward sets, and
     /// looks at longer horizons.
     pub(super) ascended: usize,
@@ -275,6 +287,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         if open > MANY_OPEN
             && let Some(solution) =
                 self.solve_restricted(steps, nodes, program.borrow_mut(), &variables)?
+            && let Ok(solution) = self.settled(&program, solution)?
         {
             let attempt = Attempt { restricted: true, ..Attempt::of(steps, &solution) };
             self.file(attempt, Some(Feasible { steps, program, solution, tube }));
@@ -282,8 +295,24 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
         let solution = self.solve(steps, nodes, program.borrow())?;
         let attempt = Attempt::of(steps, &solution);
-        self.file(attempt, Some(Feasible { steps, program, solution, tube }));
+        match self.settled(&program, solution)? {
+            Ok(solution) => self.file(attempt, Some(Feasible { steps, program, solution, tube })),
+            Err(drift) => {
+                self.drifts.push((steps, drift));
+                let verdict = Verdict::Undecided(Termination::Stalled);
+                self.file(Attempt { verdict, ..attempt }, None);
+            }
+        }
         Ok(())
+    }
+
+    /// The solution whose states are the run of its inputs, or why there is none.
+    fn settled(
+        &mut self,
+        program: &B::Program,
+        solution: Solution,
+    ) -> Result<Result<Solution, RunError>, Error> {
+        settled(self.builder, program, solution, self.solver, &self.token)
     }
 
     fn solve(
@@ -362,6 +391,27 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
         self.attempts.push(attempt);
         (self.progress)(&HorizonEvent::Decided(attempt));
+    }
+}
+
+/// The solution whose states are the run of its inputs, or why there is none.
+pub(super) fn settled<B: HorizonModel + ?Sized>(
+    builder: &B,
+    program: &B::Program,
+    solution: Solution,
+    solver: &mut dyn Solver,
+    token: &StopToken,
+) -> Result<Result<Solution, RunError>, Error> {
+    if solution.point().is_none() {
+        return Ok(Ok(solution));
+    }
+    let limit = solver.options().time_limit;
+    solver.options_mut().time_limit = token.left().or(limit);
+    let found = builder.settled(program, solution, solver);
+    solver.options_mut().time_limit = limit;
+    match found {
+        Ok(solution) => Ok(Ok(solution)),
+        Err(error) => as_drift(&error).cloned().map(Err).ok_or(error),
     }
 }
 

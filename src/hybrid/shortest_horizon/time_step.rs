@@ -7,13 +7,13 @@ use super::Waiting;
 use super::options::ShortestOptions;
 use super::outcome::{Attempt, Verdict};
 use super::run::Task;
-use super::search::build;
+use super::search::{build, settled};
 use crate::error::Error;
 use crate::hybrid::linear::check_time_step;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{HybridSystem, IntoRegion};
 use crate::setters::setters;
-use crate::solution::Solution;
+use crate::solution::{Solution, Termination};
 use crate::solver::{Solver, StopToken};
 
 /// The time steps that [`least_time_step`] tries.
@@ -196,5 +196,9 @@ pub(crate) fn decide<M: HorizonModel>(
         }
     }
     let solution = token.solve(solver, program.borrow(), &mut |_| {})?;
-    Ok((Attempt::of(steps, &solution), Some((program, solution))))
+    let attempt = Attempt::of(steps, &solution);
+    Ok(match settled(task, &program, solution, solver, token)? {
+        Ok(solution) => (attempt, Some((program, solution))),
+        Err(_) => (Attempt { verdict: Verdict::Undecided(Termination::Stalled), ..attempt }, None),
+    })
 }

@@ -1,8 +1,10 @@
-//! The certificate of a run: every step, from the run's own samples, satisfies what is stated.
+//! The certificate of a run: every step, from the run's own samples, satisfies what is stated, and the samples
+//! are where the inputs lead from the first one.
 
 use super::condition::{Slack, tightest};
 use super::error::RunError;
 use super::memory;
+use super::open_run::OpenRun;
 use super::plan::PlannedRun;
 use super::step::{Flown, StepStart, sample_conditions};
 use crate::error::Error;
@@ -31,7 +33,8 @@ pub struct RunCertificate {
     /// Largest violation of a condition, in its unit; 0 if none is violated.
     pub largest_violation: f64,
     /// Largest difference between a sample and the state to which the transitions and inputs lead
-    /// from the first sample alone, in the states' units. Unstable flows amplify small residuals.
+    /// from the first sample alone, in the states' units. It is computed in as many digits as that needs;
+    /// unstable flows amplify small residuals.
     pub drift: f64,
     /// The number of events.
     pub events: usize,
@@ -46,15 +49,21 @@ impl HybridSystem {
     ///
     /// At a tie, a run may take any of the possible transitions.
     ///
+    /// A run is one from its start: the samples must also be near those to which its transitions and inputs
+    /// lead from the first sample, computed in many digits.
+    ///
     /// # Errors
     ///
     /// [`ErrorKind::Other`] with a [`RunError`] as its source if the run is not what the system
     /// states: next states and outputs differ by more than [`tolerance::REPLAY`], or a condition is
     /// violated by more than that and [`tolerance::FEASIBILITY`] together; beyond a magnitude of
     /// 1000 both grow in proportion, and for domains that are not of an ordinary size (some 0.02 to
-    /// 16,000) they are relative to the domain. [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run
+    /// 16,000) they are relative to the domain. [`RunError::Drift`] if a sample is farther from the run of the
+    /// inputs than [`tolerance::REPLAY`] a step and [`tolerance::DRIFT`] of the state's domain.
+    /// [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run
     /// of another system. The errors of [`HybridSystem::check`].
     ///
+    /// [`tolerance::DRIFT`]: crate::tolerance::DRIFT
     /// [`tolerance::REPLAY`]: crate::tolerance::REPLAY
     /// [`tolerance::FEASIBILITY`]: crate::tolerance::FEASIBILITY
     pub fn certify(&self, run: &HybridRun) -> Result<RunCertificate, Error> {
@@ -78,24 +87,12 @@ impl HybridSystem {
             ties: Vec::new(),
         };
         let mut memory = plan.first_memory()?;
-        let mut open = plan.states[0].clone();
         for step in 0..plan.inputs.len() {
             let start = plan.start(coordinates, step);
             let conditions = sample_conditions(self, coordinates, step, &plan.states[step]);
             certificate.sample(step, conditions)?;
             certificate.sample(step, start.joint_limits())?;
             let taken = certificate.step(&plan, &start, &memory)?;
-            let open_start = StepStart { state: &open, ..start.clone() };
-            let drifted = self.choices.iter().zip(&taken);
-            let drifted =
-                drifted.map(|(choice, (transition, _))| open_start.fly(choice, transition));
-            let drifted: Vec<Flown> =
-                drifted.map(|flown| flown.map(|(flown, _)| flown)).collect::<Result<_, Error>>()?;
-            let next = open_start.next_state(&drifted.iter().collect::<Vec<_>>())?;
-            open = next;
-            let next = &plan.states[step + 1];
-            let apart = open.iter().zip(next).map(|(a, b)| (a - b).abs());
-            certificate.drift = apart.fold(certificate.drift, f64::max);
             for (choice, (transition, _)) in self.choices.iter().zip(&taken) {
                 memory.advance(&choice.name, transition);
             }
@@ -105,7 +102,12 @@ impl HybridSystem {
         let conditions = sample_conditions(self, coordinates, last, &plan.states[last]);
         certificate.sample(last, conditions)?;
         certificate.events = memory.events;
-        Ok(certificate)
+        let open = OpenRun::of(&plan, &plan.states[0], &plan.inputs);
+        certificate.drift = open.largest_drift();
+        match open.worst(&plan) {
+            Some(departure) => Err(plan.drifts(&plan.states[0], &plan.inputs, &departure).into()),
+            None => Ok(certificate),
+        }
     }
 }
 

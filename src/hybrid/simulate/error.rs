@@ -87,6 +87,27 @@ pub enum RunError {
         /// The largest allowed difference, in the same unit.
         allowed: f64,
     },
+    /// The samples leave the run to which the inputs and transitions lead from the first one, because the
+    /// system multiplies what they miss.
+    #[error(
+        "the run is not certified: the plan lives on violations within the tolerance: {violation:.0e} at \
+         step {step} grows to {drift:.2e} (state `{state}` at sample {sample}), more than {allowed:.0e}; \
+         leave its inputs room to correct that, or shorten the horizon"
+    )]
+    Drift {
+        /// The step in which a sample misses what grows the most.
+        step: usize,
+        /// By how much it does so, in the state's unit.
+        violation: f64,
+        /// The sample, from 0 on, at which the plan has left the run the farthest.
+        sample: usize,
+        /// The state.
+        state: String,
+        /// The difference there, in the state's unit.
+        drift: f64,
+        /// The largest allowed difference, in the same unit.
+        allowed: f64,
+    },
 }
 
 impl From<RunError> for crate::Error {

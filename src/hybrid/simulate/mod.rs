@@ -9,15 +9,19 @@
 mod certify;
 mod condition;
 mod decisions;
+mod digits;
 mod disturbed;
 mod error;
+mod follow;
 mod memory;
+mod open_run;
 mod options;
 mod plan;
 mod run;
 mod simulation;
 mod step;
 mod stepper;
+mod track;
 
 pub use certify::RunCertificate;
 pub use condition::Condition;
@@ -25,5 +29,6 @@ pub(crate) use decisions::Decided;
 pub use decisions::Decisions;
 pub use disturbed::DisturbedRun;
 pub use error::RunError;
+pub(in crate::hybrid) use follow::Followed;
 pub use options::SimulationOptions;
 pub use simulation::{Candidate, DeadEnd, SimulatedStep, Simulation};

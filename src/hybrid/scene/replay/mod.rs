@@ -16,7 +16,7 @@ use super::error::SceneError;
 use super::plan::{BodyPath, SceneHit};
 use super::statement::Scene;
 use crate::hybrid::damage::ImpactEstimate;
-use crate::tolerance::{CONTACT_TIE, FEASIBILITY, REPLAY, margin_scale};
+use crate::tolerance::{CONTACT_TIE, FEASIBILITY, REPLAY, allowed_drift, margin_scale};
 
 /// By how much a plan may miss what the scene says: its rows hold to `FEASIBILITY`, and its samples
 /// agree to `REPLAY`.
@@ -174,6 +174,7 @@ pub(super) fn certify(
             certificate.step_speed_error.max(largest(&located.v, &end.v));
         let drift = largest(&continuous.x, &end.x);
         certificate.continuous_drift = certificate.continuous_drift.max(drift);
+        played.near(step, &open, &end)?;
     }
     played.rules()?;
     Ok(played.certificate)
@@ -222,6 +223,27 @@ impl Played<'_> {
             return Ok(());
         }
         Err(SceneError::Replay { step, what: what.to_owned(), by, allowed })
+    }
+
+    /// Refuses a sample that is farther from where the inputs and hits lead from the first one than drifts may
+    /// be. Bodies with springs or drag are left out: their motion is integrated here, and the certificate of
+    /// the run judges them.
+    fn near(&self, step: usize, open: &State, end: &State) -> Result<(), SceneError> {
+        let steps = self.inputs.len();
+        let what = "the inputs lead elsewhere from the first sample alone (m, m/s, rad/s)";
+        let bodies = self.world.scene.bodies.iter().enumerate();
+        for (b, body) in bodies.filter(|(_, body)| body.dynamics.is_none()) {
+            let places = body.domain.iter().map(|domain| domain.upper - domain.lower);
+            let speeds = body.domain.iter().map(|_| 2.0 * body.max_speed);
+            let runs = open.x[b].iter().chain(&open.v[b]).chain(&open.w[b..=b]);
+            let samples = end.x[b].iter().chain(&end.v[b]).chain(&end.w[b..=b]);
+            let widths = places.chain(speeds).chain([f64::INFINITY]);
+            for ((run, sample), width) in runs.zip(samples).zip(widths) {
+                let allowed = allowed_drift(width, *sample, steps);
+                self.refuse(step, what, (run - sample).abs(), allowed)?;
+            }
+        }
+        Ok(())
     }
 
     /// The faces that the plan hits in a step.
