@@ -1,6 +1,6 @@
 //! CBF files: linear cones, and second-order cones of single variables.
 
-use super::model::{Model, Row, Statement};
+use super::model::{Model, Row, StatedCone, Statement};
 use super::polynomial::{Affine, Polynomial};
 use crate::program::Cone;
 
@@ -195,7 +195,8 @@ impl Reader {
         tail.iter().for_each(|form| polynomial.add_product(-1.0, form, form));
         let of = if columns.is_some() { "columns" } else { "expressions" };
         let what = format!("a cone {kind} of {of}");
-        self.model.statements.push(Statement::Cone(what, polynomial));
+        let heads = head.iter().map(Polynomial::of).collect();
+        self.model.statements.push(Statement::Cone(StatedCone { what, polynomial, heads }));
         Ok(())
     }
 

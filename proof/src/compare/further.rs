@@ -9,12 +9,14 @@
 //!
 //! Anything else is refused: it might exclude points of the model.
 
-use super::model::{Indicator, Model, Row, Statement};
+use super::model::{Indicator, Model, Row, StatedCone, Statement};
 use super::polynomial::{Affine, Polynomial};
+use crate::exact::Sum;
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 
 /// What the limits of rows with a big number may be off by, relative to their terms (no unit): they are sums.
-pub(super) const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// What was found of the statements of a model.
 #[derive(Default)]
@@ -33,6 +35,8 @@ pub(super) struct Further<'a> {
     pub(super) log: &'a mut Model,
     /// By column of the model, that of the log.
     order: &'a [u32],
+    /// By column of the log, that of the model, if it has it.
+    places: HashMap<u32, u32>,
     /// By column of the log, the form in columns of the model (by their numbers in the log), if it is one.
     forms: Vec<Option<Affine>>,
     found: Found,
@@ -55,7 +59,8 @@ impl<'a> Further<'a> {
                 *form = Some(Affine::column(place));
             }
         }
-        let mut further = Further { model, log, order, forms, found: Found::default() };
+        let places = order.iter().copied().zip(0..).collect();
+        let mut further = Further { model, log, order, places, forms, found: Found::default() };
         further.take_entries();
         further.take_cones()?;
         further.take_rows()?;
@@ -116,10 +121,10 @@ impl<'a> Further<'a> {
     fn take_cones(&mut self) -> Result<(), String> {
         let at = |column: u32| self.at(column);
         // In the order of the file, which mostly is that of the log.
-        let mut open: VecDeque<(&str, Polynomial)> = VecDeque::new();
+        let mut open: VecDeque<StatedCone> = VecDeque::new();
         for statement in &self.model.statements {
-            if let Statement::Cone(what, polynomial) = statement {
-                open.push_back((what, polynomial.renumbered(at)));
+            if let Statement::Cone(own) = statement {
+                open.push_back(own.renumbered(&at));
             }
         }
         let mut stated: BTreeSet<(u32, Option<u32>, Vec<u32>)> = BTreeSet::new();
@@ -129,9 +134,8 @@ impl<'a> Further<'a> {
             stated.insert((at(cone.head), cone.second.map(at), tail));
         }
         // Entries that a bound keeps at least 0 must be heads.
-        let placed: HashSet<u32> = self.order.iter().copied().collect();
         let own = self.log.columns.iter().enumerate();
-        let is_entry = |place: usize| !placed.contains(&(place as u32));
+        let is_entry = |place: usize| !self.places.contains_key(&(place as u32));
         let bounded =
             own.filter(|(k, c)| c.lower == 0.0 && c.upper > 0.0 && !c.is_integral && is_entry(*k));
         let mut bounded: BTreeSet<u32> =
@@ -165,20 +169,19 @@ impl<'a> Further<'a> {
                 let entry = form(entry).ok_or_else(unknown)?;
                 polynomial.add_product(-1.0, &entry, &entry);
             }
-            let place = open.iter().position(|(_, own)| polynomial.is_multiple(own));
-            let (what, _) = place.and_then(|k| open.remove(k)).ok_or_else(unknown)?;
-            self.found.rounded.push(what.to_string());
-            for head in [Some(cone.head), cone.second].into_iter().flatten() {
+            let heads: Vec<u32> = [Some(cone.head), cone.second].into_iter().flatten().collect();
+            let forms: Vec<Affine> = heads.iter().filter_map(|&head| form(head)).collect();
+            let place = open.iter().position(|own| {
+                polynomial.is_multiple(&own.polynomial) && self.are_heads(&forms, own)
+            });
+            let own = place.and_then(|k| open.remove(k)).ok_or_else(unknown)?;
+            self.found.rounded.push(own.what);
+            for head in heads {
                 // So is a form of which a head is a positive multiple.
-                let of = |column: u32| {
-                    let mut polynomial = Polynomial::default();
-                    let form = form(column).unwrap_or_default();
-                    polynomial.add_affine(1.0, &form);
-                    polynomial
-                };
+                let of = |column: u32| Polynomial::of(&form(column).unwrap_or_default());
                 let own = of(head);
                 bounded.retain(|&place| !of(place).is_multiple(&own));
-                if placed.contains(&head) {
+                if self.places.contains_key(&head) {
                     self.found.heads.insert(head);
                 }
             }
@@ -190,8 +193,34 @@ impl<'a> Further<'a> {
             ));
         }
         match open.front() {
-            Some((what, _)) => Err(format!("not in the log: {what}")),
+            Some(own) => Err(format!("not in the log: {}", own.what)),
             None => Ok(()),
+        }
+    }
+
+    /// Whether heads that the log keeps at least 0 are so at every point that the statement allows: constants; forms
+    /// that it says this of, or that bounds do; and the other head beside a constant, which a sum of squares is below.
+    fn are_heads(&self, forms: &[Affine], own: &StatedCone) -> bool {
+        // The least value by bounds is at least 0, but for rounding.
+        let is_bounded = |form: &Affine| {
+            let (mut least, mut size) = (form.constant, form.constant.abs());
+            for &(column, value) in form.terms.iter().filter(|term| term.1 != 0.0) {
+                let own = self.places.get(&column).map(|&own| self.range_of(own));
+                let (lower, upper) = own.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+                let term = value * if value > 0.0 { lower } else { upper };
+                (least, size) = (least + term, size + term.abs());
+            }
+            least.is_finite() && least >= -ROUNDING * size
+        };
+        let is_constant = |form: &Affine| form.terms.iter().all(|term| term.1 == 0.0);
+        let is_stated =
+            |form: &Affine| own.heads.iter().any(|head| Polynomial::of(form).is_multiple(head));
+        match forms {
+            // A constant below 0 is judged by the polynomial.
+            [head] if is_constant(head) => true,
+            [a, b] if is_constant(a) => a.constant > 0.0 && !is_constant(b),
+            [a, b] if is_constant(b) => b.constant > 0.0 && !is_constant(a),
+            _ => forms.iter().all(|form| is_stated(form) || is_bounded(form)),
         }
     }
 
@@ -325,15 +354,26 @@ impl<'a> Further<'a> {
             true => (row.upper, own.row.upper),
             false => (row.lower, own.row.lower),
         };
-        let is_one_sided = row.lower.is_infinite() != row.upper.is_infinite();
+        if !limit.is_finite() {
+            return false;
+        }
         let binary = self.at(own.binary);
         let (others, at) = split(&row.entries, binary);
         let own_entries: Vec<(u32, f64)> =
             own.row.entries.iter().map(|&(column, value)| (self.at(column), value)).collect();
         let (own_others, own_at) = split(&own_entries, binary);
-        let miss = (limit - at * own.value) - (wanted - own_at * own.value);
         let size = limit.abs() + at.abs() + wanted.abs() + own_at.abs();
-        is_one_sided && limit.is_finite() && others == own_others && miss.abs() <= ROUNDING * size
+        // Limits are rounded away from what they exclude, if at all.
+        let mut miss = Sum::default();
+        for (value, factor) in [(limit, 1.0), (wanted, -1.0), (at, -own.value), (own_at, own.value)]
+        {
+            miss.add(value, factor);
+        }
+        let Ok(miss) = miss.take() else { return false };
+        let tight = if is_upper { Ordering::Less } else { Ordering::Greater };
+        let is_near = miss.nearest().abs() <= ROUNDING * size && miss.sign() != tight;
+        let is_one_sided = row.lower.is_infinite() != row.upper.is_infinite();
+        is_one_sided && others == own_others && is_near
     }
 
     /// Whether a row of an indicator holds by bounds where its condition does not; `Ok(false)` if bounds are missing.

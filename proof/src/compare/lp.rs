@@ -1,7 +1,7 @@
 //! LP files in the format of CPLEX.
 
 use super::lp_words::{SIGNS, Section, Token, section, tokens};
-use super::model::{Indicator, Model, Row, Statement};
+use super::model::{Indicator, Model, Products, Row, Statement};
 
 /// Magnitudes from here on are infinite.
 const INFINITE: f64 = 1e20;
@@ -293,11 +293,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// A row without its name, and its products.
-    fn line(
-        &mut self,
-        name: String,
-        model: &mut Model,
-    ) -> Result<(Row, Vec<(u32, u32, f64)>), String> {
+    fn line(&mut self, name: String, model: &mut Model) -> Result<(Row, Products), String> {
         let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut form = self.form(model)?;
         let mut relation = self.relation().ok_or_else(|| self.unexpected("a relation"))?;

@@ -14,6 +14,9 @@ pub(super) struct Row {
     pub(super) entries: Vec<(u32, f64)>,
 }
 
+/// Products of two columns, with coefficients.
+pub(super) type Products = Vec<(u32, u32, f64)>;
+
 /// A row that holds if a binary has a value.
 #[derive(Debug)]
 pub(super) struct Indicator {
@@ -22,11 +25,19 @@ pub(super) struct Indicator {
     pub(super) row: Row,
 }
 
+/// A cone that is not one of single columns: all points have a polynomial of at least 0, and some forms of at least 0.
+#[derive(Debug, Clone)]
+pub(super) struct StatedCone {
+    /// In words.
+    pub(super) what: String,
+    pub(super) polynomial: Polynomial,
+    pub(super) heads: Vec<Polynomial>,
+}
+
 /// A statement of a file that is no row.
 #[derive(Debug)]
 pub(super) enum Statement {
-    /// A cone that is not one of single columns, in words: the polynomial is at least 0 in it.
-    Cone(String, Polynomial),
+    Cone(StatedCone),
     Indicator(Indicator),
     /// Of the columns, so many neighbours are other than 0 at most.
     Set(Vec<u32>, u8),
@@ -34,11 +45,24 @@ pub(super) enum Statement {
     Semicontinuous(u32),
 }
 
+impl StatedCone {
+    /// The same with other numbers of columns.
+    pub(super) fn renumbered(&self, at: &dyn Fn(u32) -> u32) -> Self {
+        StatedCone {
+            what: self.what.clone(),
+            polynomial: self.polynomial.renumbered(at),
+            heads: self.heads.iter().map(|head| head.renumbered(at)).collect(),
+        }
+    }
+}
+
 impl Statement {
     /// The columns that it mentions, perhaps several times.
     fn columns(&self) -> Vec<u32> {
         match self {
-            Statement::Cone(_, polynomial) => polynomial.columns().collect(),
+            Statement::Cone(own) => {
+                own.heads.iter().chain([&own.polynomial]).flat_map(Polynomial::columns).collect()
+            }
             Statement::Indicator(own) => {
                 own.row.entries.iter().map(|entry| entry.0).chain([own.binary]).collect()
             }
@@ -49,8 +73,8 @@ impl Statement {
 
     fn renumber(&mut self, shift: &dyn Fn(&mut u32)) {
         match self {
-            Statement::Cone(_, polynomial) => {
-                *polynomial = polynomial.renumbered(|mut column| {
+            Statement::Cone(own) => {
+                *own = own.renumbered(&|mut column| {
                     shift(&mut column);
                     column
                 });
@@ -182,7 +206,7 @@ impl Model {
             return self.leave_out(what);
         }
         polynomial.add_affine(-sign, &Affine { terms: row.entries, constant: -limit });
-        self.statements.push(Statement::Cone(what, polynomial));
+        self.statements.push(Statement::Cone(StatedCone { what, polynomial, heads: Vec::new() }));
     }
 
     /// Gives semi-continuous columns the bounds that include 0, as rows say the rest.

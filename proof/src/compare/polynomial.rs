@@ -3,9 +3,16 @@
 
 use std::collections::BTreeMap;
 
-/// How much the coefficients of two polynomials may differ, relative to what they are the sum of (no unit): the roots
-/// in a cone are rounded.
+/// How much the coefficients of two polynomials may differ, relative to them (no unit): the roots in a cone are
+/// rounded.
 const ROUNDING: f64 = 1e-9;
+
+/// The same, relative to what they are the sum of.
+const ROUNDING_OF_SUMS: f64 = 16.0 * f64::EPSILON;
+
+/// How much larger than the largest coefficient the terms of one may be that cancel (no unit): beyond it, nothing can
+/// be said of the others.
+const LARGEST_CANCELLATION: f64 = 1e6;
 
 /// What stands for 1 in the place of a column.
 const ONE: u32 = u32::MAX;
@@ -78,6 +85,13 @@ impl Polynomial {
         self.terms.keys().flat_map(|&(i, j)| [i, j]).filter(|column| *column != ONE)
     }
 
+    /// A linear form.
+    pub(super) fn of(form: &Affine) -> Self {
+        let mut polynomial = Polynomial::default();
+        polynomial.add_affine(1.0, form);
+        polynomial
+    }
+
     /// The same with other numbers of columns.
     pub(super) fn renumbered(&self, at: impl Fn(u32) -> u32) -> Self {
         let at = |column: u32| if column == ONE { ONE } else { at(column) };
@@ -98,9 +112,12 @@ impl Polynomial {
         let largest = other.terms.iter().max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()));
         let Some((key, &(value, _))) = largest else { return false };
         let ratio = of(self, key).0 / value;
+        let most = self.terms.values().map(|term| term.0.abs()).fold(0.0, f64::max);
         let is_same = |key: &(u32, u32)| {
-            let ((a, size), (b, other_size)) = (of(self, key), of(other, key));
-            (a - ratio * b).abs() <= ROUNDING * (size + ratio * other_size)
+            let ((a, size), (b, other)) = (of(self, key), of(other, key));
+            let allowed =
+                ROUNDING * (a.abs() + ratio * b.abs()) + ROUNDING_OF_SUMS * (size + ratio * other);
+            (a - ratio * b).abs() <= allowed && size <= LARGEST_CANCELLATION * most
         };
         ratio > 0.0 && ratio.is_finite() && self.terms.keys().chain(other.terms.keys()).all(is_same)
     }

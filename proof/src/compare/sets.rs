@@ -4,6 +4,9 @@ use super::further::{Further, ROUNDING};
 use super::model::{Row, Statement};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+/// A row that links a column to binaries.
+type Link<'r> = (&'r Row, u32, BTreeSet<u32>);
+
 impl Further<'_> {
     /// Checks the rows of ordered sets and semi-continuous columns: that for any values of the columns that the
     /// statements allow there are binaries with which the rows hold.
@@ -11,8 +14,7 @@ impl Further<'_> {
         let only = |row: &Row| format!("row {} is only in the log", row.name);
         let values = self.values();
         // Each row that links a column to binaries; and the sums of binaries.
-        let (mut links, mut sums): (Vec<(&Row, u32, BTreeSet<u32>)>, Vec<&Row>) =
-            Default::default();
+        let (mut links, mut sums): (Vec<Link<'_>>, Vec<&Row>) = Default::default();
         for row in rows {
             let (known, binaries): (Vec<_>, Vec<_>) =
                 row.entries.iter().copied().partition(|entry| self.is_known(entry.0));
@@ -38,7 +40,7 @@ impl Further<'_> {
             pairs.extend(row.entries.iter().map(|entry| entry.0));
         }
         // Other binaries are 1 where their columns are not 0.
-        let single = |link: &&(&Row, u32, BTreeSet<u32>)| link.2.is_disjoint(&pairs);
+        let single = |link: &&Link<'_>| link.2.is_disjoint(&pairs);
         if let Some(link) = links.iter().filter(single).find(|link| link.2.len() != 1) {
             return Err(only(link.0));
         }
@@ -92,12 +94,12 @@ impl Further<'_> {
     }
 
     /// Whether the binaries of a sum are the pairs of neighbours of a set, and link each member to its own pairs.
-    fn are_pairs(&self, row: &Row, links: &[(&Row, u32, BTreeSet<u32>)]) -> bool {
+    fn are_pairs(&self, row: &Row, links: &[Link<'_>]) -> bool {
         let pairs: Vec<u32> = row.entries.iter().map(|entry| entry.0).collect();
         let all: BTreeSet<u32> = pairs.iter().copied().collect();
         self.model.statements.iter().any(|statement| {
             let Statement::Set(members, 2) = statement else { return false };
-            let is_fit = |(_, column, binaries): &(&Row, u32, BTreeSet<u32>)| {
+            let is_fit = |(_, column, binaries): &Link<'_>| {
                 let Some(k) = members.iter().position(|&member| self.at(member) == *column) else {
                     return false;
                 };

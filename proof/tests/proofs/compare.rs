@@ -315,6 +315,29 @@ fn quadratic_rows() {
     }
 }
 
+/// The sign of a head decides which half of a double cone is meant.
+#[test]
+fn signs_of_heads() {
+    let model = "Minimize\n obj: y\nSubject To\n q: [ x^2 - y^2 ] <= -4\nBounds\n -3 <= x <= 3\n y <= 9\nEnd\n";
+    let log = "carom proof 1\nsense min\ncolumns 3\nc c 0 9 y\nc c -3 3 x\nc c 2 2 -\nrows 0\ncones 1\nq 0 2 1 2\n\
+               objective 0\ng 1 0 1\nh 0\nclaim infeasible\nproof\n";
+    assert!(said(model, Format::Lp, log).starts_with("the same program: "));
+    let other = log
+        .replace("columns 3", "columns 4")
+        .replace("rows 0", "c c 0 inf -\nrows 1\nr 0 0 2 0 -1 3 -1 -")
+        .replace("q 0 2", "q 3 2");
+    assert_eq!(said(model, Format::Lp, &other), {
+        "another program: the cone with the head 3 is only in the log"
+    });
+    // x <= -1 times a head of -1 is the same polynomial, and no point has a head of -1.
+    let model = "Minimize\n obj: y\nSubject To\n q: [ x^2 ] + y <= 0\nBounds\n -3 <= x <= 3\n -9 <= y <= 9\nEnd\n";
+    let log = "carom proof 1\nsense min\ncolumns 4\nc c -9 9 y\nc c -3 3 x\nc c 1 1 -\nc c 0 inf -\nrows 1\n\
+               r 0 0 2 0 -1 3 -1 -\ncones 1\nr 3 2 1 1\nobjective 0\ng 1 0 1\nh 0\nclaim infeasible\nproof\n";
+    assert!(said(model, Format::Lp, log).starts_with("the same program: "));
+    let other = log.replace("c c 1 1 -", "c c -1 -1 -").replace("0 -1 3 -1", "0 1 3 -1");
+    assert!(said(model, Format::Lp, &other).starts_with("another program: "));
+}
+
 /// Rows that are conditional, semi-continuous columns and ordered sets, as rows with binaries.
 #[test]
 fn rows_with_binaries() {
@@ -327,6 +350,9 @@ fn rows_with_binaries() {
             "the big number of indicator i is too small in the log"
         }),
         ("-inf 9 3 0 1 1 6 2 1", "-inf 9 3 0 1 1 7 2 1", "not in the log: indicator i"),
+        ("-inf 9 3 0 1 1 6 2 1", "-inf 1000000000002 3 0 1 1 1000000000000 2 1", {
+            "not in the log: indicator i"
+        }),
         ("-inf 9 3 0 1 1 6 2 1", "-inf 9 3 0 2 1 6 2 1", "not in the log: indicator i"),
         ("-inf 9 3 0 1 1 6 2 1", "1 9 3 0 1 1 6 2 1", "not in the log: indicator i"),
         ("rows 1\nr -inf 9 3 0 1 1 6 2 1 i_upper\n", "rows 0\n", "not in the log: indicator i"),
