@@ -99,7 +99,9 @@ fn changed(header: &str, has_switches: bool, r: &mut Random) -> Option<(&'static
                 lines[place].split_ascii_whitespace().map(ToOwned::to_owned).collect();
             let entries: usize = words[3].parse().ok()?;
             let k = 5 + 2 * r.below(entries.max(1));
-            if entries == 0 || words[1..3] == ["-inf", "inf"] {
+            // A multiple of a column as the entry of a cone: of that column alone, another one may say the same.
+            let is_multiple = entries == 2 && words[1..3] == ["0", "0"];
+            if entries == 0 || is_multiple || words[1..3] == ["-inf", "inf"] {
                 return None;
             }
             words[k] = format!("{}", words[k].parse::<f64>().ok()? * 1.25);
