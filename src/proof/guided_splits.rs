@@ -1,8 +1,8 @@
 //! The splits of the search as splits of a proof: about integral columns of the lowered program, or about others
 //! that are whole because of these.
 
+use super::split_places::{is_counted, place_of};
 use super::tree::{FRACTIONAL, ProofWriter};
-use super::whole_splits::{is_counted, place_of};
 use crate::search::Decision;
 
 /// The longest row along which an integral column is looked for, and most columns on the way to it.

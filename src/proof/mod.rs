@@ -22,7 +22,7 @@
 //! * `switched`, `zero_products` - products that make squares tighter, and are 0 at every point
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
-//! * `tree`, `guide`, `guided_splits`, `whole_splits`, `search` - the splits, those of the search first
+//! * `tree`, `guide`, `guided_splits`, `split_places`, `whole_splits`, `search` - the splits, those of the search first
 //! * `log` - the text
 
 mod block_lemmas;
@@ -47,6 +47,7 @@ mod repaired_sums;
 mod root;
 mod search;
 mod simple_sums;
+mod split_places;
 mod strengthened;
 mod switched;
 mod tightened;

@@ -8,8 +8,8 @@ use super::guide::Guide;
 use super::guided_splits::SideRelation;
 use super::log::ProofLog;
 use super::relaxed::{FactRefutation, Relaxed, Relaxer};
+use super::split_places::{is_counted, place_of};
 use super::tightened::{TightRowLemma, TightStep};
-use super::whole_splits::{is_counted, place_of};
 use crate::search::{Decision, Fork, opposite};
 
 /// The distance from a whole number from which a column can be split there (no unit).

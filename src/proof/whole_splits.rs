@@ -3,21 +3,9 @@
 //! The bounds of an integral column need not be whole: those of the program are as they were stated. A split at the
 //! whole number below such a bound leaves one side empty, and the other one with a bound that is whole.
 
+use super::split_places::{LARGEST_PLACE, is_counted, place_of};
 use super::tree::{FRACTIONAL, ProofWriter};
 use crate::search::Decision;
-
-/// The largest place of a split; the next whole number and its neighbours are floats, too (no unit).
-const LARGEST_PLACE: f64 = ((1_u64 << 53) - 2) as f64;
-
-/// Whether a column can be split at a number: into what is at most it, and what is at least the next one.
-pub(super) fn is_counted(place: f64) -> bool {
-    place == place.round() && place.abs() <= LARGEST_PLACE
-}
-
-/// The place of a split.
-pub(super) fn place_of(decision: Decision) -> f64 {
-    if decision.is_upper { decision.value } else { decision.value - 1.0 }
-}
 
 impl ProofWriter<'_, '_> {
     /// Whether a decision is a side of a split that a checker accepts.

@@ -21,8 +21,6 @@ struct Sides {
 
 pub(super) struct Canonical {
     columns: BTreeMap<u32, Column>,
-    /// The bounds without what rows of a single column say.
-    stated: BTreeMap<u32, (f64, f64)>,
     /// Rows by their forms, of which the first coefficient is positive.
     rows: BTreeMap<Form, Sides>,
     cones: BTreeSet<(u32, Option<u32>, Vec<u32>)>,
@@ -36,7 +34,6 @@ impl Canonical {
     pub(super) fn new(model: Model, order: &[u32]) -> Self {
         let at = |column: u32| order.get(column as usize).copied().unwrap_or(u32::MAX);
         let mut columns: Vec<Column> = model.columns;
-        let stated: Vec<(f64, f64)> = columns.iter().map(|c| (c.lower, c.upper)).collect();
         let mut rows: BTreeMap<Form, Sides> = BTreeMap::new();
         for row in model.rows {
             let mut entries = row.entries;
@@ -93,7 +90,6 @@ impl Canonical {
         squares.retain(|_, value| *value != 0.0);
         Canonical {
             cones: cones.collect(),
-            stated: stated.into_iter().zip(0..).map(|(sides, j)| (at(j), sides)).collect(),
             columns: columns.into_iter().zip(0..).map(|(column, j)| (at(j), column)).collect(),
             rows,
             constant: model.constant,
@@ -106,23 +102,23 @@ impl Canonical {
         self.columns.get(&place)
     }
 
-    /// A column at `place` that differs in a log. If statements were left out, rows of a single column
-    /// may be what has become of them, so that such rows of the log may be further ones.
+    /// A column at `place` that differs in a log.
+    ///
+    /// # Arguments
+    ///
+    /// * `is_head`: whether a cone keeps it at least 0.
     pub(super) fn other_column(
         &self,
         log: &Canonical,
         place: u32,
-        has_further: bool,
+        is_head: bool,
     ) -> Option<String> {
         let (own, other) = (self.columns.get(&place)?, log.columns.get(&place)?);
-        let (lower, upper) = *log.stated.get(&place)?;
-        let is_same = own.limits() == other.limits();
-        let is_within = own.is_integral == other.is_integral
-            && (lower <= own.lower && own.lower <= other.lower)
-            && (upper >= own.upper && own.upper >= other.upper);
-        let is_fine = is_same || (has_further && is_within);
+        let (is_integral, lower, upper) = own.limits();
+        let is_same = own.limits() == other.limits()
+            || is_head && (is_integral, lower.max(0.0), upper) == other.limits();
         let name = &own.name;
-        (!is_fine).then(|| format!("column {name}: {own} in the model, {other} in the log"))
+        (!is_same).then(|| format!("column {name}: {own} in the model, {other} in the log"))
     }
 
     /// A row that is not in another program, which is called `there`.
@@ -158,11 +154,11 @@ impl Canonical {
         })
     }
 
-    /// A cone that is only in one of two programs; `has_further` if the log may have others.
-    pub(super) fn other_cone(&self, log: &Canonical, has_further: bool) -> Option<String> {
+    /// A cone that is only in one of two programs.
+    pub(super) fn other_cone(&self, log: &Canonical) -> Option<String> {
         let name = |column: u32| self.column(column).map_or("of the log", |column| &column.name);
         let missing = self.cones.difference(&log.cones).next();
-        let further = log.cones.difference(&self.cones).next().filter(|_| !has_further);
+        let further = log.cones.difference(&self.cones).next();
         let cone = |cone: &(u32, Option<u32>, Vec<u32>)| {
             format!("the cone with the head {}", name(cone.0))
         };

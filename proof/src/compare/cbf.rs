@@ -1,6 +1,7 @@
 //! CBF files: linear cones, and second-order cones of single variables.
 
-use super::model::{Model, Row};
+use super::model::{Model, Row, StatedCone, Statement};
+use super::polynomial::{Affine, Polynomial};
 use crate::program::Cone;
 
 /// Most entries of a cone.
@@ -122,37 +123,106 @@ impl Reader {
                 }
             }
             if sides(&kind).is_none() {
-                self.cone(&kind, columns)?;
+                let entries = columns.into_iter().map(Affine::column).collect();
+                self.cone(&kind, entries, &kind.clone())?;
             }
         }
         Ok(())
     }
 
-    fn cone(&mut self, kind: &str, columns: Vec<u32>) -> Result<(), String> {
-        match (kind, columns.split_first()) {
-            ("Q", Some((&head, tail))) => {
-                self.model.cones.push(Cone { head, second: None, tail: tail.to_vec() });
-                Ok(())
-            }
-            ("QR", _) => {
-                self.model.leave_out("a cone QR", None);
-                for column in columns {
-                    self.model
-                        .unequal_columns
-                        .get_mut(column as usize)
-                        .into_iter()
-                        .for_each(|c| *c = true);
-                }
-                Ok(())
-            }
-            _ => Err(format!("cone `{kind}` is not read")),
+    /// Adds a cone of expressions.
+    fn cone(&mut self, kind: &str, entries: Vec<Affine>, name: &str) -> Result<(), String> {
+        let heads = match kind {
+            "Q" => 1,
+            "QR" => 2,
+            _ => return Err(format!("cone `{kind}` is not read")),
+        };
+        if entries.len() < heads {
+            return Err(format!("a cone {kind} with too few entries"));
         }
+        let (head, tail) = entries.split_at(heads);
+        let is_constant = |form: &Affine| form.terms.is_empty();
+        let tail: Vec<&Affine> =
+            tail.iter().filter(|form| !is_constant(form) || form.constant != 0.0).collect();
+        // A head that is a multiple of a column bounds it.
+        for form in head {
+            if let [(column, factor)] = form.terms[..]
+                && factor > 0.0
+                && form.constant == 0.0
+                && let Some(own) = self.model.column_mut(column).filter(|own| own.upper >= 0.0)
+            {
+                own.lower = own.lower.max(0.0);
+            }
+        }
+        let is_closed = head.iter().any(|form| is_constant(form) && form.constant <= 0.0);
+        if is_closed || tail.is_empty() {
+            head.iter().for_each(|form| self.side(form, f64::INFINITY, name));
+            tail.iter().for_each(|form| self.side(form, 0.0, name));
+            return Ok(());
+        }
+        if head.iter().all(is_constant) && tail.iter().all(|form| is_constant(form)) {
+            let limit = match head {
+                [first, second] => (2.0 * first.constant).sqrt() * second.constant.sqrt(),
+                _ => head.iter().map(|form| form.constant).sum(),
+            };
+            let length = tail.iter().fold(0.0_f64, |length, form| length.hypot(form.constant));
+            if length > limit + 1e-12 * limit {
+                let (lower, upper, entries) = (length - limit, f64::INFINITY, Vec::new());
+                self.model.rows.push(Row { name: name.to_string(), lower, upper, entries });
+            }
+            return Ok(());
+        }
+        let column = |form: &Affine| match form.terms[..] {
+            [(column, 1.0)] if form.constant == 0.0 => Some(column),
+            _ => None,
+        };
+        let columns: Option<Vec<u32>> =
+            head.iter().chain(tail.iter().copied()).map(column).collect();
+        if let ("Q", Some([first, rest @ ..])) = (kind, columns.as_deref()) {
+            let mut all = columns.clone().unwrap_or_default();
+            all.sort_unstable();
+            all.dedup();
+            if all.len() == rest.len() + 1 {
+                self.model.cones.push(Cone { head: *first, second: None, tail: rest.to_vec() });
+                return Ok(());
+            }
+        }
+        let mut polynomial = Polynomial::default();
+        match head {
+            [first, second] => polynomial.add_product(2.0, first, second),
+            _ => head.iter().for_each(|form| polynomial.add_product(1.0, form, form)),
+        }
+        tail.iter().for_each(|form| polynomial.add_product(-1.0, form, form));
+        let of = if columns.is_some() { "columns" } else { "expressions" };
+        let what = format!("a cone {kind} of {of}");
+        let heads = head.iter().map(Polynomial::of).collect();
+        self.model.statements.push(Statement::Cone(StatedCone { what, polynomial, heads }));
+        Ok(())
+    }
+
+    /// Adds the row that an expression is at least 0, and at most something.
+    fn side(&mut self, form: &Affine, most: f64, name: &str) {
+        // A constant that is at least 0, and a column that its bound keeps there, need no row.
+        let is_kept = match form.terms[..] {
+            [] => form.constant >= 0.0,
+            [(column, factor)] => {
+                factor > 0.0 && form.constant == 0.0 && self.model.bounds_of(column).0 >= 0.0
+            }
+            _ => false,
+        };
+        if is_kept && most == f64::INFINITY {
+            return;
+        }
+        let limit = 0.0 - form.constant;
+        let upper = if most == f64::INFINITY { most } else { limit };
+        let entries = form.terms.clone();
+        self.model.rows.push(Row { name: name.to_string(), lower: limit, upper, entries });
     }
 
     fn finish(mut self) -> Result<Model, String> {
         let (cones, mut number) = (std::mem::take(&mut self.cones), 0);
         for (kind, size) in cones {
-            let mut members = Vec::new();
+            let (first, mut members) = (number, Vec::new());
             for _ in 0..size {
                 let (entries, constant) = self.rows.get(number).cloned().unwrap_or_default();
                 if let Some((lower, upper)) = sides(&kind) {
@@ -160,17 +230,15 @@ impl Reader {
                     let name = format!("c[{number}]");
                     self.model.rows.push(Row { name, lower, upper, entries });
                 } else {
-                    members.push(match entries[..] {
-                        [(column, 1.0)] if constant == 0.0 => Some(column),
-                        _ => None,
-                    });
+                    let mut terms = entries;
+                    terms.sort_by_key(|term| term.0);
+                    terms.retain(|term| term.1 != 0.0);
+                    members.push(Affine { terms, constant });
                 }
                 number += 1;
             }
-            match members.into_iter().collect::<Option<Vec<u32>>>() {
-                _ if sides(&kind).is_some() => {}
-                Some(columns) => self.cone(&kind, columns)?,
-                None => self.model.leave_out(format!("a cone {kind} of expressions"), None),
+            if sides(&kind).is_none() {
+                self.cone(&kind, members, &format!("c[{first}]"))?;
             }
         }
         Ok(self.model)

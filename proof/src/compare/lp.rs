@@ -1,7 +1,7 @@
 //! LP files in the format of CPLEX.
 
 use super::lp_words::{SIGNS, Section, Token, section, tokens};
-use super::model::{Model, Row};
+use super::model::{Indicator, Model, Products, Row, Statement};
 
 /// Magnitudes from here on are infinite.
 const INFINITE: f64 = 1e20;
@@ -17,7 +17,7 @@ pub(super) fn read(text: &str) -> Result<Model, String> {
             None => sections.last_mut().into_iter().for_each(|section| section.2.push(line)),
         }
     }
-    let mut binaries = Vec::new();
+    let (mut binaries, mut indicators) = (Vec::new(), Vec::new());
     for (section, title, lines) in sections {
         let tokens: Vec<Token<'_>> = lines.iter().flat_map(|line| tokens(line)).collect();
         let mut tokens = Tokens { all: &tokens, at: 0 };
@@ -35,7 +35,7 @@ pub(super) fn read(text: &str) -> Result<Model, String> {
             }
             Section::Rows => {
                 while !tokens.is_done() {
-                    tokens.row(&mut model)?;
+                    tokens.row(&mut model, &mut indicators)?;
                 }
             }
             Section::Bounds => {
@@ -54,24 +54,27 @@ pub(super) fn read(text: &str) -> Result<Model, String> {
                     }
                 }
             }
-            Section::Other if tokens.is_done() => {}
-            Section::Other => {
-                let is_semi = title.to_ascii_lowercase().starts_with("semi");
-                for (name, _) in tokens.all.iter().filter(|_| is_semi) {
+            Section::Semicontinuous => {
+                for (name, _) in tokens.all {
                     let index = model.column(name);
-                    model.leave_out(format!("semi-continuous column {name}"), Some(index));
-                }
-                if !is_semi {
-                    model.leave_out(format!("section {title}"), None);
+                    model.leave_out(format!("semi-continuous column {name}"));
+                    model.statements.push(Statement::Semicontinuous(index));
                 }
             }
+            Section::Sets => tokens.sets(&title, &mut model),
+            Section::Other if tokens.is_done() => {}
+            Section::Other => model.leave_out(format!("section {title}")),
             Section::End => {}
         }
     }
-    for index in binaries {
+    for &index in &binaries {
         if let Some(column) = model.column_mut(index) {
             (column.lower, column.upper) = (column.lower.max(0.0), column.upper.min(1.0));
         }
+    }
+    // Bounds and binaries stand behind the rows.
+    for indicator in std::mem::take(&mut indicators) {
+        model.indicator(indicator);
     }
     Ok(model)
 }
@@ -236,9 +239,61 @@ impl<'a> Tokens<'a> {
         Ok(products)
     }
 
-    fn row(&mut self, model: &mut Model) -> Result<(), String> {
+    /// Members of ordered sets, `name: S1:: x:1 y:2`.
+    fn sets(&mut self, title: &str, model: &mut Model) {
+        let of_title = if title.to_ascii_lowercase().ends_with('1') { 1 } else { 2 };
+        let (mut most, mut members) = (of_title, Vec::new());
+        while !self.is_done() {
+            let word = self.peek();
+            self.at += 1;
+            let is_type = ["s1", "s2"].contains(&word.to_ascii_lowercase().as_str());
+            let colons = self.all.iter().skip(self.at).take_while(|token| token.0 == ":").count();
+            self.at += colons;
+            let is_member = colons == 1 && {
+                let start = self.at;
+                let is_weight = self.limit().is_ok();
+                self.at = if is_weight { self.at } else { start };
+                is_weight
+            };
+            if is_member {
+                members.push(model.column(word));
+                continue;
+            }
+            // A set begins, by its name or its type.
+            if !members.is_empty() {
+                model.set(std::mem::take(&mut members), most);
+            }
+            if is_type && colons == 2 {
+                most = if word.ends_with('1') { 1 } else { 2 };
+            }
+        }
+        if !members.is_empty() {
+            model.set(members, most);
+        }
+    }
+
+    fn row(&mut self, model: &mut Model, indicators: &mut Vec<Indicator>) -> Result<(), String> {
         let place = model.rows.len() + 1;
         let name = self.label().map_or_else(|| format!("c{place}"), ToString::to_string);
+        let (row, products) = self.line(name, model)?;
+        if self.take("->") {
+            let (own, squares) = self.line(row.name.clone(), model)?;
+            match row.entries[..] {
+                [(binary, _)] if squares.is_empty() && row.lower == row.upper => {
+                    indicators.push(Indicator { binary, value: row.lower, row: own });
+                }
+                _ => model.leave_out(format!("indicator {}", row.name)),
+            }
+        } else if products.is_empty() {
+            model.rows.push(row);
+        } else {
+            model.squares(row, &products);
+        }
+        Ok(())
+    }
+
+    /// A row without its name, and its products.
+    fn line(&mut self, name: String, model: &mut Model) -> Result<(Row, Products), String> {
         let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut form = self.form(model)?;
         let mut relation = self.relation().ok_or_else(|| self.unexpected("a relation"))?;
@@ -263,19 +318,8 @@ impl<'a> Tokens<'a> {
                 _ => (lower, upper) = (limit, limit),
             }
         }
-        if self.take("->") {
-            self.form(model)?;
-            self.relation().ok_or_else(|| self.unexpected("a relation"))?;
-            self.limit()?;
-            model.leave_out(format!("indicator {name}"), None);
-        } else if form.products.is_empty() {
-            let entries = form.linear;
-            let (lower, upper) = (lower - form.constant, upper - form.constant);
-            model.rows.push(Row { name, lower, upper, entries });
-        } else {
-            model.leave_out(format!("the squares of row {name}"), None);
-        }
-        Ok(())
+        let (lower, upper) = (lower - form.constant, upper - form.constant);
+        Ok((Row { name, lower, upper, entries: form.linear }, form.products))
     }
 
     fn bound(&mut self, model: &mut Model) -> Result<(), String> {

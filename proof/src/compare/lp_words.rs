@@ -11,6 +11,8 @@ pub(super) enum Section {
     Bounds,
     General,
     Binary,
+    Semicontinuous,
+    Sets,
     /// Statements that are not compared.
     Other,
     End,
@@ -37,17 +39,11 @@ pub(super) fn section(line: &str) -> Option<(Section, &str)> {
         "bounds" | "bound" => Section::Bounds,
         "general" | "generals" | "gen" | "integer" | "integers" | "int" => Section::General,
         "binary" | "binaries" | "bin" => Section::Binary,
-        "semi-continuous"
-        | "semis"
-        | "semi"
-        | "sos"
-        | "sos1"
-        | "sos2"
-        | "lazy constraints"
-        | "user cuts"
-        | "general constraints"
-        | "gencons"
-        | "pwlobj" => Section::Other,
+        "semi-continuous" | "semis" | "semi" => Section::Semicontinuous,
+        "sos" | "sos1" | "sos2" => Section::Sets,
+        "lazy constraints" | "user cuts" | "general constraints" | "gencons" | "pwlobj" => {
+            Section::Other
+        }
         "end" => Section::End,
         _ => return None,
     };
@@ -74,9 +70,19 @@ pub(super) fn tokens(line: &str) -> Vec<Token<'_>> {
     tokens
 }
 
-/// The length of the number or the name at the beginning of a text.
+/// The length of the number or the name at the beginning of a text. Brackets within a name belong to it, such as
+/// `x[1,2]`.
 fn word_length(text: &str) -> usize {
-    let end = text.find(|c: char| c.is_whitespace() || SIGNS.contains(&c)).unwrap_or(text.len());
+    let mut depth = 0_usize;
+    let ends = |c: char| {
+        match c {
+            '[' => depth += 1,
+            ']' if depth > 0 => depth -= 1,
+            _ => return c.is_whitespace() || SIGNS.contains(&c),
+        }
+        false
+    };
+    let end = text.find(ends).unwrap_or(text.len());
     let is_digit = |c: char| c.is_ascii_digit() || c == '.';
     if !text.starts_with(is_digit) {
         return end;

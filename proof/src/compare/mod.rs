@@ -4,18 +4,24 @@
 //! the file: the same columns, by name or else by order, with the same bounds; the same rows, in any
 //! order; the same objective. Two rows with the same coefficients count as one, rows of a single column
 //! as bounds, and bounds of integral columns as the whole numbers within. All else is compared as floats,
-//! to the last bit. Statements that carom lowers to rows of other columns are listed, not compared.
+//! to the last bit. What statements that are no rows have become is looked for in the log, see `further`; anything
+//! else that only the log has makes it another program.
 
 mod canonical;
 mod cbf;
+mod decimal;
+mod further;
 mod lp;
 mod lp_words;
 mod model;
 mod mps;
+mod polynomial;
+mod sets;
 
 use crate::program::Program;
 use crate::text::{Failure, Lines};
 use canonical::Canonical;
+use further::{Found, Further};
 use model::Model;
 use std::fmt;
 use std::io::BufRead;
@@ -43,7 +49,9 @@ pub enum Comparison {
         columns: usize,
         /// The number of rows that were compared.
         rows: usize,
-        /// Statements that were not.
+        /// Statements that were compared up to rounding: quadratic rows, and cones of expressions.
+        rounded: Vec<String>,
+        /// Statements that were not compared.
         left_out: Vec<String>,
     },
     /// The first difference, in words.
@@ -62,30 +70,39 @@ pub enum Unreadable {
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Comparison::Same { columns, rows, left_out } => {
+            Comparison::Same { columns, rows, rounded, left_out } => {
                 let ending = |many: usize| if many == 1 { "" } else { "s" };
                 let (a, b) = (ending(*columns), ending(*rows));
                 write!(f, "the same program: {columns} column{a}, {rows} row{b}")?;
-                let mut kinds: Vec<(&str, usize)> = Vec::new();
-                for statement in left_out {
-                    match kinds.iter_mut().find(|kind| kind.0 == statement) {
-                        Some(kind) => kind.1 += 1,
-                        None => kinds.push((statement, 1)),
-                    }
-                }
-                for (k, (statement, times)) in kinds.iter().take(MOST_NAMED).enumerate() {
-                    write!(f, "{}{statement}", if k == 0 { "; not compared: " } else { ", " })?;
-                    if *times > 1 {
-                        write!(f, " ({times} times)")?;
-                    }
-                }
-                match kinds.len().saturating_sub(MOST_NAMED) {
-                    0 => Ok(()),
-                    more => write!(f, " and {more} more"),
-                }
+                write_kinds(f, "compared up to rounding", rounded)?;
+                write_kinds(f, "not compared", left_out)
             }
             Comparison::Different(what) => write!(f, "another program: {what}"),
         }
+    }
+}
+
+/// Some statements of each kind.
+fn write_kinds(f: &mut fmt::Formatter<'_>, what: &str, statements: &[String]) -> fmt::Result {
+    let mut kinds: Vec<(&str, usize)> = Vec::new();
+    for statement in statements {
+        match kinds.iter_mut().find(|kind| kind.0 == statement) {
+            Some(kind) => kind.1 += 1,
+            None => kinds.push((statement, 1)),
+        }
+    }
+    for (k, (statement, times)) in kinds.iter().take(MOST_NAMED).enumerate() {
+        match k {
+            0 => write!(f, "; {what}: {statement}")?,
+            _ => write!(f, ", {statement}")?,
+        }
+        if *times > 1 {
+            write!(f, " ({times} times)")?;
+        }
+    }
+    match kinds.len().saturating_sub(MOST_NAMED) {
+        0 => Ok(()),
+        more => write!(f, " and {more} more"),
     }
 }
 
@@ -116,39 +133,42 @@ pub fn compare(text: &str, format: Format, log: impl BufRead) -> Result<Comparis
     let program =
         Program::read(&mut lines).map_err(|refusal| Unreadable::Log(lines.at_line(refusal)))?;
     let program = Model::from_program(program);
-    let left_out = model.left_out.clone();
+    let mut left_out = model.left_out.clone();
     let (columns, rows) = (model.columns.len(), model.rows.len());
-    match difference(model, program) {
-        Some(what) => Ok(Comparison::Different(what)),
-        None => Ok(Comparison::Same { columns, rows, left_out }),
-    }
+    Ok(match difference(model, program) {
+        Ok(Found { rounded, taken, .. }) => {
+            left_out.extend(taken);
+            Comparison::Same { columns, rows, rounded, left_out }
+        }
+        Err(what) => Comparison::Different(what),
+    })
 }
 
-/// The first difference.
-fn difference(mut model: Model, mut log: Model) -> Option<String> {
+/// What was found of statements that are no rows, or the first difference.
+fn difference(mut model: Model, mut log: Model) -> Result<Found, String> {
     if model.is_maximisation != log.is_maximisation {
-        return Some("the sense of the objective".to_string());
+        return Err("the sense of the objective".to_string());
     }
     model.fold_constants(&log);
     log.fold_parts();
     let (many, there) = (model.columns.len(), log.columns.len());
-    if many > there || (many < there && model.left_out.is_empty()) {
-        return Some(format!("the model has {many} columns, the log {there}"));
+    if many > there || (many < there && model.statements.is_empty()) {
+        return Err(format!("the model has {many} columns, the log {there}"));
     }
     let order = model.order_in(&log);
-    let has_further = !model.left_out.is_empty();
-    let unequal = model.unequal_columns.clone();
+    let found = match model.statements.is_empty() {
+        true => Found::default(),
+        false => Further::take_out(&model, &mut log, &order)?,
+    };
+    model.widen_semicontinuous();
     let model = Canonical::new(model, &order);
     let log = Canonical::new(log, &(0..).take(there).collect::<Vec<u32>>());
-    let compared = order.iter().zip(&unequal).filter(|(_, skipped)| !**skipped);
-    for (&place, _) in compared {
-        if let Some(what) = model.other_column(&log, place, has_further) {
-            return Some(what);
-        }
-    }
-    model
-        .other_row(&log, "the log")
-        .or_else(|| if has_further { None } else { log.other_row(&model, "the model") })
+    let mut columns = order.iter().map(|&place| (place, found.heads.contains(&place)));
+    let first = columns.find_map(|(place, is_head)| model.other_column(&log, place, is_head));
+    let first = first
+        .or_else(|| model.other_row(&log, "the log"))
+        .or_else(|| log.other_row(&model, "the model"))
         .or_else(|| model.other_objective(&log))
-        .or_else(|| model.other_cone(&log, has_further))
+        .or_else(|| model.other_cone(&log));
+    first.map_or(Ok(found), Err)
 }

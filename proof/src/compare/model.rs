@@ -1,11 +1,12 @@
 //! A program as a file states it.
 
+use super::polynomial::{Affine, Polynomial};
 use crate::exact::Number;
 use crate::program::{Column, Cone, Program};
 use std::collections::{HashMap, HashSet};
 
 /// A row as a file states it.
-#[derive(Debug)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Row {
     pub(super) name: String,
     pub(super) lower: f64,
@@ -13,19 +14,93 @@ pub(super) struct Row {
     pub(super) entries: Vec<(u32, f64)>,
 }
 
+/// Products of two columns, with coefficients.
+pub(super) type Products = Vec<(u32, u32, f64)>;
+
+/// A row that holds if a binary has a value.
+#[derive(Debug)]
+pub(super) struct Indicator {
+    pub(super) binary: u32,
+    pub(super) value: f64,
+    pub(super) row: Row,
+}
+
+/// A cone that is not one of single columns: all points have a polynomial of at least 0, and some forms of at least 0.
+#[derive(Debug, Clone)]
+pub(super) struct StatedCone {
+    /// In words.
+    pub(super) what: String,
+    pub(super) polynomial: Polynomial,
+    pub(super) heads: Vec<Polynomial>,
+}
+
+/// A statement of a file that is no row.
+#[derive(Debug)]
+pub(super) enum Statement {
+    Cone(StatedCone),
+    Indicator(Indicator),
+    /// Of the columns, so many neighbours are other than 0 at most.
+    Set(Vec<u32>, u8),
+    /// The column is 0 or within its bounds.
+    Semicontinuous(u32),
+}
+
+impl StatedCone {
+    /// The same with other numbers of columns.
+    pub(super) fn renumbered(&self, at: &dyn Fn(u32) -> u32) -> Self {
+        StatedCone {
+            what: self.what.clone(),
+            polynomial: self.polynomial.renumbered(at),
+            heads: self.heads.iter().map(|head| head.renumbered(at)).collect(),
+        }
+    }
+}
+
+impl Statement {
+    /// The columns that it mentions, perhaps several times.
+    fn columns(&self) -> Vec<u32> {
+        match self {
+            Statement::Cone(own) => {
+                own.heads.iter().chain([&own.polynomial]).flat_map(Polynomial::columns).collect()
+            }
+            Statement::Indicator(own) => {
+                own.row.entries.iter().map(|entry| entry.0).chain([own.binary]).collect()
+            }
+            Statement::Set(members, _) => members.clone(),
+            Statement::Semicontinuous(column) => vec![*column],
+        }
+    }
+
+    fn renumber(&mut self, shift: &dyn Fn(&mut u32)) {
+        match self {
+            Statement::Cone(own) => {
+                *own = own.renumbered(&|mut column| {
+                    shift(&mut column);
+                    column
+                });
+            }
+            Statement::Indicator(own) => {
+                own.row.entries.iter_mut().for_each(|entry| shift(&mut entry.0));
+                shift(&mut own.binary);
+            }
+            Statement::Set(members, _) => members.iter_mut().for_each(shift),
+            Statement::Semicontinuous(column) => shift(column),
+        }
+    }
+}
+
 /// Minimise or maximise `1/2 x'Px + linear x + constant` over columns with rows and cones.
 #[derive(Debug, Default)]
 pub(super) struct Model {
     pub(super) is_maximisation: bool,
     pub(super) columns: Vec<Column>,
-    /// Of each column, whether its bounds are not compared.
-    pub(super) unequal_columns: Vec<bool>,
     pub(super) rows: Vec<Row>,
     pub(super) cones: Vec<Cone>,
     pub(super) constant: f64,
     pub(super) linear: Vec<(u32, f64)>,
     /// Entries of `P` with row <= column.
     pub(super) triangle: Vec<(u32, u32, f64)>,
+    pub(super) statements: Vec<Statement>,
     /// Statements that are not compared, in words.
     pub(super) left_out: Vec<String>,
     by_name: HashMap<String, u32>,
@@ -66,7 +141,6 @@ impl Model {
         let index = self.columns.len() as u32;
         self.by_name.entry(column.name.clone()).or_insert(index);
         self.columns.push(column);
-        self.unequal_columns.push(false);
         index
     }
 
@@ -92,12 +166,73 @@ impl Model {
         self.columns.get_mut(index as usize)
     }
 
-    /// Notes a statement of this kind, with one column or none whose bounds are not compared.
-    pub(super) fn leave_out(&mut self, statement: impl Into<String>, column: Option<u32>) {
+    /// Notes a statement that is not compared.
+    pub(super) fn leave_out(&mut self, statement: impl Into<String>) {
         self.left_out.push(statement.into());
-        if let Some(skipped) = column.and_then(|j| self.unequal_columns.get_mut(j as usize)) {
-            *skipped = true;
+    }
+
+    /// The bounds of a column as they are stated.
+    pub(super) fn bounds_of(&self, column: u32) -> (f64, f64) {
+        let own = self.columns.get(column as usize);
+        own.map_or((f64::NEG_INFINITY, f64::INFINITY), |own| (own.lower, own.upper))
+    }
+
+    /// The name of a column, for messages.
+    pub(super) fn name_of(&self, column: u32) -> String {
+        let named = self.columns.get(column as usize).map(|own| own.name.clone());
+        named.filter(|name| name != "-").unwrap_or_else(|| column.to_string())
+    }
+
+    /// Adds an ordered set.
+    pub(super) fn set(&mut self, members: Vec<u32>, most: u8) {
+        self.leave_out("ordered sets");
+        self.statements.push(Statement::Set(members, most));
+    }
+
+    /// Adds a row with products of columns.
+    pub(super) fn squares(&mut self, row: Row, products: &[(u32, u32, f64)]) {
+        let what = format!("the squares of row {}", row.name);
+        let (limit, sign) = match (row.lower.is_finite(), row.upper.is_finite()) {
+            (true, false) => (row.lower, -1.0),
+            _ => (row.upper, 1.0),
+        };
+        let mut polynomial = Polynomial::default();
+        products.iter().for_each(|&(i, j, value)| polynomial.add_square((i, j), -sign * value));
+        if !polynomial.has_products() {
+            self.rows.push(row);
+            return;
         }
+        if row.lower.is_finite() == row.upper.is_finite() {
+            return self.leave_out(what);
+        }
+        polynomial.add_affine(-sign, &Affine { terms: row.entries, constant: -limit });
+        self.statements.push(Statement::Cone(StatedCone { what, polynomial, heads: Vec::new() }));
+    }
+
+    /// Gives semi-continuous columns the bounds that include 0, as rows say the rest.
+    pub(super) fn widen_semicontinuous(&mut self) {
+        for statement in &self.statements {
+            let Statement::Semicontinuous(column) = statement else { continue };
+            if let Some(own) = self.columns.get_mut(*column as usize) {
+                (own.lower, own.upper) = (own.lower.min(0.0), own.upper.max(0.0));
+            }
+        }
+    }
+
+    /// Adds an indicator; one whose binary is fixed is a row, or nothing.
+    pub(super) fn indicator(&mut self, indicator: Indicator) {
+        let Indicator { binary, value, mut row } = indicator;
+        if self.bounds_of(binary) != (value, value) {
+            if self.bounds_of(binary) != (1.0 - value, 1.0 - value) {
+                self.statements.push(Statement::Indicator(Indicator { binary, value, row }));
+            }
+            return;
+        }
+        let own = row.entries.iter().filter(|entry| entry.0 == binary);
+        let own: f64 = own.map(|entry| entry.1 * value).sum();
+        row.entries.retain(|entry| entry.0 != binary);
+        (row.lower, row.upper) = (row.lower - own, row.upper - own);
+        self.rows.push(row);
     }
 
     /// A fixed column `Constant`, in the linear part of the objective alone and unknown to the log, is
@@ -109,7 +244,8 @@ impl Model {
         let Some(&Column { lower, upper, .. }) = self.columns.get(index as usize) else { return };
         let is_used = self.rows.iter().any(|row| row.entries.iter().any(|e| e.0 == index))
             || self.triangle.iter().any(|entry| entry.0 == index || entry.1 == index)
-            || self.cones.iter().any(|cone| is_in(cone, index));
+            || self.cones.iter().any(|cone| is_in(cone, index))
+            || self.statements.iter().any(|statement| statement.columns().contains(&index));
         if lower == upper && !is_used {
             let costs = self.linear.iter().filter(|entry| entry.0 == index);
             self.constant += costs.map(|entry| entry.1).sum::<f64>() * lower;
@@ -185,13 +321,12 @@ impl Model {
         let shift = |j: &mut u32| *j = places.get(*j as usize).copied().unwrap_or(u32::MAX);
         let mut index = 0..;
         self.columns.retain(|_| index.next().is_none_or(|j| !removed.contains(&j)));
-        let mut index = 0..;
-        self.unequal_columns.retain(|_| index.next().is_none_or(|j| !removed.contains(&j)));
         self.by_name.retain(|_, j| !removed.contains(j));
         self.by_name.values_mut().for_each(shift);
         self.linear.retain(|entry| !removed.contains(&entry.0));
         self.linear.iter_mut().for_each(|entry| shift(&mut entry.0));
         self.rows.iter_mut().flat_map(|row| &mut row.entries).for_each(|e| shift(&mut e.0));
+        self.statements.iter_mut().for_each(|statement| statement.renumber(&shift));
         for entry in &mut self.triangle {
             shift(&mut entry.0);
             shift(&mut entry.1);

@@ -1,6 +1,7 @@
 //! MPS files, fixed or free: fields are what white space separates.
 
-use super::model::{Model, Row};
+use super::decimal::moved;
+use super::model::{Indicator, Model, Row, Statement};
 use std::collections::{HashMap, HashSet};
 
 /// Magnitudes from here on are infinite.
@@ -13,8 +14,9 @@ struct Reader {
     /// The kind of each row, and its place; the objective and other free rows have none.
     rows: HashMap<String, Option<usize>>,
     kinds: Vec<char>,
-    right_sides: Vec<f64>,
-    ranges: Vec<Option<f64>>,
+    /// The right-hand side and the range of each row, as they stand there.
+    right_sides: Vec<Option<String>>,
+    ranges: Vec<Option<String>>,
     is_integral: bool,
     /// Columns with a bound.
     bounded: HashSet<u32>,
@@ -24,8 +26,11 @@ struct Reader {
     marked: Vec<u32>,
     /// The first name of a set in each section.
     sets: HashMap<String, String>,
-    /// Rows that other statements change.
-    changed: HashSet<String>,
+    /// Rows with products of columns, and those that are conditional on a column with a value.
+    squares: HashMap<String, Vec<(u32, u32, f64)>>,
+    conditions: HashMap<String, (u32, f64)>,
+    /// The kind of the last ordered set, and its members so far.
+    set: Option<(u8, Vec<u32>)>,
 }
 
 pub(super) fn read(text: &str) -> Result<Model, String> {
@@ -56,6 +61,7 @@ pub(super) fn read(text: &str) -> Result<Model, String> {
 
 impl Reader {
     fn begin(&mut self, section: &str, argument: &str) -> Result<(), String> {
+        self.end_set();
         match section {
             "NAME" | "ROWS" | "COLUMNS" | "RHS" | "RANGES" | "BOUNDS" | "QUADOBJ" | "QMATRIX" => {}
             "OBJSENSE" => self.sense(argument),
@@ -63,12 +69,10 @@ impl Reader {
             "OBJNAME" => self.objective = Some(argument.to_string()),
             "QSECTION" if self.is_objective(argument) => {}
             "QCMATRIX" | "QSECTION" => {
-                self.changed.insert(argument.to_string());
-                self.model.leave_out(format!("the squares of row {argument}"), None);
+                self.squares.entry(argument.to_string()).or_default();
             }
-            "SOS" | "SOS1" | "SOS2" | "SETS" => self.model.leave_out("ordered sets", None),
-            "INDICATORS" => self.model.leave_out("indicators", None),
-            _ => self.model.leave_out(format!("section {section}"), None),
+            "SOS" | "SOS1" | "SOS2" | "SETS" | "INDICATORS" => {}
+            _ => self.model.leave_out(format!("section {section}")),
         }
         Ok(())
     }
@@ -97,15 +101,23 @@ impl Reader {
                 }
             }
             ("BOUNDS", fields) => self.bound(fields)?,
-            ("QSECTION", _) if !self.is_objective(argument) => {}
+            ("QSECTION" | "QCMATRIX", [a, b, value]) if !self.is_objective(argument) => {
+                let (a, b, value) = (self.known(a)?, self.known(b)?, number(value)?);
+                // `x'Qx` with both orders of a pair; or `x'Qx / 2` with one of them.
+                let halved = if section == "QSECTION" && a == b { 0.5 } else { 1.0 };
+                let own = self.squares.entry(argument.to_string()).or_default();
+                own.push((a.min(b), a.max(b), halved * value));
+            }
             ("QUADOBJ" | "QMATRIX" | "QSECTION", [a, b, value]) => {
                 let (a, b) = (self.known(a)?, self.known(b)?);
                 let halved = if section == "QMATRIX" && a != b { 0.5 } else { 1.0 };
                 self.model.triangle.push((a.min(b), a.max(b), halved * number(value)?));
             }
-            ("INDICATORS", [_, row, ..]) => {
-                self.changed.insert((*row).to_string());
+            ("INDICATORS", [_, row, binary, value]) => {
+                let condition = (self.known(binary)?, number(value)?);
+                self.conditions.insert((*row).to_string(), condition);
             }
+            ("SOS" | "SOS1" | "SOS2" | "SETS", fields) => self.set(section, fields)?,
             _ => {}
         }
         Ok(())
@@ -134,7 +146,7 @@ impl Reader {
         };
         self.rows.insert(name.to_string(), Some(self.kinds.len()));
         self.kinds.push(kind);
-        self.right_sides.push(0.0);
+        self.right_sides.push(None);
         self.ranges.push(None);
         let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
         self.model.rows.push(Row { name: name.to_string(), lower, upper, entries: Vec::new() });
@@ -167,13 +179,16 @@ impl Reader {
     }
 
     fn sides(&mut self, section: &str, pairs: &[&str]) -> Result<(), String> {
-        for (row, value) in pairs_of(pairs)? {
+        for (pair, (row, value)) in pairs.chunks_exact(2).zip(pairs_of(pairs)?) {
+            let word = pair.last().map(ToString::to_string);
             match self.rows.get(row) {
-                Some(&Some(place)) if section == "RHS" => {
-                    self.right_sides.get_mut(place).into_iter().for_each(|side| *side = value);
-                }
+                // Of several, the first one counts.
                 Some(&Some(place)) => {
-                    self.ranges.get_mut(place).into_iter().for_each(|range| *range = Some(value));
+                    let of =
+                        if section == "RHS" { &mut self.right_sides } else { &mut self.ranges };
+                    if let Some(own) = of.get_mut(place).filter(|own| own.is_none()) {
+                        *own = word;
+                    }
                 }
                 Some(None) if section == "RHS" && self.objective.as_deref() == Some(row) => {
                     self.model.constant = 0.0 - value;
@@ -182,6 +197,32 @@ impl Reader {
             }
         }
         Ok(())
+    }
+
+    /// A line of ordered sets: the kind of one, or a member.
+    fn set(&mut self, section: &str, fields: &[&str]) -> Result<(), String> {
+        let kind = fields.first().map(|word| word.to_ascii_uppercase()).unwrap_or_default();
+        let is_head = ["S1", "S2"].contains(&kind.as_str());
+        if is_head && (fields.len() < 2 || self.model.find(fields[0]).is_none()) {
+            self.end_set();
+            self.set = Some((if kind == "S1" { 1 } else { 2 }, Vec::new()));
+            return Ok(());
+        }
+        // The name of the set may stand before the member.
+        let name = match fields {
+            [name, _] | [_, name, _] => name,
+            _ => return Ok(()),
+        };
+        let member = self.known(name)?;
+        let of_section = if section.ends_with('1') { 1 } else { 2 };
+        self.set.get_or_insert((of_section, Vec::new())).1.push(member);
+        Ok(())
+    }
+
+    fn end_set(&mut self) {
+        if let Some((most, members)) = self.set.take().filter(|set| !set.1.is_empty()) {
+            self.model.set(members, most);
+        }
     }
 
     fn bound(&mut self, fields: &[&str]) -> Result<(), String> {
@@ -216,7 +257,10 @@ impl Reader {
             "PL" => column.upper = f64::INFINITY,
             "BV" => (column.lower, column.upper) = (0.0, 1.0),
             "SC" | "SI" => {
-                self.model.leave_out(format!("semi-continuous column {name}"), Some(index));
+                column.upper = value;
+                column.is_integral |= kind == "SI";
+                self.model.leave_out(format!("semi-continuous column {name}"));
+                self.model.statements.push(Statement::Semicontinuous(index));
                 return Ok(());
             }
             _ => return Err(format!("there is no kind of bounds {kind}")),
@@ -229,23 +273,50 @@ impl Reader {
     }
 
     fn finish(mut self) -> Result<Model, String> {
+        self.end_set();
         for index in self.marked.iter().filter(|index| !self.bounded.contains(index)) {
             if let Some(column) = self.model.column_mut(*index) {
                 column.upper = 1.0;
             }
         }
         let sides = self.kinds.iter().zip(&self.right_sides).zip(&self.ranges);
-        for (row, ((kind, &side), range)) in self.model.rows.iter_mut().zip(sides) {
+        for (row, ((kind, side), range)) in self.model.rows.iter_mut().zip(sides) {
+            let word = side.as_deref().unwrap_or("0");
+            let side = number(word)?;
+            // Sums of decimals are rounded once.
+            let other = |sign: i32| match range {
+                None => Ok(side),
+                Some(range) if side.is_infinite() => Ok(number(range).map(|_| side)?),
+                Some(range) => {
+                    let size = f64::from(sign) * number(range)?.abs();
+                    let sum = moved(word, sign, range).unwrap_or(side + size);
+                    Ok::<f64, String>(or_infinite(sum))
+                }
+            };
+            let is_below = match range {
+                Some(range) => number(range)? < 0.0,
+                None => false,
+            };
             (row.lower, row.upper) = match (kind, range) {
                 ('L', None) => (f64::NEG_INFINITY, side),
                 ('G', None) => (side, f64::INFINITY),
-                ('L', Some(range)) => (side - range.abs(), side),
-                ('G', Some(range)) => (side, side + range.abs()),
-                (_, Some(range)) if *range < 0.0 => (side + range, side),
-                (_, range) => (side, side + range.unwrap_or(0.0)),
+                ('L', Some(_)) => (other(-1)?, side),
+                ('G', Some(_)) => (side, other(1)?),
+                _ if is_below => (other(-1)?, side),
+                _ => (side, other(1)?),
             };
         }
-        self.model.rows.retain(|row| !self.changed.contains(&row.name));
+        for row in std::mem::take(&mut self.model.rows) {
+            let squares = self.squares.get(&row.name);
+            match (self.conditions.get(&row.name), squares) {
+                (None, None) => self.model.rows.push(row),
+                (None, Some(products)) => self.model.squares(row, products),
+                (Some(&(binary, value)), None) => {
+                    self.model.indicator(Indicator { binary, value, row });
+                }
+                _ => self.model.leave_out(format!("indicator {}", row.name)),
+            }
+        }
         Ok(self.model)
     }
 }
@@ -265,5 +336,9 @@ fn number(word: &str) -> Result<f64, String> {
     if value.is_nan() {
         return Err(format!("`{word}` is no number"));
     }
-    Ok(if value.abs() >= INFINITE { value.signum() * f64::INFINITY } else { value })
+    Ok(or_infinite(value))
+}
+
+fn or_infinite(value: f64) -> f64 {
+    if value.abs() >= INFINITE { value.signum() * f64::INFINITY } else { value }
 }

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod bounded_cones;
+mod compared;
 mod damaged;
 mod declarations;
 mod lemmas;

@@ -65,8 +65,8 @@ pub(super) fn lp(seed: u64, is_odd: bool) -> String {
     let columns = 1 + r.below(4);
     let name = |j: usize| match (is_odd, j % 4) {
         (true, 1) => format!("x({j},a)"),
-        (true, 2) => format!("x{{{j}}}.b"),
-        (true, 3) => format!("x_{j}#c"),
+        (true, 2) => format!("x[{j},b]"),
+        (true, 3) => format!("x{{{j}}}"),
         _ => format!("x{j}"),
     };
     let mut names: Vec<String> = (0..columns).map(name).collect();
@@ -135,4 +135,126 @@ pub(super) fn lp(seed: u64, is_odd: bool) -> String {
         }
     }
     text + "End\n"
+}
+
+/// A number with at most one digit behind the point.
+fn number(r: &mut Random, low: i32, high: i32) -> String {
+    match r.chance(0.5) {
+        true => r.within(low, high).to_string(),
+        false => format!("{}", f64::from(r.within(10 * low, 10 * high)) / 10.0),
+    }
+}
+
+/// An MPS file with ranges in decimals, products, semi-continuous columns and ordered sets.
+pub(super) fn mps(seed: u64) -> String {
+    let r = &mut Random::new(seed);
+    let (columns, rows) = (1 + r.below(4), 1 + r.below(4));
+    let names: Vec<String> = (0..columns)
+        .map(|j| if r.chance(0.5) { format!("x[{j},1]") } else { format!("x({j})") })
+        .collect();
+    let mut text = "NAME t\nROWS\n N cost\n".to_owned();
+    for row in 0..rows {
+        let _ = writeln!(text, " {} r{row}", ["L", "G", "L", "E"][r.below(4)]);
+    }
+    text += "COLUMNS\n";
+    let mut is_marked = false;
+    for (j, name) in names.iter().enumerate() {
+        if r.chance(0.4) {
+            is_marked = !is_marked;
+            let _ =
+                writeln!(text, " M{j} 'MARKER' '{}'", if is_marked { "INTORG" } else { "INTEND" });
+        }
+        let _ = writeln!(text, " {name} cost {}", number(r, -3, 3));
+        for row in 0..rows {
+            if r.chance(0.6) {
+                let _ = writeln!(text, " {name} r{row} {}", number(r, -4, 4));
+            }
+        }
+    }
+    if is_marked {
+        text += " M 'MARKER' 'INTEND'\n";
+    }
+    text += "RHS\n";
+    for row in 0..rows {
+        if r.chance(0.8) {
+            let _ = writeln!(text, " RHS r{row} {}", number(r, -9, 9));
+        }
+    }
+    text += "RANGES\n";
+    for row in 0..rows {
+        if r.chance(0.4) {
+            let _ = writeln!(text, " R r{row} {}", f64::from(r.within(1, 999)) / 100.0);
+        }
+    }
+    text += "BOUNDS\n";
+    for name in &names {
+        let (low, high) = (number(r, -9, 0), number(r, 1, 9));
+        let _ = match r.below(6) {
+            0 => writeln!(text, " FR B {name}"),
+            1 => writeln!(text, " MI B {name}\n UP B {name} {high}"),
+            2 => writeln!(text, " BV B {name}"),
+            3 => writeln!(text, " SC B {name} {high}"),
+            _ => writeln!(text, " LO B {name} {low}\n UP B {name} {high}"),
+        };
+    }
+    for section in ["QUADOBJ", "QCMATRIX r0"] {
+        if r.chance(0.3) {
+            text = format!("{text}{section}\n");
+            for name in &names {
+                if r.chance(0.7) {
+                    let _ = writeln!(text, " {name} {name} {}", r.within(1, 4));
+                }
+            }
+        }
+    }
+    text + "ENDATA\n"
+}
+
+/// The sizes of cones for some entries.
+fn cones(r: &mut Random, entries: usize) -> Vec<(&'static str, usize)> {
+    let (mut all, mut left) = (Vec::new(), entries);
+    while left > 0 {
+        let size = 1 + r.below(left);
+        let kind = ["F", "L+", "L-", "L=", "Q", "Q", "QR"][r.below(7)];
+        all.push((if kind == "QR" && size < 2 { "L+" } else { kind }, size));
+        left -= size;
+    }
+    all
+}
+
+/// A CBF file with cones of any size, of columns and of expressions.
+pub(super) fn cbf(seed: u64) -> String {
+    let r = &mut Random::new(seed);
+    let (columns, rows) = (2 + r.below(5), 1 + r.below(6));
+    let sense = if r.chance(0.5) { "MIN" } else { "MAX" };
+    let mut text = format!("VER\n1\nOBJSENSE\n{sense}\n");
+    for (section, entries) in [("VAR", columns), ("CON", rows)] {
+        let all = cones(r, entries);
+        let _ = writeln!(text, "{section}\n{entries} {}", all.len());
+        all.iter().for_each(|(kind, size)| text += &format!("{kind} {size}\n"));
+    }
+    let whole: Vec<usize> = (0..columns).filter(|_| r.chance(0.3)).collect();
+    let costs: Vec<String> = (0..columns).map(|j| format!("{j} {}", number(r, -3, 3))).collect();
+    let mut entries = Vec::new();
+    for row in 0..rows {
+        for column in (0..columns).filter(|_| r.chance(0.35)).collect::<Vec<_>>() {
+            let value = ["1", "1", "-1", "2", "0.5", "0.1", "-3"][r.below(7)];
+            entries.push(format!("{row} {column} {value}"));
+        }
+    }
+    let constants: Vec<String> = (0..rows)
+        .filter(|_| r.chance(0.5))
+        .collect::<Vec<_>>()
+        .into_iter()
+        .map(|row| format!("{row} {}", number(r, -4, 4)))
+        .collect();
+    let whole: Vec<String> = whole.iter().map(ToString::to_string).collect();
+    for (section, lines) in
+        [("INT", whole), ("OBJACOORD", costs), ("ACOORD", entries), ("BCOORD", constants)]
+    {
+        if !lines.is_empty() {
+            let _ = writeln!(text, "{section}\n{}\n{}", lines.len(), lines.join("\n"));
+        }
+    }
+    text
 }
