@@ -3,25 +3,20 @@
 //! The squares of a quadratic row `q <= 0` are completed. Without a negative one it is convex: `|tail| <= head`
 //! with a constant head if the squares take up the whole linear part, and `|tail|^2 <= head * 1` otherwise.
 //! With one negative square, or one product, and no other variables, it is a Lorentz cone, if the bounds
-//! tell the sign of its head. Everything else is no cone, unless multiples of `z^2 - z` for binaries make it
-//! convex.
+//! tell the sign of its head. Everything else is no cone.
 //!
 //! The roots of coefficients are rounded, so points at which the row holds with equality may miss the cone
 //! by some units in the last place of its terms.
-
-use std::collections::BTreeSet;
 
 use super::squares::{Completed, SumOfSquares};
 use super::stored_conic::StoredConic;
 use crate::error::{Error, ErrorKind};
 use crate::model::affine::Affine;
 use crate::model::checks::finite;
-use crate::model::ids::Variable;
 use crate::model::name::Name;
 use crate::model::quadratic::Quadratic;
 use crate::model::store::Model;
-use crate::model::variable::VariableKind;
-use crate::semidefinite::{Direction, Product, least_multiple, negative_direction};
+use crate::semidefinite::{Direction, negative_direction};
 
 /// A second-order cone over affine expressions.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,12 +55,7 @@ impl Model {
             (1, Some(_)) if sum.linear.terms().is_empty() && sum.constant >= 0.0 => {
                 self.lorentz(&sum, name)?
             }
-            (_, Some(direction)) => {
-                let Some(expression) = self.convex_over_binaries(expression) else {
-                    return Err(self.no_cone(name, direction));
-                };
-                return self.standard_cone(&StoredConic::Quadratic { expression }, name);
-            }
+            (_, Some(direction)) => return Err(self.no_cone(name, direction)),
         };
         for expression in cone.head.iter().chain(&cone.tail) {
             finite(expression.offset(), "a completed square", name)?;
@@ -74,24 +64,6 @@ impl Model {
             }
         }
         Ok(cone)
-    }
-
-    /// The expression with a multiple of `z^2 - z` for each binary in its products, which is 0 at whole numbers,
-    /// if that makes it convex.
-    fn convex_over_binaries(&self, expression: &Quadratic) -> Option<Quadratic> {
-        let products = expression.products();
-        let pairs = products.iter().flat_map(|&(a, b, _)| [a, b]);
-        let is_binary =
-            |v: &Variable| self.stored.variables[v.index()].kind == VariableKind::Binary;
-        let binaries: BTreeSet<Variable> = pairs.filter(is_binary).collect();
-        let weights = binaries.iter().map(|v| (v.index(), 1.0)).collect();
-        let multiple = least_multiple(&indexed(expression), &weights).ok()?;
-        let mut convex = expression.clone();
-        for z in binaries {
-            convex.add_product(multiple, z, z);
-            convex.append(&Quadratic::from(z), -multiple);
-        }
-        Some(convex.compacted())
     }
 
     /// The cone of a row without negative squares.
@@ -169,11 +141,7 @@ impl Model {
 
 /// A direction along which an expression is concave.
 fn concave_direction(expression: &Quadratic) -> Option<Direction> {
-    negative_direction(&indexed(expression), &|_| 0.0)
-}
-
-/// The products of an expression by the numbers of their variables.
-fn indexed(expression: &Quadratic) -> Vec<Product> {
-    let products = expression.products().into_iter();
-    products.map(|(a, b, q)| (a.index(), b.index(), q)).collect()
+    let products = expression.products();
+    let products = products.into_iter().map(|(a, b, q)| (a.index(), b.index(), q));
+    negative_direction(&products.collect::<Vec<_>>(), &|_| 0.0)
 }
