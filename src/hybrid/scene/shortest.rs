@@ -32,6 +32,9 @@ const COARSER: f64 = 8.0;
 /// templates of all states, each image of which costs many times a polygon's.
 const MOST_MOVES: usize = 8;
 
+/// The number of first steps in which a corner is looked for.
+const FIRST_STEPS: usize = 64;
+
 impl Scene {
     /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
     /// and refutes all smaller numbers.
@@ -197,23 +200,56 @@ impl Stated {
         self.sets_of(&system).map(Some)
     }
 
-    /// That hits of several things in a step are not planned, if they could be.
+    /// That corners are not planned, if every run of a body moves into one: if it ends the same step behind two
+    /// faces, whatever its input is.
     fn corner_hint(&self) -> Option<String> {
         if self.scene.corners {
             return None;
         }
-        let with_corners = Scene { corners: true, ..self.scene.clone() };
-        let opposite = exclusive(&with_corners, &self.contacts);
-        let is_corner = |pair: &[usize]| !opposite.iter().any(|other| other == pair);
-        let groups = exclusive(&self.scene, &self.contacts);
-        let meet = groups.iter().any(|group| {
-            let pairs = group.iter().enumerate();
-            let mut pairs = pairs.flat_map(|(k, &a)| group[k + 1..].iter().map(move |&b| [a, b]));
-            pairs.any(|pair| is_corner(&pair))
-        });
-        let words = "a body hits at most one thing in a step, so that none moves into a corner: \
-                     `Scene::with_corners(true)` allows it";
-        meet.then(|| words.to_owned())
+        let walls: Vec<(usize, usize)> = (0..self.contacts.len())
+            .filter_map(|c| Some((c, self.certain_hit(&self.contacts[c])?)))
+            .collect();
+        let (a, b, step) = walls.iter().enumerate().find_map(|(k, &(a, step))| {
+            let same = |b: usize| self.contacts[b].body == self.contacts[a].body;
+            let other = walls[k + 1..].iter().find(|&&(b, own)| same(b) && own == step)?;
+            Some((a, other.0, step))
+        })?;
+        let body = &self.scene.bodies[self.contacts[a].body].name;
+        let [a, b] = [a, b].map(|c| &self.contacts[c].name);
+        Some(format!(
+            "`{body}` cannot but hit several things in step {step} (`{a}` and `{b}`), and a body hits at most \
+             one in a step unless `Scene::with_corners(true)` allows corners"
+        ))
+    }
+
+    /// The step in which a body first ends behind a wall, if that is the same for all inputs; the body starts at one
+    /// state, and nothing but its input moves it.
+    fn certain_hit(&self, contact: &ContactPair) -> Option<usize> {
+        let body = &self.scene.bodies[contact.body];
+        let start = &body.start.as_ref()?.ranges;
+        let is_plain = body.dynamics.is_none() && body.gravity.iter().all(|g| *g == 0.0);
+        let is_point = start.iter().all(|range| range.lower == range.upper);
+        let [face] = &contact.faces[..] else { return None };
+        if !is_plain || !is_point || contact.other.is_some() || !contact.bounces() {
+            return None;
+        }
+        let axes = self.scene.axes();
+        let along = |of: &[Interval]| {
+            let terms = face.normal.iter().zip(of).map(|(n, range)| *range * *n);
+            terms.fold(Interval::point(0.0), |sum, term| sum + term)
+        };
+        let (place, speed) = (along(&start[..axes]), along(&start[axes..]));
+        let input = along(&body.acceleration);
+        let first = |farthest: bool| {
+            (1..=FIRST_STEPS).find(|&steps| {
+                let time = steps as f64 * self.scene.time_step;
+                let end = place + speed * time + input * (0.5 * time * time);
+                let end = if farthest { end.upper } else { end.lower };
+                end < face.limit_at(steps)
+            })
+        };
+        let (soonest, latest) = (first(false)?, first(true)?);
+        (soonest == latest).then(|| soonest - 1)
     }
 
     /// The most hits of a plan, if a rule says so of all hits together.

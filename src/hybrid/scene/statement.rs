@@ -109,7 +109,7 @@ impl Scene {
         with_estimate(estimate: ImpactEstimate) => estimate = estimate;
         /// Lets bodies hit several faces in one step. The effects add, which is the law of a corner
         /// whose faces are at right angles. Without it, a body that cannot but move into a corner has no plan, and the
-        /// text of the search says that corners are not planned.
+        /// text of the search says so.
         with_corners(wanted: bool) => corners = wanted;
         /// Keeps every step of a plan away from ties, in m: a step that ends exactly at a surface to
         /// bounce off may hit it or fly, so that what really happens is left to chance. With a

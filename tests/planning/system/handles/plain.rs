@@ -147,6 +147,15 @@ pub(super) fn plain() -> impl Strategy<Value = Plain> {
                 if common.is_none() {
                     choices.truncate(1);
                 }
+                // A guard on the prediction of what another choice may change is refused.
+                let changes = |ways: &Vec<Way>| ways.iter().any(|way| way.flow.is_some());
+                let changes: Vec<bool> = choices.iter().map(changes).collect();
+                for (c, ways) in choices.iter_mut().enumerate() {
+                    let mut others = changes.iter().enumerate().filter(|(k, _)| *k != c);
+                    if others.any(|(_, changes)| *changes) {
+                        ways.iter_mut().for_each(|way| way.predicted = None);
+                    }
+                }
                 let has_memory = memory && choices[0].len() == 4;
                 Plain {
                     states: n,
