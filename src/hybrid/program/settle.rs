@@ -20,7 +20,7 @@ use crate::tolerance::{ABSOLUTE_GAP, FEASIBILITY, RELATIVE_GAP};
 
 /// The share of its range that an input leaves free at each end where a plan is looked for that can be corrected
 /// (no unit).
-const ROOM: f64 = 1e-4;
+const INPUT_ROOM: f64 = 1e-4;
 
 /// The drift for which an error refuses a plan, if it does.
 pub(in crate::hybrid) fn as_drift(error: &Error) -> Option<&RunError> {
@@ -160,16 +160,20 @@ impl Members {
         point: &Point,
         solver: &mut dyn Solver,
     ) -> Result<Option<Solution>, Error> {
-        let mut narrow = model.clone();
+        let (mut narrow, mut has_room) = (model.clone(), false);
         for own in self.iter() {
             own.fix_transitions(&mut narrow, &own.read_point(point)?)?;
             for variable in own.inputs().iter().flatten() {
                 let range = narrow.variable_ref(variable)?.bounds();
-                let room = ROOM * (range.upper - range.lower);
+                let room = INPUT_ROOM * (range.upper - range.lower);
                 if room.is_finite() && room > 0.0 {
+                    has_room = true;
                     narrow.set_bounds(variable, range.lower + room, range.upper - room)?;
                 }
             }
+        }
+        if !has_room {
+            return Ok(None);
         }
         let found = solve(solver, &narrow)?;
         Ok(found.point().is_some().then_some(found))

@@ -32,14 +32,14 @@ pub(super) trait RunNumber: Clone {
 
 /// A float and a bound of its rounding.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Rounded {
+pub(super) struct RoundedFloat {
     value: f64,
     lost: f64,
 }
 
-impl RunNumber for Rounded {
+impl RunNumber for RoundedFloat {
     fn new(value: f64) -> Self {
-        Rounded { value, lost: 0.0 }
+        RoundedFloat { value, lost: 0.0 }
     }
 
     fn minus(&self, value: f64) -> f64 {

@@ -5,7 +5,7 @@
 //! miss at every further step, so it can carry a plan to where no input leads. This is seen only from the
 //! start.
 
-use super::digits::{Digits, Rounded, RunNumber};
+use super::digits::{Digits, RoundedFloat, RunNumber};
 use super::error::RunError;
 use super::plan::PlannedRun;
 use crate::hybrid::affine::{self, Map};
@@ -15,10 +15,10 @@ use crate::interval::Interval;
 use crate::tolerance::allowed_drift;
 
 /// Floats of a number where rounding is too much; they suffice unless the system is very unstable.
-const FEW: usize = 2;
+const FEW_PARTS: usize = 2;
 
 /// Floats of a number if a few do not suffice: some 1000 bits.
-const MANY: usize = 20;
+pub(super) const MANY_PARTS: usize = 20;
 
 /// The share of what is allowed that digits may lose (no unit).
 const LOST: f64 = 1e-3;
@@ -124,14 +124,14 @@ impl OpenRun {
                 lost.iter().zip(allowed).all(|(lost, allowed)| *lost <= LOST * allowed)
             })
         };
-        let rough = OpenRun::with_parts::<Rounded>(plan, start, inputs, 1);
+        let rough = OpenRun::with_parts::<RoundedFloat>(plan, start, inputs, 1);
         if suffices(&rough) {
             return rough;
         }
-        let few = OpenRun::with_parts::<Digits>(plan, start, inputs, FEW);
+        let few = OpenRun::with_parts::<Digits>(plan, start, inputs, FEW_PARTS);
         match suffices(&few) {
             true => few,
-            false => OpenRun::with_parts::<Digits>(plan, start, inputs, MANY),
+            false => OpenRun::with_parts::<Digits>(plan, start, inputs, MANY_PARTS),
         }
     }
 
@@ -228,7 +228,7 @@ impl PlannedRun<'_> {
     pub(super) fn residuals(&self, inputs: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let of = |(step, input): (usize, &Vec<f64>)| {
             let state: Vec<Digits> = exact(&self.states[step]);
-            let next = lead(self.system, &self.transitions(step), step, &state, input, FEW);
+            let next = lead(self.system, &self.transitions(step), step, &state, input, FEW_PARTS);
             differences(&next, &self.states[step + 1])
         };
         inputs.iter().enumerate().map(of).collect()

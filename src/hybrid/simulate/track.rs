@@ -10,13 +10,10 @@ use faer::linalg::solvers::Solve;
 
 use super::certify::MISS;
 use super::digits::Digits;
-use super::open_run::{differences, exact, lead};
+use super::open_run::{MANY_PARTS, differences, exact, lead};
 use super::plan::PlannedRun;
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
-
-/// Floats of a number of a run.
-const PARTS: usize = 20;
 
 /// The difference from the plan that costs as much as an input's whole freedom, relative to the drift that is
 /// allowed (no unit).
@@ -24,7 +21,7 @@ const CLOSENESS: f64 = 0.1;
 
 /// The least freedom of an input, relative to the width of its range (no unit): at an end of it, there is
 /// hardly any.
-const LEAST: f64 = 1e-9;
+const LEAST_FREEDOM: f64 = 1e-9;
 
 /// The feedback of a step: `δu = gain . e + shift`.
 struct StepFeedback {
@@ -87,7 +84,7 @@ impl PlannedRun<'_> {
             if !input.iter().all(|u| u.is_finite()) {
                 return None;
             }
-            state = lead(self.system, &self.transitions(step), step, &state, &input, PARTS);
+            state = lead(self.system, &self.transitions(step), step, &state, &input, MANY_PARTS);
             let values: Vec<f64> = state.iter().map(Digits::value).collect();
             if !values.iter().all(|x| x.is_finite()) {
                 return None;
@@ -107,6 +104,10 @@ impl PlannedRun<'_> {
         freedom: Freedom,
     ) -> Option<Vec<StepFeedback>> {
         let (n, m) = (self.system.states.len(), self.system.inputs.len());
+        if m == 0 {
+            let none = || StepFeedback { gain: Mat::zeros(0, n), shift: Vec::new() };
+            return Some(planned.iter().map(|_| none()).collect());
+        }
         let residuals = self.residuals(planned);
         let weight = |sample: usize| {
             let allowed = self.allowed_drifts(sample);
@@ -131,17 +132,14 @@ impl PlannedRun<'_> {
                     Freedom::ToNearerEnd => nearer,
                     Freedom::WholeRange => width,
                 };
-                free.max(LEAST * width).max(f64::EPSILON * value.abs().max(1.0)).powi(-2)
+                free.max(LEAST_FREEDOM * width).max(f64::EPSILON * value.abs().max(1.0)).powi(-2)
             };
             let prices = Mat::from_fn(m, m, |i, j| if i == j { price(i) } else { 0.0 });
             // The cost to go is `e'P e + 2 p'e`.
             let after = &cost * &r + &slope;
-            let (mut gain, mut shift) = (Mat::<f64>::zeros(m, n), Mat::<f64>::zeros(m, 1));
-            if m > 0 {
-                let inner = (&prices + b.transpose() * &cost * &b).partial_piv_lu();
-                gain = inner.solve(&(b.transpose() * &cost * &a));
-                shift = inner.solve(&(b.transpose() * &after));
-            }
+            let inner = (&prices + b.transpose() * &cost * &b).partial_piv_lu();
+            let gain = inner.solve(&(b.transpose() * &cost * &a));
+            let shift = inner.solve(&(b.transpose() * &after));
             let closed = &a - &b * &gain;
             // The symmetric form (Joseph's) stays positive.
             let next = weight(step)
