@@ -89,7 +89,7 @@ pub enum ErrorKind {
         kind: &'static str,
     },
     /// A handle of another model or hybrid system.
-    #[error("{}", foreign(*.kind, *.index, .place, .name.as_deref()))]
+    #[error("{}", foreign(.kind, *.index, .place, .name.as_deref()))]
     ForeignHandle {
         /// `variable`, `constraint` or `indicator`.
         kind: &'static str,
