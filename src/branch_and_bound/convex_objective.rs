@@ -17,9 +17,13 @@ use crate::semidefinite::{
     Direction, Product, blocks, least_multiple, negative_direction, with_squares,
 };
 use crate::sum::exact_sum;
+use crate::tolerance;
 
 /// The sum of multiples that is slight beside the coefficients of the products (no unit).
 const SLIGHT_SHIFT: f64 = 0.1;
+
+/// The loss of a block that is taken without another thought, in the objective's unit.
+const SMALL_LOSS: f64 = 0.1 * tolerance::ABSOLUTE_GAP;
 
 /// Most products of a column, on average, that get columns of their own, and most of a block.
 const FEW_PRODUCTS: f64 = 4.0;
@@ -111,6 +115,9 @@ impl ConvexChanges {
     ) -> Result<(), Error> {
         let Some(direction) = negative_direction(block, &|_| 0.0) else { return Ok(()) };
         let two = |j: usize| columns.has_two_values[j];
+        if self.raise_slightly(block, columns) {
+            return Ok(());
+        }
         let refused = |direction, help| model.not_convex(model.sense(), direction, help);
         let (inner, with_two): (Vec<Product>, Vec<Product>) =
             block.iter().partition(|(a, b, _)| !two(*a) && !two(*b));
@@ -163,6 +170,31 @@ impl ConvexChanges {
             _ => self.products.extend(with_two),
         }
         Ok(())
+    }
+
+    /// Raises the squares of all columns of a block, if that costs next to nothing: coefficients of a convex form
+    /// that were rounded.
+    fn raise_slightly(&mut self, block: &[Product], columns: &CurvedColumns<'_>) -> bool {
+        let weight = |j: usize| match columns.has_two_values[j] {
+            true => 1.0,
+            false => columns.width(j).powi(-2),
+        };
+        let weights: BTreeMap<usize, f64> =
+            members(block).into_iter().map(|j| (j, weight(j))).collect();
+        let wide = weights.keys().filter(|j| !columns.has_two_values[**j]).count();
+        let Ok(multiple) = least_multiple(block, &weights) else { return false };
+        let loss = add_up(0.25 * multiple * wide as f64, 0.0);
+        if wide == 0 || loss > SMALL_LOSS {
+            return false;
+        }
+        self.loss += loss;
+        let amounts = weights.iter().map(|(&j, weight)| (j, multiple * weight));
+        self.squares.extend(amounts.filter(|(_, amount)| *amount > 0.0));
+        if let Some(proof) = &mut self.proof {
+            let binaries = weights.keys().filter(|j| columns.is_binary[**j]);
+            proof.extend(binaries.map(|&j| (j, multiple)));
+        }
+        true
     }
 
     /// The model with the objective that the changes leave, and rows for products.

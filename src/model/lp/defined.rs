@@ -79,7 +79,8 @@ pub(super) fn define(
         }
         LpFunctionKind::Piecewise => {
             let of = of.into_iter().next().unwrap_or_default();
-            graph(model, function, &of).and_then(|graph| model.piecewise(name, of, &graph))
+            let graph = graph(model, function, &of)?;
+            model.piecewise(name, of, &graph)
         }
         _ => model.maximum(name, of),
     };
@@ -88,10 +89,11 @@ pub(super) fn define(
 
 /// The points of a piecewise function, whose first and last pieces go on over the bounds of its argument.
 fn graph(model: &Model, function: &LpFunction<'_>, of: &Affine) -> Result<PiecewiseAffine, Error> {
-    let graph = PiecewiseAffine::new(function.points.iter().copied())?;
-    let range = model.range(of)?;
+    let failed = |error: Error| at(function.place, &error);
+    let graph = PiecewiseAffine::new(function.points.iter().copied()).map_err(failed)?;
+    let range = model.range(of).map_err(failed)?;
     if range.is_bounded() {
-        return graph.extended(range.lower, range.upper);
+        return graph.extended(range.lower, range.upper).map_err(failed);
     }
     let name = of.terms().first().map_or(String::new(), |(v, _)| model.name_of(*v).to_string());
     Err(function.place.error(format!(
