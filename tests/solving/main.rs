@@ -15,6 +15,7 @@ mod conformance;
 mod convexity;
 mod dependent_rows;
 mod endless_cones;
+mod equation_chains;
 mod explain;
 mod far_optima;
 mod far_starts;

@@ -26,6 +26,7 @@ mod binary_codes;
 mod blocks;
 mod coefficients;
 mod cones;
+mod determined_columns;
 mod dominated_columns;
 mod doubletons;
 mod fixed_columns;
@@ -193,7 +194,8 @@ pub(crate) fn presolve_around(
 ) -> Result<Presolve, Error> {
     let mut work = Work::new(program, token);
     given.iter().for_each(|&j| work.given[j] = true);
-    match reduce(&mut work, rules, token) {
+    let determined = determined_columns::apply(&mut work, rules.is_empty());
+    match determined.and_then(|()| reduce(&mut work, rules, token)) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
         Ok(()) if token.is_over() => Ok(Presolve::Stopped),
         Ok(()) => {
