@@ -37,5 +37,6 @@ mod stop_token;
 mod torture_programs;
 mod tour;
 mod trust;
+mod units;
 mod whole_nodes;
 mod without_objective;

@@ -41,6 +41,7 @@ mod redundant_rows;
 mod singleton_rows;
 mod slack_columns;
 mod substitute;
+mod units;
 mod work;
 
 pub use blocks::{ProgramBlock, blocks};
@@ -194,6 +195,7 @@ pub(crate) fn presolve_around(
 ) -> Result<Presolve, Error> {
     let mut work = Work::new(program, token);
     given.iter().for_each(|&j| work.given[j] = true);
+    units::apply(&mut work);
     let determined = determined_columns::apply(&mut work, rules.is_empty());
     match determined.and_then(|()| reduce(&mut work, rules, token)) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
