@@ -2,7 +2,9 @@
 
 use crate::sum::{exact_product, exact_sum};
 
-use super::{SHARP, SHARP_ZERO};
+/// The largest error of a value, relative to it, and absolute, at which its digits are known (no unit).
+const SHARP_DIGITS: f64 = 1e-12;
+const SHARP_FROM_ZERO: f64 = 1e-200;
 
 /// A product below this may have lost digits to the smallest float.
 const NEAR_UNDERFLOW: f64 = 1e-250;
@@ -40,7 +42,8 @@ impl Ball {
 
     /// Whether the value has all digits of a float.
     pub(crate) fn is_sharp(self) -> bool {
-        self.high.is_finite() && self.radius <= (SHARP * self.high.abs()).max(SHARP_ZERO)
+        self.high.is_finite()
+            && self.radius <= (SHARP_DIGITS * self.high.abs()).max(SHARP_FROM_ZERO)
     }
 
     /// Whether 0 may be meant.

@@ -1,6 +1,15 @@
 //! Equalities of a program that may determine columns.
 
-use super::ColumnKind;
+/// What is known of a column before the equations are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ColumnKind {
+    /// Its value is given.
+    Known,
+    /// A continuous column that an equation may determine.
+    Unknown,
+    /// Neither: equations with this column are left out.
+    Other,
+}
 
 /// Equalities over known and unknown columns.
 #[derive(Debug, Clone)]

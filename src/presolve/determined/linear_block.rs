@@ -1,6 +1,6 @@
-//! The solution of a small square system in [`Ball`]s.
+//! The solution of a small square system in balls.
 
-use super::Ball;
+use super::ball::Ball;
 use super::equations::Equations;
 
 /// The values of some columns that as many equations determine; unknown where these are dependent.

@@ -16,39 +16,16 @@ mod linear_block;
 mod structure;
 
 pub(crate) use ball::Ball;
+pub(crate) use equations::ColumnKind;
 use equations::Equations;
 use linear_block::solve;
+pub(crate) use structure::DeterminedBlock;
 use structure::Structure;
 
 use crate::program::Program;
 
-/// What is known of a column before the equations are looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ColumnKind {
-    /// Its value is given.
-    Known,
-    /// A continuous column that an equation may determine.
-    Unknown,
-    /// Neither: equations with this column are left out.
-    Other,
-}
-
 /// The growth of an error from which on columns are computed: below, tolerances need no help (no unit).
 const LEAST_GROWTH: f64 = 100.0;
-
-/// The largest error of a value, relative to it, and absolute, at which its digits are known (no unit).
-const SHARP: f64 = 1e-12;
-const SHARP_ZERO: f64 = 1e-200;
-
-/// Columns that are determined together by as many equations.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct DeterminedBlock {
-    /// The rows of the program.
-    pub(crate) rows: Vec<usize>,
-    pub(crate) columns: Vec<usize>,
-    /// The positions of the rows among the equations.
-    equations: Vec<usize>,
-}
 
 /// The columns that the equalities of a program determine, in the order of their computation.
 #[derive(Debug, Clone)]

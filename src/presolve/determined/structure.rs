@@ -1,7 +1,6 @@
 //! Which columns equations determine, by their pattern, and in which order.
 
-use super::equations::Equations;
-use super::{ColumnKind, DeterminedBlock};
+use super::equations::{ColumnKind, Equations};
 
 /// The largest number of columns that are determined together.
 const MAX_BLOCK: usize = 128;
@@ -9,7 +8,17 @@ const MAX_BLOCK: usize = 128;
 /// Most visits of terms in the search for a largest matching, as a multiple of the terms.
 const MATCHING_WORK: usize = 20;
 
-const NONE: usize = usize::MAX;
+const UNMATCHED: usize = usize::MAX;
+
+/// Columns that are determined together by as many equations.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct DeterminedBlock {
+    /// The rows of the program.
+    pub(crate) rows: Vec<usize>,
+    pub(crate) columns: Vec<usize>,
+    /// The positions of the rows among the equations.
+    pub(super) equations: Vec<usize>,
+}
 
 /// The pattern of some equations: which unknown columns they have.
 pub(super) struct Structure<'a> {
@@ -90,31 +99,33 @@ impl<'a> Structure<'a> {
     /// 1981). `None` where it takes too long.
     fn largest_matching(&self) -> Option<Matching> {
         let columns = self.unknown.len();
-        let mut matching =
-            Matching { column: vec![NONE; self.open.len()], equation: vec![NONE; columns] };
+        let mut matching = Matching {
+            column: vec![UNMATCHED; self.open.len()],
+            equation: vec![UNMATCHED; columns],
+        };
         let mut left: Vec<usize> =
             (0..columns).map(|j| if self.unknown[j] { self.uses(j).len() } else { 0 }).collect();
         let mut single: Vec<usize> = (0..columns).filter(|&j| left[j] == 1).collect();
         for first in 0..=self.open.len() {
             while let Some(column) = single.pop() {
-                let free = |e: &&usize| matching.column[**e] == NONE;
-                if matching.equation[column] == NONE
+                let free = |e: &&usize| matching.column[**e] == UNMATCHED;
+                if matching.equation[column] == UNMATCHED
                     && let Some(&equation) = self.uses(column).iter().find(free)
                 {
                     self.pair(&mut matching, equation, column, &mut left, &mut single);
                 }
             }
-            if first == self.open.len() || matching.column[first] != NONE {
+            if first == self.open.len() || matching.column[first] != UNMATCHED {
                 continue;
             }
-            let free = self.unknown_columns(first).filter(|&j| matching.equation[j] == NONE);
+            let free = self.unknown_columns(first).filter(|&j| matching.equation[j] == UNMATCHED);
             if let Some(column) = free.min_by_key(|&j| left[j]) {
                 self.pair(&mut matching, first, column, &mut left, &mut single);
             }
         }
         let mut work = MATCHING_WORK * self.uses.len() + 1000;
         for equation in 0..self.open.len() {
-            if self.open[equation] > 0 && matching.column[equation] == NONE {
+            if self.open[equation] > 0 && matching.column[equation] == UNMATCHED {
                 self.augment(&mut matching, equation, &mut work)?;
             }
         }
@@ -132,7 +143,7 @@ impl<'a> Structure<'a> {
         (matching.column[equation], matching.equation[column]) = (column, equation);
         for j in self.unknown_columns(equation) {
             left[j] -= 1;
-            if left[j] == 1 && matching.equation[j] == NONE {
+            if left[j] == 1 && matching.equation[j] == UNMATCHED {
                 single.push(j);
             }
         }
@@ -141,7 +152,7 @@ impl<'a> Structure<'a> {
     /// Looks for a path along which one more equation gets a column; `None` where no work is left.
     fn augment(&self, matching: &mut Matching, from: usize, work: &mut usize) -> Option<()> {
         // By equation that was reached: the column through which.
-        let mut through = std::collections::BTreeMap::from([(from, NONE)]);
+        let mut through = std::collections::BTreeMap::from([(from, UNMATCHED)]);
         let mut queue = vec![from];
         let mut next = 0;
         while let Some(&equation) = queue.get(next) {
@@ -149,7 +160,7 @@ impl<'a> Structure<'a> {
             for column in self.unknown_columns(equation) {
                 *work = work.checked_sub(1)?;
                 let other = matching.equation[column];
-                if other == NONE {
+                if other == UNMATCHED {
                     // Every equation on the way gets the column through which the next one was reached.
                     let (mut equation, mut column) = (equation, column);
                     loop {
@@ -176,12 +187,12 @@ impl<'a> Structure<'a> {
     fn take_square_part(&mut self, matching: &Matching) {
         let columns = self.unknown.len();
         let mut reached: Vec<bool> =
-            (0..columns).map(|j| self.unknown[j] && matching.equation[j] == NONE).collect();
+            (0..columns).map(|j| self.unknown[j] && matching.equation[j] == UNMATCHED).collect();
         let mut stack: Vec<usize> = (0..columns).filter(|&j| reached[j]).collect();
         while let Some(column) = stack.pop() {
             for &equation in self.uses(column) {
                 let other = matching.column[equation];
-                if other != NONE && !reached[other] {
+                if other != UNMATCHED && !reached[other] {
                     reached[other] = true;
                     stack.push(other);
                 }
@@ -189,7 +200,7 @@ impl<'a> Structure<'a> {
         }
         let inside = |e: &usize| {
             let column = matching.column[*e];
-            column != NONE && !reached[column]
+            column != UNMATCHED && !reached[column]
         };
         let roots: Vec<usize> = (0..self.open.len()).filter(inside).collect();
         let components = self.components(matching, &roots);
@@ -210,11 +221,11 @@ impl<'a> Structure<'a> {
     /// what is needed comes first (Tarjan 1972, without recursion).
     fn components(&self, matching: &Matching, roots: &[usize]) -> Vec<Vec<usize>> {
         let count = self.open.len();
-        let (mut index, mut lowest) = (vec![NONE; count], vec![0; count]);
+        let (mut index, mut lowest) = (vec![UNMATCHED; count], vec![0; count]);
         let (mut on_stack, mut stack) = (vec![false; count], Vec::new());
         let (mut found, mut counter) = (Vec::new(), 0);
         for &root in roots {
-            if index[root] != NONE {
+            if index[root] != UNMATCHED {
                 continue;
             }
             // Equations on the way, and the next term of each.
@@ -228,7 +239,7 @@ impl<'a> Structure<'a> {
                 }
                 let terms = self.equations.terms(equation);
                 let needed = |&(j, _): &(usize, f64)| match self.unknown[j] {
-                    true => Some(matching.equation[j]).filter(|&e| e != NONE && e != equation),
+                    true => Some(matching.equation[j]).filter(|&e| e != UNMATCHED && e != equation),
                     false => None,
                 };
                 let mut place = next;
@@ -236,7 +247,7 @@ impl<'a> Structure<'a> {
                 while let Some(term) = terms.get(place) {
                     place += 1;
                     let Some(other) = needed(term) else { continue };
-                    if index[other] == NONE {
+                    if index[other] == UNMATCHED {
                         deeper = Some(other);
                         break;
                     }
