@@ -13,8 +13,15 @@ pub const INFINITE: f64 = 1e20;
 /// Default feasibility tolerance of rows and bounds, in the row's own unit, absolute.
 ///
 /// A point satisfies `l <= a'x <= u` if it violates the row by at most this plus the rounding of
-/// its values, [`ROUNDING`] times the sum of its terms' magnitudes. Range `1e-9..=1e-3`.
+/// its values, [`ROUNDING`] times the sum of its terms' magnitudes. Rows of tiny terms are measured by
+/// these: if they are smaller than 1e-3 wherever the variables are within their bounds, by this times their
+/// sum. Range `1e-9..=1e-3`.
 pub const FEASIBILITY: f64 = 1e-6;
+
+/// Rows, and bounds of variables, whose terms are all smaller than this within the bounds of the variables,
+/// are satisfied up to [`FEASIBILITY`] times their terms, rather than up to [`FEASIBILITY`] (in the row's
+/// unit).
+pub(crate) const SMALL_UNIT: f64 = 1e-3;
 
 /// Default distance to the nearest integer at which a relaxed value counts as integral
 /// (no unit). Range `1e-9..=1e-2`. Accepted plans have their integers rounded exactly; this value

@@ -103,7 +103,8 @@ impl Solve<'_> {
         let mut plain = self.run_by_rules(lowered, &[], known, &mut Control::default())?;
         plain.found.statistics.add(&solved.found.statistics);
         plain.found.statistics.contradictions += u64::from(contradicted);
-        if !contradicted && !is_conclusion(&plain.found, &solved.found) {
+        let is_undercut = self.undercuts(&plain.found, &solved.found);
+        if !contradicted && (is_undercut || !is_conclusion(&plain.found, &solved.found)) {
             let statistics = plain.found.statistics;
             return Ok(SolveResult::without_point(SearchResult { statistics, ..solved.found }));
         }
@@ -141,6 +142,18 @@ impl Solve<'_> {
         let in_blocks = if start.is_none() { search_blocks(task, most, control) } else { None };
         let found = in_blocks.unwrap_or_else(|| search_task(task, &carried, control));
         restore(self, known, &presolved, found)
+    }
+
+    /// Whether a search without presolve claims an optimum below the bound that one with it has proved. Its
+    /// point then lives on violations within the tolerance, which equations amplify, and presolve has put
+    /// these equations into each other.
+    fn undercuts(&self, plain: &SearchResult, found: &SearchResult) -> bool {
+        let ended = |result: &SearchResult, reason| result.termination == reason;
+        let gap = 2.0 * self.options.allowed_gap(found.bound, 0.0);
+        ended(found, Termination::Optimal)
+            && found.bound.is_finite()
+            && (ended(plain, Termination::Unbounded)
+                || ended(plain, Termination::Optimal) && plain.bound < found.bound - gap)
     }
 
     fn stopped(&self) -> SolveResult {

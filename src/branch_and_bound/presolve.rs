@@ -1,9 +1,12 @@
 //! The second phase: the program becomes smaller.
 
+use std::sync::OnceLock;
+
 use super::lower::LoweredProgram;
 use super::row_judge::RowJudge;
 use super::solve::{EarlierResults, Solve};
 use crate::error::Error;
+use crate::presolve::DeterminedColumns;
 use crate::presolve::root::{Presolve, PresolveRule, Presolved};
 use crate::search::Start;
 use crate::solver::PoolMode;
@@ -43,11 +46,11 @@ pub(super) fn presolve<'a>(
     rules: &[PresolveRule],
 ) -> Result<PresolveOutcome<'a>, Error> {
     if known.is_presolved {
-        return Ok(PresolveOutcome::Presolved(Presolution { lowered, presolved: None }));
+        return Ok(PresolveOutcome::Presolved(Presolution::new(lowered, None)));
     }
     Ok(match crate::presolve::root::presolve(&lowered.program, rules, solve.token)? {
         Presolve::Presolved(presolved) => {
-            PresolveOutcome::Presolved(Presolution { lowered, presolved: Some(presolved) })
+            PresolveOutcome::Presolved(Presolution::new(lowered, Some(presolved)))
         }
         Presolve::Infeasible => PresolveOutcome::Infeasible,
         Presolve::Stopped => PresolveOutcome::Stopped,
@@ -59,19 +62,37 @@ pub(super) struct Presolution<'a> {
     pub(super) lowered: &'a LoweredProgram,
     /// `None` if the lowered program is presolved already.
     pub(super) presolved: Option<Box<Presolved>>,
+    /// The columns of the lowered program that its equations determine; computed at the first request.
+    determined: OnceLock<Option<DeterminedColumns>>,
 }
 
-impl Presolution<'_> {
+impl<'a> Presolution<'a> {
+    fn new(lowered: &'a LoweredProgram, presolved: Option<Box<Presolved>>) -> Self {
+        Presolution { lowered, presolved, determined: OnceLock::new() }
+    }
+
     pub(super) fn program(&self) -> &crate::program::Program {
         self.presolved.as_ref().map_or(&self.lowered.program, |presolved| &presolved.program)
     }
 
+    /// From values of the program's columns to values of the lowered program's. Those that equations
+    /// determine follow from the others.
+    pub(super) fn lowered_point(&self, x: &[f64]) -> Vec<f64> {
+        let mut point = match &self.presolved {
+            Some(presolved) => presolved.postsolve.point(x),
+            None => x.to_vec(),
+        };
+        let program = &self.lowered.program;
+        let determined = self.determined.get_or_init(|| DeterminedColumns::of_leaf(program));
+        if let Some(determined) = determined {
+            determined.follow(&mut point);
+        }
+        point
+    }
+
     /// From values of the program's columns to values of the model's variables.
     pub(super) fn restore(&self, x: &[f64]) -> Vec<f64> {
-        match &self.presolved {
-            Some(presolved) => self.lowered.restore(&presolved.postsolve.point(x)),
-            None => self.lowered.restore(x),
-        }
+        self.lowered.restore(&self.lowered_point(x))
     }
 
     /// A start in columns of the lowered program as one in columns of the presolved program.
@@ -114,7 +135,7 @@ impl Presolution<'_> {
     pub(super) fn changes_objective(&self, values: &[f64]) -> bool {
         let Some(presolved) = &self.presolved else { return false };
         let (program, small) = (&self.lowered.program, &presolved.program);
-        let point = presolved.postsolve.point(values);
+        let point = self.lowered_point(values);
         let terms = program.linear.iter().zip(&point).map(|(c, x)| (c * x).abs());
         let size = terms.sum::<f64>() + program.offset.abs() + small.offset.abs();
         let (before, after) = (program.objective(&point), small.objective(values));

@@ -47,11 +47,10 @@ pub(super) fn restore(
     charge(solve, presolved.rounding(), &mut found)?;
     let own = presolved.presolved.as_ref().filter(|_| solve.options.proof_path().is_some());
     let columns = own.map(|own| own.postsolve.columns().to_vec());
-    let lowered_point = match (own, &point) {
-        (Some(own), Some(x)) => Some(own.postsolve.point(x)),
-        (None, Some(x)) => Some(x.clone()),
-        _ => None,
-    };
+    let lowered_point = point.as_deref().map(|x| match own {
+        Some(_) => presolved.lowered_point(x),
+        None => x.to_vec(),
+    });
     Ok(SolveResult { found, derivatives, point, lowered_point, proof: None, columns })
 }
 

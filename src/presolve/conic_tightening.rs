@@ -81,7 +81,7 @@ impl BoundedColumns<'_> {
             let slack = tolerance::INTEGRALITY + tolerance::PROPAGATION_SLACK * value.abs();
             whole(bounds, column, is_upper, value, slack)
         } else {
-            worthwhile(bounds, column, is_upper, value, least_gain)
+            worthwhile(bounds, column, is_upper, value, value.abs().max(1.0), least_gain)
         });
     }
 }

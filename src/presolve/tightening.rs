@@ -2,7 +2,8 @@
 //!
 //! Most visits end after a single pass: if the row's slack (its limit less its smallest activity)
 //! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
-//! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point.
+//! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point. A bound of
+//! exactly 0 has no rounding and is not loosened.
 //!
 //! Terms of integral columns with coefficients that were not rounded are exact, however large they
 //! are, so they loosen no bound. So `1e8 z >= 20` leaves a binary only the value 1, and a row over wide
@@ -202,8 +203,11 @@ fn tighten_binding(
             let own = if entry.exact { 0.0 } else { largest_term(entry, bounds) };
             let slack = whole_slack(entry, value, uncertainty.soft - own);
             whole(bounds[column], column, is_upper, value, slack)
+        } else if is_exact_zero(entry, value, entries, bounds, [row_lower, row_upper], is_upper) {
+            worthwhile(bounds[column], column, is_upper, 0.0, 0.0, least_gain)
         } else {
-            worthwhile(bounds[column], column, is_upper, value, least_gain)
+            let size = value.abs().max(1.0);
+            worthwhile(bounds[column], column, is_upper, value, size, least_gain)
         });
     };
     if least.infinite + most.infinite == 0 && ends.exact.is_none() {
@@ -350,6 +354,30 @@ impl RowActivities {
     }
 }
 
+/// Whether the bound of a column is exactly 0, because the limit and all other terms are. Such a bound needs
+/// no slack, which equations after this one would multiply.
+///
+/// # Arguments
+///
+/// * `value`: the bound with its rounding.
+fn is_exact_zero(
+    entry: &Entry,
+    value: f64,
+    entries: &[Entry],
+    bounds: &[[f64; 2]],
+    limits: [f64; 2],
+    is_upper: bool,
+) -> bool {
+    // The upper limit meets the smallest activity.
+    let of_least = is_upper == (entry.coefficient > 0.0);
+    let which = usize::from(!of_least);
+    value.abs() <= tolerance::PROPAGATION_SLACK
+        && limits[1 - which] == 0.0
+        && entries
+            .iter()
+            .all(|other| other.column() == entry.column() || other.bound(bounds, which) == 0.0)
+}
+
 /// The distance of a whole value beyond a bound of an integral column at which it still satisfies the row
 /// that gives the bound: the tolerance of the row and the uncertainty of its other terms.
 ///
@@ -412,14 +440,19 @@ pub(super) fn whole(
 }
 
 /// A candidate bound of a continuous column, when it is worth it.
+///
+/// # Arguments
+///
+/// * `size`: the magnitude of what the bound was computed from.
 pub(super) fn worthwhile(
     [lower, upper]: [f64; 2],
     column: usize,
     is_upper: bool,
     value: f64,
+    size: f64,
     least_gain: f64,
 ) -> Option<Tightening> {
-    let slack = tolerance::PROPAGATION_SLACK * value.abs().max(1.0);
+    let slack = tolerance::PROPAGATION_SLACK * size;
     let value = if is_upper { value + slack } else { value - slack };
     let gain = if is_upper { upper - value } else { value - lower };
     let width = upper - lower;

@@ -4,6 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::clock::Activity;
 use super::context::Context;
+use super::leaf_reduction::reduce_leaf;
 use super::local_bounds::propagate_since;
 use super::node_relaxation::relax;
 use crate::presolve::Reduced;
@@ -36,9 +37,7 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
         return false;
     }
     let program = ctx.task().exact.unwrap_or(ctx.program());
-    let Some(mut reduced) = ctx.ladder.reduce_leaf(program, &ctx.node.domain) else {
-        return false;
-    };
+    let Some(mut reduced) = reduce_leaf(ctx, program) else { return false };
     let verdict = relax(ctx, &mut reduced, Purpose::Node);
     let found = match &verdict {
         RelaxationVerdict::Relaxed { x, y, .. } => offer_leaf(ctx, &reduced, x, y),
@@ -117,19 +116,27 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
         for &j in &ctx.program().integers {
             point[j] = point[j].round();
         }
-        exact_program(ctx).complete_parts(&mut point);
+        complete(ctx, &mut point);
         if offer_accepted(ctx, &point) {
             return true;
         }
         // Columns that the reduction has fixed inside narrow bounds may have to move.
         let program = exact_program(ctx);
         polish_leaf(program, &mut point, &ctx.token);
-        program.complete_parts(&mut point);
+        complete(ctx, &mut point);
         if offer_accepted(ctx, &point) {
             return true;
         }
     }
     false
+}
+
+/// Gives columns that follow from others their values.
+fn complete(ctx: &Context<'_>, point: &mut [f64]) {
+    if let Some(determined) = ctx.tree.tree.determined() {
+        determined.follow(point);
+    }
+    exact_program(ctx).complete_parts(point);
 }
 
 /// The program before it was strengthened.

@@ -36,6 +36,7 @@
 //! * `node_relaxation` - its relaxation
 //! * `unbounded` - an unbounded root
 //! * `reduced_cost` - reduced-cost fixing
+//! * `leaf_reduction` - its program once all integers are fixed
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //!
 //! Processing:
@@ -68,6 +69,7 @@ mod found;
 mod heuristics;
 mod indifferent_binaries;
 mod leaf;
+mod leaf_reduction;
 mod local_bounds;
 mod node;
 mod node_probing;

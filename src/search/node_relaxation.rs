@@ -6,6 +6,7 @@ use super::clock::Activity;
 use super::cone_method::ConeMethod;
 use super::cone_pool::separate_cones;
 use super::context::Context;
+use super::leaf_reduction::reduce_leaf;
 use super::proofs::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
@@ -36,9 +37,8 @@ pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projec
 pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let activity = ctx.clock.switch(Activity::Reduction);
     let program = ctx.program();
-    let program = ctx.task().exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
     let mut reduced = match ctx.is_leaf() {
-        true => ctx.ladder.reduce_leaf(program, &ctx.node.domain),
+        true => reduce_leaf(ctx, ctx.task().exact.unwrap_or(program)),
         false => ctx.ladder.reducer().reduce(program, &ctx.node.domain),
     };
     if let Some(reduced) = &mut reduced {

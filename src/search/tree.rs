@@ -13,6 +13,7 @@ use super::root::Root;
 use super::start::{Completion, Start, StartPoint};
 use super::task::SolveTask;
 use super::trace::event;
+use crate::presolve::DeterminedColumns;
 use crate::program::Program;
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -50,6 +51,8 @@ pub(super) struct Tree<'a> {
     pub(super) root_state: OnceLock<WarmState>,
     /// The pseudocosts from all workers.
     pub(super) pseudocosts: Mutex<Pseudocosts>,
+    /// The columns that equations determine in leaves; computed at the first request.
+    determined: OnceLock<Option<DeterminedColumns>>,
 }
 
 pub(super) struct TreeState {
@@ -162,6 +165,7 @@ impl<'a> Tree<'a> {
             ids: AtomicU32::new(1),
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
+            determined: OnceLock::new(),
         };
         let mut node = Node::relaxed_root(root.point.as_ref());
         node.bound = tree.strengthen(node.bound);
@@ -178,6 +182,12 @@ impl<'a> Tree<'a> {
     /// before the lock is released.
     pub(super) fn lock(&self) -> MutexGuard<'_, TreeState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The columns that equations determine in leaves; `None` where none needs care.
+    pub(super) fn determined(&self) -> Option<&DeterminedColumns> {
+        let program = self.task.exact.unwrap_or(self.task.program);
+        self.determined.get_or_init(|| DeterminedColumns::of_leaf(program)).as_ref()
     }
 
     /// Ends the search.

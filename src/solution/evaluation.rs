@@ -32,15 +32,28 @@ struct Value {
 
 /// Statements evaluated at a point, with compensated sums.
 pub(super) struct Evaluation<'a> {
+    model: &'a Model,
     values: &'a [f64],
     integral: Vec<bool>,
     feasibility: f64,
 }
 
 impl<'a> Evaluation<'a> {
-    pub(super) fn new(model: &Model, values: &'a [f64], feasibility: f64) -> Self {
+    pub(super) fn new(model: &'a Model, values: &'a [f64], feasibility: f64) -> Self {
         let integral = model.variables().map(|variable| variable.kind().is_integral()).collect();
-        Evaluation { values, integral, feasibility }
+        Evaluation { model, values, integral, feasibility }
+    }
+
+    /// The tolerance of a row: relative to its terms where these are tiny wherever its variables are within
+    /// their bounds. What the terms are at a point says nothing: at rest they are 0.
+    fn tolerance(&self, terms: &[(Variable, f64)], limit: f64) -> f64 {
+        let size = |&(variable, a): &(Variable, f64)| {
+            let bounds = self.model.variable_ref(variable).map(|variable| variable.bounds());
+            a.abs() * bounds.map_or(f64::INFINITY, |bounds| bounds.magnitude())
+        };
+        let size = terms.iter().map(size).sum::<f64>() + limit;
+        let is_small = size > 0.0 && size < tolerance::SMALL_UNIT;
+        if is_small { self.feasibility * size } else { self.feasibility }
     }
 
     pub(super) fn is_on(&self, variable: Variable) -> bool {
@@ -83,12 +96,21 @@ impl<'a> Evaluation<'a> {
         let limit = if below > above { limits.lower } else { limits.upper };
         let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
         let rounded = if value.whole { 0.0 } else { value.magnitude + limit };
-        let allowed = if slips::has(Slip::ScaledTolerance) {
+        let amount = below.max(above).max(0.0);
+        let size = value.largest.max(limit);
+        let mut allowed = if slips::has(Slip::ScaledTolerance) {
             self.feasibility * tolerance::margin_scale(value.largest, limit)
         } else {
             tolerance::allowed_miss(self.feasibility, rounded)
         };
-        Miss { amount: below.max(above).max(0.0), size: value.largest.max(limit), allowed }
+        // Only what is missed visibly, by terms that are tiny at the point, is measured by bounds.
+        let is_visible = amount > tolerance::ROUNDING * rounded && amount <= allowed;
+        if is_visible && size < tolerance::SMALL_UNIT {
+            let limits = [limits.lower, limits.upper].into_iter().filter(|limit| limit.is_finite());
+            let largest = limits.fold(0.0_f64, |most, limit| most.max(limit.abs()));
+            allowed = tolerance::allowed_miss(self.tolerance(terms, largest), rounded);
+        }
+        Miss { amount, size, allowed }
     }
 
     /// By how much a norm exceeds its bound, or a quadratic expression exceeds 0.

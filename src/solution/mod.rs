@@ -34,6 +34,7 @@ pub use status::{PrimalStatus, Termination};
 pub use verification::{Checked, Verification, Violation, ViolationKind};
 
 use crate::error::{Error, ErrorKind};
+use crate::interval::Interval;
 use crate::model::{Constraint, Model, Sense, Variable};
 use crate::tolerance;
 
@@ -65,6 +66,9 @@ pub struct Solution {
     refused: Option<Verification>,
     #[cfg_attr(feature = "serde", serde(default))]
     proof: Option<ProofReport>,
+    /// Variables whose whole range is below the tolerance.
+    #[cfg_attr(feature = "serde", serde(default))]
+    narrow: usize,
 }
 
 /// The result that a backend reports; [`Solution::new`] checks it against the model.
@@ -80,6 +84,12 @@ pub struct Outcome {
     pub bound: f64,
     /// Counts and time.
     pub statistics: Statistics,
+}
+
+/// Whether a range is below the tolerance, and not that of a small unit, in which tolerances are relative.
+fn is_narrow(bounds: Interval, feasibility: f64) -> bool {
+    let width = bounds.upper - bounds.lower;
+    width > 0.0 && width < feasibility && bounds.magnitude() >= tolerance::SMALL_UNIT
 }
 
 impl Outcome {
@@ -151,6 +161,7 @@ impl Solution {
             multipliers: None,
             refused: None,
             proof: None,
+            narrow: model.variables().filter(|v| is_narrow(v.bounds(), feasibility)).count(),
         })
     }
 

@@ -46,6 +46,12 @@ pub enum Note {
         /// All nodes that were split.
         splits: u64,
     },
+    /// The whole ranges of some variables are below the tolerance, beside values that are not small: rows
+    /// that depend on them mean little.
+    BelowTolerance {
+        /// The number of these variables.
+        variables: usize,
+    },
 }
 
 impl Solution {
@@ -94,6 +100,9 @@ impl Solution {
         if nodes >= MIN_REMARKED && 4 * nodes > splits {
             notes.push(Note::WholeSplits { nodes, splits });
         }
+        if self.narrow > 0 {
+            notes.push(Note::BelowTolerance { variables: self.narrow });
+        }
         notes
     }
 }
@@ -128,6 +137,11 @@ impl fmt::Display for Note {
                 f,
                 "{nodes} of {splits} nodes were split although their integers were whole, so the \
                  search proves digits; allow a larger gap, or leave out cuts"
+            ),
+            Note::BelowTolerance { variables } => write!(
+                f,
+                "the whole range of {variables} variables is below the tolerance; measure them from one of \
+                 their bounds, or in smaller units"
             ),
         }
     }

@@ -37,7 +37,7 @@ proptest! {
 /// cuts.
 #[test]
 fn no_wrong_answer_in_unusual_ways() {
-    for family in [Family::BigM, Family::Open, Family::Borderline, Family::Chain] {
+    for family in [Family::BigM, Family::Open, Family::Borderline, Family::Chain, Family::AtRest] {
         for seed in 0..40 {
             let case = family.program(seed);
             let (model, variables) = case.build();

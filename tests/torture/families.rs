@@ -28,6 +28,8 @@ pub(crate) enum Family {
     Chain,
     /// Integers without bounds in equalities over whole numbers: divisibility decides.
     OpenIntegers,
+    /// Unstable systems that start at rest: nothing happens without an input.
+    AtRest,
 }
 
 impl Family {
@@ -39,6 +41,7 @@ impl Family {
         Family::Borderline,
         Family::Chain,
         Family::OpenIntegers,
+        Family::AtRest,
     ];
 
     pub(crate) fn named(name: &str) -> Option<Family> {
@@ -54,6 +57,7 @@ impl Family {
             Family::Borderline => "borderline",
             Family::Chain => "chain",
             Family::OpenIntegers => "open-integers",
+            Family::AtRest => "at-rest",
         }
     }
 
@@ -67,6 +71,7 @@ impl Family {
             Family::Borderline => borderline(seed),
             Family::Chain => chain(seed),
             Family::OpenIntegers => open_integers::program(seed),
+            Family::AtRest => at_rest(seed),
         }
     }
 
@@ -77,7 +82,7 @@ impl Family {
 
     /// Whether a point within the tolerance that is much better than the exact optimum is wrong.
     pub(crate) fn is_strict(self) -> bool {
-        self == Family::Chain
+        matches!(self, Family::Chain | Family::AtRest)
     }
 
     /// The exact answer.
@@ -352,6 +357,63 @@ fn chain(seed: u64) -> Case {
     for cost in linear.iter_mut().skip(steps + 1) {
         *cost = f64::from(r.within(-3, 3));
     }
+    let (switches, squares) = (Vec::new(), Vec::new());
+    Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: r.chance(0.3) }
+}
+
+/// `x+ = A x + b z` from 0 with a binary `z` in one step or none, and an end with a limit; columns in any
+/// order, rows in units of their own.
+fn at_rest(seed: u64) -> Case {
+    let r = &mut Random::new(seed);
+    let (states, steps) = (1 + r.below(2), 3 + r.below(8));
+    let switched = r.chance(0.4).then(|| r.below(steps));
+    // The input leads beyond all bounds, so the search has to leave it off.
+    let far = if switched.is_some() || r.chance(0.5) { 1000.0 } else { f64::INFINITY };
+    let n = states * (steps + 1) + usize::from(switched.is_some());
+    let mut order: Vec<usize> = (0..n).collect();
+    if r.chance(0.5) {
+        for i in (1..n).rev() {
+            order.swap(i, r.below(i + 1));
+        }
+    }
+    let at = |k: usize, i: usize| order[states * k + i];
+    let column = |lower, upper| Column { kind: VariableKind::Continuous, lower, upper };
+    let mut columns: Vec<Column> = (0..n).map(|_| column(-far, far)).collect();
+    let by_rows = r.chance(0.5);
+    let mut lines = Vec::new();
+    let row = |terms: &[(usize, f64)], lower: f64, upper: f64| {
+        let mut coefficients = vec![0.0; n];
+        terms.iter().for_each(|&(j, a)| coefficients[j] += a);
+        Line { coefficients, lower, upper, scale: 1.0 }
+    };
+    for i in 0..states {
+        if by_rows {
+            lines.push(row(&[(at(0, i), 1.0)], 0.0, 0.0));
+        } else {
+            columns[at(0, i)] = column(0.0, 0.0);
+        }
+    }
+    if switched.is_some() {
+        columns[order[n - 1]] = BINARY;
+    }
+    let matrix: Vec<f64> = (0..states * states).map(|_| f64::from(r.within(-10, 10))).collect();
+    for k in 0..steps {
+        for i in 0..states {
+            let unit = 2.0_f64.powi(if r.chance(0.3) { r.within(-8, 8) } else { 0 });
+            let mut terms = vec![(at(k + 1, i), unit)];
+            terms.extend((0..states).map(|j| (at(k, j), -unit * matrix[states * i + j])));
+            if switched == Some(k) {
+                terms.push((order[n - 1], -unit * factor(r, 3)));
+            }
+            lines.push(row(&terms, 0.0, 0.0));
+        }
+    }
+    if r.chance(0.4) {
+        let end = f64::from(r.within(0, 2));
+        lines.push(row(&[(at(steps, 0), 1.0)], end, f64::INFINITY));
+    }
+    let mut linear = vec![0.0; n];
+    linear[at(steps, 0)] = f64::from(r.within(-1, 1));
     let (switches, squares) = (Vec::new(), Vec::new());
     Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: r.chance(0.3) }
 }

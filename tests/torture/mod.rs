@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 pub(crate) mod big_m;
-mod complementarity;
+pub(crate) mod complementarity;
 pub(crate) mod cones;
 mod dyadic;
 pub(crate) mod families;

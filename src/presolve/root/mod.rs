@@ -26,6 +26,7 @@ mod binary_codes;
 mod blocks;
 mod coefficients;
 mod cones;
+mod determined_columns;
 mod dominated_columns;
 mod doubletons;
 mod exclusive_rows;
@@ -42,6 +43,7 @@ mod redundant_rows;
 mod singleton_rows;
 mod slack_columns;
 mod substitute;
+mod units;
 mod work;
 
 pub use blocks::{ProgramBlock, blocks};
@@ -204,7 +206,9 @@ pub(crate) fn presolve_around(
 ) -> Result<Presolve, Error> {
     let mut work = Work::new(program, token);
     given.iter().for_each(|&j| work.given[j] = true);
-    match reduce(&mut work, rules, token) {
+    units::apply(&mut work);
+    let determined = determined_columns::apply(&mut work, rules.is_empty());
+    match determined.and_then(|()| reduce(&mut work, rules, token)) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
         Ok(()) if token.is_over() => Ok(Presolve::Stopped),
         Ok(()) => {
