@@ -67,6 +67,18 @@ proptest! {
     }
 }
 
+/// A quarter counted as rounding between numbers of 1e14, so that a row became an equality without a solution.
+#[test]
+fn a_quarter_beside_large_numbers() {
+    for upper in [2, 5] {
+        let text = format!(
+            "Minimize\n obj: 0 x0\nSubject To\n r0: 4 x0 + x1 = 1\nBounds\n\
+             0 <= x0 <= 4000000000000000\n -1000000000000000 <= x1 <= {upper}\nGeneral\n x0 x1\nEnd\n"
+        );
+        assert_eq!(solve(&text).termination(), Termination::Optimal);
+    }
+}
+
 /// Without an end, because every relaxation of `x4 = 1` has a point, however far its integers are.
 #[test]
 fn a_binary_that_divisibility_decides() {
