@@ -91,7 +91,7 @@ fn a_timetable_needs_no_relaxation() {
         let pairs: Vec<(usize, usize)> =
             (0..TEAMS).flat_map(|a| (a + 1..TEAMS).map(move |b| (a, b))).collect();
         let plays: Vec<_> = (0..pairs.len())
-            .map(|k| model.binary_family(format!("m{k}_"), TEAMS - 1).unwrap().iter().collect())
+            .map(|k| model.binary_family(&format!("m{k}_"), TEAMS - 1).unwrap().iter().collect())
             .collect::<Vec<Vec<Variable>>>();
         for (k, rounds) in plays.iter().enumerate() {
             let sum: Affine = rounds.iter().map(|&v| 1.0 * v).sum();
