@@ -2,8 +2,9 @@
 //!
 //! The integers of a start are completed to a point. Without a start, a large program under a limit of
 //! time gets a point that needs no relaxation, in case that the limit comes before the first relaxation
-//! is solved; so does a program of binaries without an objective, of which any point is the answer.
+//! is solved; so does a program of binaries with few costs or none, whose first point is often the answer.
 
+use crate::program::Program;
 use crate::search::{
     SearchResult, SolveTask, Start, StartPoint, complete, first_point, wants_first_point,
 };
@@ -47,11 +48,11 @@ impl PreliminaryResult {
         Some(Start { integers: Vec::new(), point, ..given.cloned().unwrap_or_default() })
     }
 
-    /// Whether no search is needed, because there is a point and any point will do.
+    /// Whether no search is needed, because there is a point and no other costs less.
     pub(super) fn suffices(&self, task: SolveTask<'_>) -> bool {
         let SolveTask { program, options, .. } = task;
-        let any_point = program.is_feasibility_problem() && options.pool == 1;
-        any_point && !options.keep_leaves && !self.found.points.is_empty()
+        let one_is_enough = options.pool == 1 && !options.keep_leaves;
+        one_is_enough && self.found.points.first().is_some_and(|x| is_cheapest(program, x))
     }
 
     /// Becomes the answer without a search.
@@ -61,7 +62,8 @@ impl PreliminaryResult {
         control: &mut Control<'_>,
     ) -> SearchResult {
         report(task, &self.found, control);
-        let bound = task.program.offset;
+        let bound =
+            self.found.points.first().map_or(f64::NEG_INFINITY, |x| task.program.objective(x));
         SearchResult { termination: Termination::Optimal, bound, ..self.found }
     }
 
@@ -96,9 +98,18 @@ fn is_completed(task: SolveTask<'_>, start: &Start) -> bool {
     !start.integers.is_empty() || (start.proofs.is_some() && task.options.may_stop())
 }
 
+/// Whether the bounds alone prove that no point costs less: also where there is no objective.
+fn is_cheapest(program: &Program, x: &[f64]) -> bool {
+    let is_cheap = |(j, &cost): (usize, &f64)| match cost {
+        0.0 => true,
+        cost => x[j] == if cost > 0.0 { program.lower[j] } else { program.upper[j] },
+    };
+    program.quadratic.compute_nnz() == 0 && program.linear.iter().enumerate().all(is_cheap)
+}
+
 fn point_before_relaxing(task: SolveTask<'_>) -> Option<SearchResult> {
     let (program, options) = (task.program, task.options);
-    // Any point is an answer.
+    // Any point is an answer, or one that costs nothing.
     if wants_first_point(program) && options.pool == 1 && options.heuristics.rounding {
         return Some(first_point(task));
     }

@@ -166,9 +166,10 @@ pub(super) fn round_limits(
     Some(([new_lower, new_upper], moved(lower, new_lower) || moved(upper, new_upper)))
 }
 
-/// Whether a value is a whole number, up to rounding.
+/// Whether a value is a whole number, up to rounding. Between numbers of 1e14, a quarter is no rounding.
 pub(super) fn is_whole(value: f64) -> bool {
-    (value - value.round()).abs() <= 1e-12 * value.abs().max(1.0)
+    let rounding = (1e-12 * value.abs().max(1.0)).min(tolerance::INTEGRALITY);
+    (value - value.round()).abs() <= rounding
 }
 
 /// Whether a coefficient has not been rounded: it is whole, or has few binary digits. Differences from

@@ -80,3 +80,37 @@ fn a_limit_of_nodes_counts_all_turns() {
         }
     }
 }
+
+/// Who plays whom in which round, each once: any table will do, or one in which nobody plays on the first court
+/// twice in a row, which costs. A local search finds one before the first relaxation.
+#[test]
+fn a_timetable_needs_no_relaxation() {
+    const TEAMS: usize = 10;
+    for costs in [false, true] {
+        let mut model = Model::new("timetable");
+        let pairs: Vec<(usize, usize)> =
+            (0..TEAMS).flat_map(|a| (a + 1..TEAMS).map(move |b| (a, b))).collect();
+        let plays: Vec<_> = (0..pairs.len())
+            .map(|k| model.binary_family(&format!("m{k}_"), TEAMS - 1).unwrap().iter().collect())
+            .collect::<Vec<Vec<Variable>>>();
+        for (k, rounds) in plays.iter().enumerate() {
+            let sum: Affine = rounds.iter().map(|&v| 1.0 * v).sum();
+            model.add(("once", k), sum.equals(1.0)).unwrap();
+        }
+        for team in 0..TEAMS {
+            for round in 0..TEAMS - 1 {
+                let own = pairs.iter().zip(&plays).filter(|((a, b), _)| *a == team || *b == team);
+                let sum: Affine = own.map(|(_, rounds)| 1.0 * rounds[round]).sum();
+                model.add(("one", team * TEAMS + round), sum.equals(1.0)).unwrap();
+            }
+        }
+        if costs {
+            let early: Affine = plays.iter().take(3).map(|rounds| 1.0 * rounds[0]).sum();
+            model.minimize(early).unwrap();
+        }
+        let solution = BranchAndBound::default().solve(&model).unwrap();
+        assert_eq!(solution.termination(), Termination::Optimal);
+        assert_eq!(solution.objective(), Some(0.0));
+        assert_eq!(solution.statistics().nodes, 0, "costs: {costs}");
+    }
+}

@@ -8,6 +8,7 @@
 use super::work::Work;
 use crate::presolve::coefficients::is_whole;
 use crate::presolve::parameters::IMPLIED;
+use crate::tolerance;
 
 pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     if work.is_held(column) || !work.is_straight(column) {
@@ -44,8 +45,12 @@ fn hold(work: &mut Work, column: usize, rises: bool) -> bool {
     let rest = work.range(work.rows[row].iter().filter(|e| e.0 != column));
     let end = if a > 0.0 { (limit - rest.most) / a } else { (limit - rest.least) / a };
     let far = if a > 0.0 { (limit - rest.least) / a } else { (limit - rest.most) / a };
-    // Rounding, and no part of the terms: between terms of 9e9 a billionth is 9.
+    // Rounding, and no part of the terms: between terms of 9e9 a billionth is 9. Where rounding itself is more
+    // than a bound may be missed by, nothing is known.
     let margin = IMPLIED.max(4.0 * f64::EPSILON * rest.scale / a.abs());
+    if margin > tolerance::FEASIBILITY {
+        return false;
+    }
     let inside =
         if rises { far <= work.upper[column] + margin } else { end >= work.lower[column] - margin };
     if !(fits && inside) {

@@ -1,4 +1,5 @@
-//! A local search for a point of a program of binaries without an objective, without any relaxation.
+//! A local search for a point of a program of binaries, without any relaxation. There is no objective, or one of
+//! few columns, which stay where they cost least: then a point is an optimum.
 //!
 //! Binaries are flipped one at a time, those first whose flip lessens the weighted violation of the rows most. Where
 //! no flip does, the rows that are violated become heavier (Luteberget and Sartor 2022, "Feasibility Jump"). Many
@@ -12,6 +13,9 @@ use crate::tolerance;
 /// Fewest binaries for which the search is worth its while: relaxations of fewer are quick.
 const FEWEST_BINARIES: usize = 200;
 
+/// One in so many binaries may have a cost.
+const BINARIES_PER_COST: usize = 10;
+
 /// Entries of the matrix that are visited at most; each takes about ten nanoseconds.
 const MOST_ENTRY_VISITS: usize = 30_000_000;
 
@@ -24,12 +28,14 @@ const LEAST_SCORE: f64 = 1e-9;
 /// Flips between two looks at the clock.
 const FLIPS_PER_LOOK: usize = 256;
 
-/// Whether a program is one of binaries alone, has no objective, and is not small.
+/// Whether a program is one of binaries alone, has few costs or none, and is not small.
 pub(in crate::search) fn suits(program: &Program) -> bool {
     let is_binary = |j: usize| program.integral[j] && program.upper[j] - program.lower[j] <= 1.0;
-    program.is_feasibility_problem()
+    let costs = program.linear.iter().filter(|cost| **cost != 0.0).count();
+    program.quadratic.compute_nnz() == 0
         && program.cones.is_empty()
         && program.column_count() >= FEWEST_BINARIES
+        && BINARIES_PER_COST * costs <= program.column_count()
         && (0..program.column_count()).all(is_binary)
 }
 
@@ -101,10 +107,14 @@ struct LocalSearch<'a> {
 impl<'a> LocalSearch<'a> {
     fn new(program: &'a Program, bounds: &[[f64; 2]]) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
-        let x: Vec<f64> = bounds.iter().map(|bounds| bounds[0]).collect();
+        let begin = |([lower, upper], cost): (&[f64; 2], &f64)| match *cost {
+            0.0 => (*lower, upper - lower),
+            cost => (if cost > 0.0 { *lower } else { *upper }, 0.0),
+        };
+        let (x, step): (Vec<f64>, Vec<f64>) = bounds.iter().zip(&program.linear).map(begin).unzip();
         let mut search = LocalSearch {
             program,
-            step: bounds.iter().map(|[lower, upper]| upper - lower).collect(),
+            step,
             x,
             activity: vec![0.0; m],
             weight: vec![1.0; m],
