@@ -77,7 +77,7 @@ pub const SLOPE: f64 = 1e-12;
 
 /// Largest difference of a plan's samples from its discrete replay, a step at a time, in SI units (m, m/s). This
 /// and the other tolerances of systems and scenes are in the unit of the domains where these are not of an
-/// ordinary size (some 0.02 to 16,000), and about their middles where these are far from 0.
+/// ordinary size (some 0.02 to 2e6), and about their middles where these are far from 0.
 pub const REPLAY: f64 = 1e-6;
 
 /// How far a sample of a plan may be from the run of the plan's inputs from its start, relative to the width of

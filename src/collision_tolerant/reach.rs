@@ -127,7 +127,7 @@ impl Scenario {
         let system = self.hybrid_system()?;
         let (start, goal) = (self.start_state(), self.goal_states());
         let options = SetOptions { words: Arc::new(words()), ..SetOptions::default() };
-        let sets = ReachSets::new(&system, start, goal, options)?;
+        let sets = ReachSets::in_plain_numbers(&system, &start, &goal, options)?;
         match self.start.acceleration {
             Some(a) => sets.with_first_inputs(&[Interval::point(a)]),
             None => Ok(sets),

@@ -315,7 +315,7 @@ impl Scenario {
             let inside = ends.intersection(Interval::new(-1e9, 1e9));
             scene.bodies.iter_mut().for_each(|body| body.domain[0] = body.domain[0].hull(inside));
         }
-        scene.checked().map(drop)
+        scene.checked_as_stated().map(drop)
     }
 
     /// The positions at which a plan may end, in m: on the wall's free side, if there are any there.

@@ -191,7 +191,7 @@ impl HybridProgram {
     }
 
     /// The variable of the model for a state at a sample or an input in a step. Where the domain is not of an
-    /// ordinary size (some 0.02 to 16,000), or far from 0, the variable is in a unit of its own and counts from the
+    /// ordinary size (some 0.02 to 2e6), or far from 0, the variable is in a unit of its own and counts from the
     /// middle of the domain; [`at`](HybridProgram::at) is the value in your unit.
     ///
     /// # Errors

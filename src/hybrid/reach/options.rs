@@ -23,7 +23,7 @@ pub struct SetOptions {
     pub vertices: usize,
     /// The sets contain every plan that misses its start, its goal, its limits, guards and input ranges by at
     /// most this, in SI units; for numbers above 1000, times a thousandth of them, and for domains that are not of
-    /// an ordinary size (some 0.02 to 16,000) in a unit of their size. From 0 to 1, default
+    /// an ordinary size (some 0.02 to 2e6) in a unit of their size. From 0 to 1, default
     /// [`tolerance::REACH`].
     pub margin: f64,
     /// Number of sets of one sample: states that differ in their modes (of choices with memory), dwell times

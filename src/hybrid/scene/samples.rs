@@ -48,7 +48,7 @@ pub(crate) fn check_line_ends(scene: &Scene, samples: &Samples<'_>) -> Result<()
 
 /// A checked scene of one body, and the path of that body.
 fn checked_path(scene: &Scene, samples: &Samples<'_>) -> Result<(Scene, BodyPath), Error> {
-    let scene = scene.checked()?;
+    let scene = scene.checked_as_stated()?;
     let Samples { position, velocity, acceleration, .. } = *samples;
     Horizon::new(acceleration.len(), scene.time_step)?;
     for (what, values) in

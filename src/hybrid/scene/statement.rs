@@ -233,7 +233,7 @@ impl Scene {
     }
 
     /// Refuses scenes that contradict themselves; returns the scene with normals of length 1.
-    pub(super) fn checked_as_stated(&self) -> Result<Scene, Error> {
+    pub(crate) fn checked_as_stated(&self) -> Result<Scene, Error> {
         Horizon::new(1, self.time_step)?;
         if !(self.margin >= 0.0 && self.margin.is_finite()) {
             let range = "finite and at least 0 m";

@@ -214,7 +214,7 @@ impl SceneUnits {
 
 impl Scene {
     /// Refuses scenes that contradict themselves; returns the scene with normals of length 1.
-    pub(crate) fn checked(&self) -> Result<Scene, Error> {
+    pub(super) fn checked(&self) -> Result<Scene, Error> {
         let (scene, units) = self.in_units()?;
         Ok(if units.is_plain() { scene } else { units.inverse().scene(&scene) })
     }

@@ -58,7 +58,7 @@ impl HybridSystem {
     /// states: next states and outputs differ by more than [`tolerance::REPLAY`], or a condition is
     /// violated by more than that and [`tolerance::FEASIBILITY`] together; beyond a magnitude of
     /// 1000 both grow in proportion, and for domains that are not of an ordinary size (some 0.02 to
-    /// 16,000) they are relative to the domain. [`RunError::Drift`] if a sample is farther from the run of the
+    /// 2e6) they are relative to the domain. [`RunError::Drift`] if a sample is farther from the run of the
     /// inputs than [`tolerance::REPLAY`] a step and [`tolerance::DRIFT`] of the state's domain.
     /// [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run
     /// of another system. The errors of [`HybridSystem::check`].

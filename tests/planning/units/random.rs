@@ -146,7 +146,7 @@ impl Vehicle {
 
 #[test]
 fn random_systems_take_as_many_steps_in_any_unit() {
-    let (cases, units) = counts(8);
+    let (cases, units) = counts(6);
     for seed in 0..cases {
         let mut numbers = Numbers(seed.wrapping_mul(7919) + 1);
         let vehicle = Vehicle::random(&mut numbers);
@@ -234,7 +234,7 @@ impl Table {
 
 #[test]
 fn random_scenes_take_as_many_steps_in_any_unit() {
-    let (cases, units) = counts(4);
+    let (cases, units) = counts(2);
     for seed in 0..cases {
         let mut numbers = Numbers(seed.wrapping_mul(104_729) + 3);
         let table = Table::random(&mut numbers);
