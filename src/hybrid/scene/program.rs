@@ -98,7 +98,9 @@ impl Stated {
         self.check_courses(steps)?;
         let mut model = Model::new("scene");
         let hybrid = self.system.write(&mut model, "", steps)?;
-        let mut program = self.completed(HybridProgram::from_parts(model, hybrid))?;
+        let mut program = HybridProgram::from_parts(model, hybrid);
+        program.members_mut().modes_follow_states = true;
+        let mut program = self.completed(program)?;
         let price = program.price();
         program.minimize(price)?;
         Ok(program)
