@@ -33,6 +33,8 @@ pub(crate) struct Members {
     pub(super) implied: BTreeMap<Variable, (Interval, Interval)>,
     /// The memory with which plans begin, if the program says it.
     pub(crate) memory: Option<Memory>,
+    /// Whether the state says in which modes a step begins, as with bodies at rest, so that no mode is carried.
+    pub(crate) modes_follow_states: bool,
 }
 
 impl Members {
@@ -40,7 +42,8 @@ impl Members {
         let steps = variables.horizon().steps();
         let (cases, implied, missions) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
         let all = vec![(String::new(), variables)];
-        Members { tag, steps, all, cases, missions, implied, memory: None }
+        let (memory, modes_follow_states) = (None, false);
+        Members { tag, steps, all, cases, missions, implied, memory, modes_follow_states }
     }
 
     /// The first system's variables.

@@ -409,6 +409,18 @@ fn check_moves(model: &Model) -> Result<(), Error> {
 
 /// Refuses programs that say with which modes they begin, because every step would begin with them.
 fn check_start(program: &HybridProgram) -> Result<(), Error> {
+    let choices = program.members.choices();
+    let with_modes = choices.iter().find(|(_, choice)| !choice.modes().is_empty());
+    if let (true, Some((_, choice))) = (program.members.modes_follow_states, with_modes) {
+        return Err(ErrorKind::Unsupported {
+            solver: "a receding horizon with one program for all steps".into(),
+            what: format!("the modes of `{}`, which last from step to step", choice.name),
+            help: "build the program of each step with `RecedingHorizon::moving`, and state in it the \
+                   mode in which it starts"
+                .into(),
+        }
+        .into());
+    }
     let what = match (&program.members.memory, program.members.fixed_mode(&program.model)) {
         (Some(_), _) => "a memory of the start".to_owned(),
         (None, Some(choice)) => format!("a start in a mode of `{choice}`"),

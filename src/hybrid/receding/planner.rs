@@ -289,6 +289,9 @@ impl Planner<'_> {
             let HybridProgram { model, members } = own;
             *program = Some(BuiltProgram { model, members, handles });
         }
+        if self.members().is_some_and(|members| members.modes_follow_states) {
+            *memory = Memory::default().with_events(memory.events);
+        }
         match self.members() {
             Some(members) => memory.check_choices(&members.choices()),
             None => Ok(()),

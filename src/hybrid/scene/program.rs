@@ -104,7 +104,9 @@ impl Stated {
         let horizon = Horizon::new(steps, self.system.time_step)?;
         let user = self.user_system()?;
         let hybrid = user.write_restated(&self.restated(), &mut model, "", &horizon, None)?;
-        let mut program = self.completed(HybridProgram::from_parts(model, hybrid))?;
+        let mut program = HybridProgram::from_parts(model, hybrid);
+        program.members_mut().modes_follow_states = true;
+        let mut program = self.completed(program)?;
         let price = program.price();
         program.minimize(price)?;
         Ok(program)
