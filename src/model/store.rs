@@ -277,6 +277,12 @@ impl Model {
         self.systems.push((tag, names.into()));
     }
 
+    /// Whether it holds systems, whose units are chosen by their domains: bounds that sets have made narrow say
+    /// nothing about them.
+    pub(crate) fn has_systems(&self) -> bool {
+        !self.systems.is_empty()
+    }
+
     /// Marks lowered forms of this model as out of date.
     pub(crate) fn touch(&mut self) {
         self.revision = fresh_revision();

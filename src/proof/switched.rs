@@ -24,13 +24,12 @@ impl ProofWriter<'_, '_> {
     /// relaxation.
     pub(super) fn add_zero_products(&mut self) {
         if !self.squares.is_empty() {
-            let squares = self.squares.iter().map(|&(binary, amount)| ZeroProduct {
-                column: binary,
-                value: 0.0,
-                binary,
-                is_off_at_one: false,
-                factor: -amount,
-                facts: Vec::new(),
+            // Where a column is never 0, the product is that of its distance from 1.
+            let squares = self.squares.iter().map(|&(binary, amount)| {
+                let is_off_at_one = self.bounds.of(binary)[0] > 0.0;
+                let (value, factor) = if is_off_at_one { (1.0, amount) } else { (0.0, -amount) };
+                let facts = Vec::new();
+                ZeroProduct { column: binary, value, binary, is_off_at_one, factor, facts }
             });
             return self.add_products(&squares.collect::<Vec<ZeroProduct>>());
         }

@@ -105,7 +105,7 @@ impl<'a> Evaluation<'a> {
         };
         // Only what is missed visibly, by terms that are tiny at the point, is measured by bounds.
         let is_visible = amount > tolerance::ROUNDING * rounded && amount <= allowed;
-        if is_visible && size < tolerance::SMALL_UNIT {
+        if is_visible && size < tolerance::SMALL_UNIT && !self.model.has_systems() {
             let limits = [limits.lower, limits.upper].into_iter().filter(|limit| limit.is_finite());
             let largest = limits.fold(0.0_f64, |most, limit| most.max(limit.abs()));
             allowed = tolerance::allowed_miss(self.tolerance(terms, largest), rounded);

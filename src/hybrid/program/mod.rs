@@ -28,7 +28,7 @@ pub use plan::HybridPlan;
 pub use require::When;
 pub use sample::AtSample;
 pub(crate) use sample::Members;
-pub(in crate::hybrid) use settle::as_drift;
+pub(crate) use settle::as_drift;
 
 use super::reach::{HorizonVariables, TighteningReport, Tube};
 use super::rows::SystemVariables;
@@ -265,7 +265,7 @@ impl HybridProgram {
     }
 
     /// As [`plan`](HybridProgram::plan), with a solver for what a corrected plan may need.
-    pub(in crate::hybrid) fn plan_by(
+    pub(crate) fn plan_by(
         &self,
         solution: &Solution,
         solver: &mut dyn Solver,

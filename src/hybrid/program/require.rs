@@ -287,7 +287,7 @@ fn families(model: &Model, name: &str, rows: &[SystemRow]) -> Result<Vec<(String
 
 impl HybridProgram {
     /// Requires a region of the first system at a sample, which is in the coordinates of its variables.
-    pub(in crate::hybrid) fn require_own(
+    pub(crate) fn require_own(
         &mut self,
         name: &str,
         region: &Region,

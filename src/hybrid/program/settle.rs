@@ -23,7 +23,7 @@ use crate::tolerance::{ABSOLUTE_GAP, FEASIBILITY, RELATIVE_GAP};
 const INPUT_ROOM: f64 = 1e-4;
 
 /// The drift for which an error refuses a plan, if it does.
-pub(in crate::hybrid) fn as_drift(error: &Error) -> Option<&RunError> {
+pub(crate) fn as_drift(error: &Error) -> Option<&RunError> {
     let own = error.source()?.downcast_ref::<RunError>()?;
     matches!(own, RunError::Drift { .. }).then_some(own)
 }
@@ -49,7 +49,7 @@ impl HybridProgram {
 
 impl Members {
     /// As [`HybridProgram::settled`], for the program's model.
-    pub(in crate::hybrid) fn settled<'s>(
+    pub(crate) fn settled<'s>(
         &self,
         model: &Model,
         solution: &'s Solution,

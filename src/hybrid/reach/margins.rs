@@ -12,7 +12,7 @@ use crate::interval::Interval;
 use crate::tolerance::{MAX_STEPS, allowed_drift, margin_scale};
 
 /// The largest magnitude of an eigenvalue of a flow from which a system grows.
-const GROWTH: f64 = 1.01;
+const LEAST_EIGENVALUE: f64 = 1.01;
 
 /// The margins of the sets of a system.
 #[derive(Debug, Clone)]
@@ -104,10 +104,8 @@ fn grows(system: &HybridSystem) -> bool {
         let is_new = known.is_none_or(|known| known.a() != flow.a());
         known = Some(flow);
         is_new
-            && flow
-                .a()
-                .faer()
-                .eigenvalues()
-                .is_ok_and(|values| values.iter().any(|value| value.re.hypot(value.im) > GROWTH))
+            && flow.a().faer().eigenvalues().is_ok_and(|values| {
+                values.iter().any(|value| value.re.hypot(value.im) > LEAST_EIGENVALUE)
+            })
     })
 }

@@ -122,7 +122,7 @@ impl ReachSets {
     }
 
     /// The sets of a system in coordinates, with a start, a goal and options in them.
-    pub(in crate::hybrid) fn restated(
+    pub(crate) fn restated(
         stated: Option<Arc<HybridSystem>>,
         restated: Restated,
         start: Region,
@@ -222,7 +222,7 @@ impl ReachSets {
     }
 
     /// Sets the ranges of the inputs in the first step, in the coordinates of the sets.
-    pub(in crate::hybrid) fn begin_with(&mut self, inputs: Vec<Interval>) {
+    pub(crate) fn begin_with(&mut self, inputs: Vec<Interval>) {
         self.first = Some(Arc::new(self.compiled_at(0, Some(&inputs))));
         self.first_inputs = Some(inputs);
         self.forward.truncate(1);

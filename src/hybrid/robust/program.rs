@@ -219,6 +219,7 @@ impl RobustProgram {
         control: &mut Control<'_>,
     ) -> Result<RobustPlan, Error> {
         let solution = solver.solve_with(self.program.model(), control)?;
+        self.check_crossings(&solution)?;
         RobustPlan::of(self, self.program.plan_by(&solution, solver)?)
     }
 
@@ -228,6 +229,12 @@ impl RobustProgram {
     ///
     /// Those of [`solve`](RobustProgram::solve) that do not come from the solver.
     pub fn plan(&self, solution: &Solution) -> Result<RobustPlan, Error> {
+        self.check_crossings(solution)?;
+        RobustPlan::of(self, self.program.plan(solution)?)
+    }
+
+    /// Refuses a program without a plan whose modes meet in one value.
+    fn check_crossings(&self, solution: &Solution) -> Result<(), Error> {
         // Without a tube there is nothing that cannot cross.
         if solution.is_infeasible()
             && !self.radius.is_empty()
@@ -239,7 +246,7 @@ impl RobustProgram {
             let kind = ErrorKind::NoPlan { termination, help };
             return Err(Error::with_source(kind, meeting.error()));
         }
-        RobustPlan::of(self, self.program.plan(solution)?)
+        Ok(())
     }
 }
 

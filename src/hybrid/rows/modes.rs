@@ -100,7 +100,7 @@ pub(super) fn constant(row: &Row) -> Option<bool> {
 
 impl SystemVariables {
     /// A row that no state at a sample satisfies, for what has no variables of its own.
-    pub(in crate::hybrid) fn never_at(&self, sample: usize) -> Row {
+    pub(crate) fn never_at(&self, sample: usize) -> Row {
         let first = self.states.first().and_then(|family| family.get(sample));
         let domain = self.system.states.first().map_or(Interval::REALS, |(_, domain)| *domain);
         let (factor, limit) = never(domain);

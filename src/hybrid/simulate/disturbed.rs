@@ -102,7 +102,7 @@ impl HybridSystem {
     }
 
     /// Flies a run as [`fly`](HybridSystem::fly), from a start that is off by some numbers.
-    pub(in crate::hybrid) fn fly_from(
+    pub(crate) fn fly_from(
         &self,
         off: &[f64],
         plan: &HybridRun,

@@ -9,7 +9,7 @@ use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::HybridSystem;
 
 /// A plan beside the run from its start.
-pub(in crate::hybrid) enum Followed {
+pub(crate) enum Followed {
     /// It is the run of its inputs, up to what is allowed.
     AsPlanned,
     /// It leaves that run. These runs have the same transitions and other inputs, and need not keep what is
@@ -23,11 +23,7 @@ impl HybridSystem {
     /// # Arguments
     ///
     /// * `start`: the first sample as it is stated, of which that of the run may be off by a tolerance.
-    pub(in crate::hybrid) fn follow(
-        &self,
-        run: &HybridRun,
-        start: &[f64],
-    ) -> Result<Followed, Error> {
+    pub(crate) fn follow(&self, run: &HybridRun, start: &[f64]) -> Result<Followed, Error> {
         let plan = PlannedRun::new(self, run)?;
         let inputs = plan.inputs_within();
         let Some(departure) = OpenRun::of(&plan, start, &inputs).worst(&plan) else {

@@ -30,6 +30,6 @@ pub(crate) use decisions::Decided;
 pub use decisions::Decisions;
 pub use disturbed::DisturbedRun;
 pub use error::RunError;
-pub(in crate::hybrid) use follow::Followed;
+pub(crate) use follow::Followed;
 pub use options::SimulationOptions;
 pub use simulation::{Candidate, DeadEnd, SimulatedStep, Simulation};

@@ -4,16 +4,16 @@ use super::HybridSystem;
 use crate::error::Error;
 use crate::interval::Interval;
 
-/// Widths of ranges that are taken as they are; 2^-6 and 2^21. Absolute tolerances are then between some 1e-4 of a
+/// Widths of ranges that are taken as they are; 2^-6 and 2^18. Absolute tolerances are then between some 1e-4 of a
 /// range and a thousand roundings. A range may be wide only for want of a limit, and what happens in it small, so
 /// that wide ones are taken as they are for as long as the digits of a float allow.
-const ORDINARY: [f64; 2] = [0.015625, 2_097_152.0];
+const ORDINARY: [f64; 2] = [0.015625, 262_144.0];
 
 /// Smaller widths become between this and twice as much.
 const FROM_SMALL: f64 = 8.0;
 
-/// Larger widths become between this and twice as much, the widest of those that are taken as they are.
-const FROM_LARGE: f64 = 1_048_576.0;
+/// Larger widths become between this and twice as much.
+const FROM_LARGE: f64 = 8192.0;
 
 /// A range whose middle is more of its widths away from 0 is measured from its middle.
 const FAR: f64 = 64.0;

@@ -22,7 +22,7 @@ use crate::solver::Solver;
 const SHRINK: f64 = 1e-6;
 
 /// How far, relative to the state's domain, the equilibrium may drift in a step.
-const DRIFT: f64 = 1e-9;
+const STEADY_WITHIN: f64 = 1e-9;
 
 /// Options of a [`TerminalSet`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -234,7 +234,7 @@ fn holding_input(system: &HybridSystem, stay: &Stay, target: &[f64]) -> Result<V
     let middle: Vec<f64> = stay.ranges.iter().map(|r| 0.5 * (r.lower + r.upper)).collect();
     let input = stay.holding_input(target, &middle).map_err(Unheld::Refused)?;
     let (state, drift, relative) = stay.drift(system, target, &input).map_err(Unheld::Refused)?;
-    if relative <= DRIFT {
+    if relative <= STEADY_WITHIN {
         return Ok(input);
     }
     Err(Unheld::Moves { state, drift })

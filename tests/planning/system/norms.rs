@@ -400,7 +400,8 @@ fn constant_lengths_hold_always_or_never() {
     program.maximize(program.end(x).unwrap()).unwrap();
     let plan = program.solve(&mut BranchAndBound::default()).unwrap();
     assert!((plan.solution.objective().unwrap() - 1.0).abs() < 1e-6);
-    let run = own.simulate(&[5.0], &[[0.5]]).unwrap();
+    let first = SimulationOptions::default().with_first_possible(true);
+    let run = own.simulate_with(&[5.0], &[[0.5]], &first).unwrap();
     assert_eq!(run.steps[0].taken, ["near"]);
 }
 

@@ -172,7 +172,9 @@ fn simulations_take_the_same_transitions() {
     let run = |units: Units| {
         let lift = lift(units);
         let inputs: Vec<[f64; 1]> = (0..30).map(|t| [if t < 15 { 1.0 } else { -0.5 }]).collect();
-        let run = lift.system.simulate(&[units.place(0.0), 0.0], &inputs).unwrap();
+        let first = SimulationOptions::default().with_first_possible(true);
+        let start = [units.place(0.0), 0.0];
+        let run = lift.system.simulate_with(&start, &inputs, &first).unwrap();
         assert!(run.is_complete(), "{units:?}: {:?}", run.dead_end);
         let taken: Vec<String> = run.steps.iter().map(|step| step.taken[0].clone()).collect();
         (taken, run.last()[0] / units.length - units.origin)

@@ -12,7 +12,7 @@ use crate::interval::Interval;
 const VIEWS: [[usize; 3]; 2] = [[0, 1, 2], [0, 2, 1]];
 
 /// Entries of normals below this are none (no unit).
-const FLAT: f64 = 1e-9;
+const ALONG_THE_VIEW: f64 = 1e-9;
 
 /// The picture from each side, in the plane of two axes, with the names of these. Positions and velocities
 /// keep their third entry, so that speeds are those in space.
@@ -53,7 +53,7 @@ fn seen(picture: &ScenePicture, order: &[usize; 3], frame: &[Side]) -> ScenePict
 
 /// The shadow of an obstacle; `None` where it covers everything, as that of a floor from above.
 fn shadow(solid: &Solid, order: &[usize; 3], frame: &[Side]) -> Option<Solid> {
-    let covers = |normal: &[f64]| order[..2].iter().all(|&i| normal[i].abs() < FLAT);
+    let covers = |normal: &[f64]| order[..2].iter().all(|&i| normal[i].abs() < ALONG_THE_VIEW);
     if solid.faces.iter().all(|face| covers(&face.normal)) {
         return None;
     }
