@@ -158,12 +158,17 @@ impl ReducedProgram {
                 (open.lower[j], open.upper[j]) = (range.lower, range.upper);
             }
         }
-        let presolved =
-            match presolve_around(&open, &given, &PresolveRule::FAITHFUL, &StopToken::default())? {
-                Presolve::Infeasible => return Ok(Reduction::Infeasible),
-                Presolve::Stopped => return Ok(Reduction::Off),
-                Presolve::Presolved(presolved) => *presolved,
-            };
+        let presolved = match presolve_around(
+            &open,
+            &given,
+            false,
+            &PresolveRule::FAITHFUL,
+            &StopToken::default(),
+        )? {
+            Presolve::Infeasible => return Ok(Reduction::Infeasible),
+            Presolve::Stopped => return Ok(Reduction::Off),
+            Presolve::Presolved(presolved) => *presolved,
+        };
         let (program, postsolve) = (presolved.program, presolved.postsolve);
         let place = |j: &usize| postsolve.columns().binary_search(j).ok();
         // A column that stays has a place.

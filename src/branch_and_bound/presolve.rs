@@ -7,7 +7,7 @@ use super::row_judge::RowJudge;
 use super::solve::{EarlierResults, Solve};
 use crate::error::Error;
 use crate::presolve::DeterminedColumns;
-use crate::presolve::root::{Presolve, PresolveRule, Presolved};
+use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve_around};
 use crate::search::Start;
 use crate::solver::PoolMode;
 
@@ -48,7 +48,9 @@ pub(super) fn presolve<'a>(
     if known.is_presolved {
         return Ok(PresolveOutcome::Presolved(Presolution::new(lowered, None)));
     }
-    Ok(match crate::presolve::root::presolve(&lowered.program, rules, solve.token)? {
+    // Systems are in units of their own.
+    let may_scale = !solve.model.has_systems();
+    Ok(match presolve_around(&lowered.program, &[], may_scale, rules, solve.token)? {
         Presolve::Presolved(presolved) => {
             PresolveOutcome::Presolved(Presolution::new(lowered, Some(presolved)))
         }

@@ -184,6 +184,7 @@ impl Solution {
             multipliers: None,
             refused: None,
             proof: None,
+            narrow: 0,
         }
     }
 

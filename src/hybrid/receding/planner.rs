@@ -26,7 +26,7 @@ pub(super) enum Planner<'a> {
         build: Box<Build<'a>>,
         clock: Clock,
         last: LastIntegers,
-        program: Option<BuiltProgram>,
+        program: Option<Box<BuiltProgram>>,
     },
 }
 
@@ -287,7 +287,7 @@ impl Planner<'_> {
             }
             let handles = Handles::measure(&mut own)?;
             let HybridProgram { model, members } = own;
-            *program = Some(BuiltProgram { model, members, handles });
+            *program = Some(Box::new(BuiltProgram { model, members, handles }));
         }
         if self.members().is_some_and(|members| members.modes_follow_states) {
             *memory = Memory::default().with_events(memory.events);
@@ -343,7 +343,7 @@ impl Planner<'_> {
                 Planned::of(result, handles, members.as_deref(), question.excess)
             }
             Planner::Built { solver, last, program, .. } => {
-                let Some(BuiltProgram { model, members, handles }) = program else {
+                let Some(BuiltProgram { model, members, handles }) = program.as_deref_mut() else {
                     return Ok(Planned::Nothing(None, "there is no program".to_owned()));
                 };
                 if question.budget.is_some() {

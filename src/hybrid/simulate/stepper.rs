@@ -98,7 +98,7 @@ impl<'a> Stepper<'a> {
         if plan.iter().any(Option::is_some) {
             let named = match self.named(plan, alone, &ways, &candidates) {
                 Ok(named) => named,
-                Err(end) => return Ok(Err(end)),
+                Err(end) => return Ok(Err(*end)),
             };
             let planned = self.combine(&mut ways, &named)?;
             if !self.options.prefers || planned.moves > 0 {
@@ -255,15 +255,17 @@ impl<'a> Stepper<'a> {
         mut alone: Vec<Vec<usize>>,
         ways: &[Vec<Way<'a>>],
         candidates: &[Vec<Candidate>],
-    ) -> Result<Vec<Vec<usize>>, DeadEnd> {
+    ) -> Result<Vec<Vec<usize>>, Box<DeadEnd>> {
         let choices = &self.start.system.choices;
         for (c, (choice, name)) in choices.iter().zip(plan).enumerate() {
             let Some(name) = name else { continue };
-            let end = |candidate| DeadEnd::Planned {
-                step: self.start.step,
-                choice: choice.name.clone(),
-                transition: (*name).to_owned(),
-                candidate,
+            let end = |candidate| {
+                Box::new(DeadEnd::Planned {
+                    step: self.start.step,
+                    choice: choice.name.clone(),
+                    transition: (*name).to_owned(),
+                    candidate,
+                })
             };
             let k = choice.transitions.iter().position(|own| own.name == *name);
             let Some(k) = k else { return Err(end(None)) };

@@ -31,6 +31,11 @@ struct ExclusiveRows {
 }
 
 pub(super) fn apply(work: &mut Work) -> usize {
+    // Under curvature, points lie within faces, so that a tighter row is met in fractions all the same: trees of
+    // systems with modes took up to twice the pivots.
+    if work.quadratic.iter().any(|products| !products.is_empty()) {
+        return 0;
+    }
     let (cliques, places) = exclusive_binaries(work);
     if cliques.is_empty() {
         return 0;

@@ -189,7 +189,7 @@ pub fn presolve(
     rules: &[PresolveRule],
     token: &StopToken,
 ) -> Result<Presolve, Error> {
-    presolve_around(program, &[], rules, token)
+    presolve_around(program, &[], true, rules, token)
 }
 
 /// As [`presolve`], for every value of some continuous columns within their bounds. These columns stay,
@@ -201,12 +201,15 @@ pub fn presolve(
 pub(crate) fn presolve_around(
     program: &Program,
     given: &[usize],
+    may_scale: bool,
     rules: &[PresolveRule],
     token: &StopToken,
 ) -> Result<Presolve, Error> {
     let mut work = Work::new(program, token);
     given.iter().for_each(|&j| work.given[j] = true);
-    units::apply(&mut work);
+    if may_scale {
+        units::apply(&mut work);
+    }
     let determined = determined_columns::apply(&mut work, rules.is_empty());
     match determined.and_then(|()| reduce(&mut work, rules, token)) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
