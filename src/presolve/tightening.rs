@@ -2,8 +2,8 @@
 //!
 //! Most visits end after a single pass: if the row's slack (its limit less its smallest activity)
 //! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
-//! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point. A bound of
-//! exactly 0 has no rounding and is not loosened.
+//! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point. A bound
+//! that an equation makes exactly 0 has no rounding and is not loosened.
 //!
 //! Terms of integral columns with coefficients that were not rounded are exact, however large they
 //! are, so they loosen no bound. So `1e8 z >= 20` leaves a binary only the value 1, and a row over wide
@@ -354,8 +354,8 @@ impl RowActivities {
     }
 }
 
-/// Whether the bound of a column is exactly 0, because the limit and all other terms are. Such a bound needs
-/// no slack, which equations after this one would multiply.
+/// Whether the bound of a column is exactly 0, because the row is an equation to 0 and all other terms are 0.
+/// Such a bound needs no slack, which equations after this one would multiply.
 ///
 /// # Arguments
 ///
@@ -372,7 +372,7 @@ fn is_exact_zero(
     let of_least = is_upper == (entry.coefficient > 0.0);
     let which = usize::from(!of_least);
     value.abs() <= tolerance::PROPAGATION_SLACK
-        && limits[1 - which] == 0.0
+        && limits == [0.0; 2]
         && entries
             .iter()
             .all(|other| other.column() == entry.column() || other.bound(bounds, which) == 0.0)

@@ -142,7 +142,7 @@ fn agree(case: &Curved, seed: u64) -> Result<(), TestCaseError> {
     };
     let mut solver = BranchAndBound::new(options);
     let mut solutions = vec![solver.solve(&model).expect("a convex form")];
-    if seed % 4 == 0 {
+    if seed.is_multiple_of(4) {
         let mut prepared = solver.prepare(&model).expect("a convex form");
         solutions.push(prepared.solve(&[], &mut Control::default()).expect("a solve"));
         solutions.push(prepared.solve(&[], &mut Control::default()).expect("a solve"));

@@ -1,6 +1,8 @@
 //! Chains of equations `x+ = A x + B u` as plain models: each multiplies what is missed in the ones before,
 //! so answers are compared with runs in rational numbers.
 
+#![expect(clippy::needless_range_loop, reason = "matrices and samples share their indices")]
+
 use crate::torture::complementarity::double;
 use crate::torture::generator::Random;
 use carom::model::lp;
@@ -278,6 +280,7 @@ pub(crate) fn judge_free(seed: u64) -> Result<bool, String> {
 }
 
 /// `x+ = g x + b u` with one state between bounds, whose reachable values are an interval.
+#[expect(clippy::too_many_lines, reason = "a program and what it is to answer, in their order")]
 pub(crate) fn judge_driven(seed: u64) -> Result<bool, String> {
     let r = &mut Random::new(seed);
     let steps = 1 + r.below(60);

@@ -44,10 +44,11 @@ proptest! {
     ) {
         let mut text = "Minimize\n obj: 0 x0\nSubject To\n".to_owned();
         for (i, (coefficients, kind, room)) in rows.iter().enumerate() {
-            let pairs = coefficients.iter().zip(&columns).enumerate();
-            let terms = pairs.clone().map(|(j, (a, _))| format!(" {a:+} x{j}"));
+            let pairs = || coefficients.iter().zip(&columns);
+            let terms = coefficients.iter().take(columns.len()).enumerate();
+            let terms = terms.map(|(j, a)| format!(" {a:+} x{j}"));
             let terms: String = terms.collect();
-            let activity: i32 = pairs.map(|(_, (a, column))| a * column.2).sum();
+            let activity: i32 = pairs().map(|(a, column)| a * column.2).sum();
             let limit = match kind {
                 0 => format!("= {activity}"),
                 1 => format!("<= {}", activity + room),

@@ -45,6 +45,9 @@ struct Part {
     guard: Option<(usize, f64, f64)>,
 }
 
+/// Modes with memory, and their least and most samples.
+type Heater = (Vec<Part>, [(usize, Option<usize>); 2]);
+
 /// The numbers of a statement.
 struct Statement {
     /// A, with rows whose magnitudes sum up to less than 1.
@@ -55,7 +58,7 @@ struct Statement {
     /// Modes without memory.
     valve: Vec<Part>,
     /// Modes with memory: off and on, with least and most samples.
-    heater: Option<(Vec<Part>, [(usize, Option<usize>); 2])>,
+    heater: Option<Heater>,
     most_events: Option<usize>,
     aim: f64,
 }

@@ -157,7 +157,7 @@ fn objectives_in_turn_keep_what_the_first_ones_reached() {
     let wall = Solid::halfspace("wall", [1.0], 0.0, bounce(0.5));
     let scene = Scene::new(0.1).with_body(body).with_obstacle(wall);
     let mut program = scene.program(8).unwrap();
-    let damage = Affine::from(program.largest_impact().unwrap());
+    let damage = program.largest_impact().unwrap();
     let effort = program.effort().unwrap();
     let mut solver = BranchAndBound::default();
     let found = program.minimize_in_turn(&[damage], effort, &mut solver).unwrap();

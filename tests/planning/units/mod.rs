@@ -60,7 +60,7 @@ fn boxes(units: Units) -> Scene {
     let drone = Body::new("drone", &room, units.speed(1.2), units.push(2.0))
         .with_start([units.place(0.4), units.place(0.5), 0.0, 0.0])
         .with_goal([units.place(5.5), units.place(3.5), 0.0, 0.0]);
-    let cuboid = |name: &str, low, high| Solid::cuboid(name, &sides(low, high), Surface::avoid());
+    let cuboid = |name: &str, low, high| Solid::cuboid(name, sides(low, high), Surface::avoid());
     Scene::new(0.25 * units.time)
         .with_body(drone)
         .with_room("room", &room, Surface::avoid())
