@@ -394,7 +394,7 @@ impl<'a> RecedingHorizon<'a> {
     ///     room.simulate(state, next)?.end()
     /// })?;
     /// let modes: Vec<_> = run.moves.iter().filter_map(|next| next.mode("heater")).collect();
-    /// assert_eq!(modes[..7], ["on", "on", "on", "off", "off", "off", "on"]);
+    /// assert_eq!(modes[..7], ["on", "on", "on", "on", "off", "off", "off"]);
     /// # Ok::<(), carom::Error>(())
     /// ```
     pub fn set_memory(&mut self, memory: Memory) {
