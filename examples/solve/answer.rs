@@ -113,6 +113,9 @@ pub(crate) fn domains(model: &Model, explanation: &Explanation, is_lp: bool) -> 
     let line = |name: &Name| {
         let variable = model.variable_ref(model.variable_by_name(name.clone()).ok()?).ok()?;
         let bounds = variable.bounds();
+        if variable.kind() == VariableKind::Binary && (bounds.lower, bounds.upper) == (0.0, 1.0) {
+            return Some(format!("domain: {name} is 0 or 1"));
+        }
         let is_default = is_lp && bounds.lower == 0.0 && !variable.kind().is_integral();
         let default = match (is_default, bounds.upper.is_infinite()) {
             (true, true) => " (the default of LP files, where the file gives no bounds)",

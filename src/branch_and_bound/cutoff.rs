@@ -14,7 +14,7 @@ use crate::solver::{Control, Options};
 /// Nodes of the search within a box.
 const BOX_NODES: u64 = 200;
 
-/// What the row allows more than the cost of the point, relative to it and at least absolute, so that the
+/// Room of the row above the cost of the point, relative to it and at least absolute, so that the
 /// point is not at its edge.
 const CUTOFF_ROOM: f64 = 1e-3;
 

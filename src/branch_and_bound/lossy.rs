@@ -1,7 +1,7 @@
 //! Solves of programs whose convex objective may be below that of the model.
 //!
-//! What is a bound for the program is one for the model. A point is as good as the model says, so what the
-//! convex objective loses there is a part of the gap. The search gets half of the gap that was asked for.
+//! A bound for the program is one for the model. A point costs as much as the model says, so the loss of the
+//! convex objective there is a part of the gap. The search gets half of the gap that was asked for.
 
 use super::lower::LoweredProgram;
 use super::solve::{EarlierResults, Solve, SolveResult};

@@ -100,7 +100,7 @@ impl LoweredProgram {
     }
 }
 
-/// What a convex objective has to do with that of the model.
+/// How a convex objective differs from that of the model.
 #[derive(Debug, Default)]
 pub(super) struct AssembledForm {
     loss: f64,

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::oracle::Oracle;
 use crate::error::Error;
-use crate::model::{AnyStatement, Model, Name, VariableKind, statements, subset};
+use crate::model::{AnyStatement, Model, Name, VariableKind, VariableRef, statements, subset};
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
@@ -21,12 +21,17 @@ const MAX_PROPAGATIONS: usize = 500;
 /// Limit on relaxations, each of which costs as much as many propagations.
 const MAX_RELAXATIONS: usize = 60;
 
+/// The most binaries of the statements that are blamed of which it is asked whether they have to be binary.
+const MAX_BINARIES: usize = 100;
+
 /// A part of a model that propagation refutes, while bounds are removed.
 struct DomainReduction<'a> {
     program: &'a Program,
     propagator: Propagator,
-    /// For each variable of the model, whether its bounds stay.
+    /// For each variable of the model, whether its bounds stay; binaries without theirs are still 0 or 1.
     used: Vec<bool>,
+    /// For each variable of the model, whether it may have any value.
+    free: Vec<bool>,
     trials: usize,
     ladder: Ladder,
     options: Options,
@@ -59,6 +64,7 @@ pub(super) fn used_domains(
         program: &program,
         propagator: Propagator::new(&program),
         used: bounded.collect(),
+        free: vec![false; model.variable_count()],
         trials: MAX_PROPAGATIONS,
         ladder: Ladder::new(Options::default().relaxation),
         options: Options::default(),
@@ -75,7 +81,11 @@ pub(super) fn used_domains(
     }
     search.relaxations = MAX_RELAXATIONS;
     search.open((0, model.variable_count()), oracle, model);
-    let used = model.variables().filter(|v| search.used[v.id().index()]);
+    let binaries = search.needed_binaries(&near, oracle, model);
+    let used = model.variables().filter(|v| {
+        let index = v.id().index();
+        search.used[index] || binaries.contains(&index)
+    });
     let mut names: Vec<Name> = used.map(|v| v.name().clone()).collect();
     // Families together, in the order of their first members.
     let mut first = BTreeMap::new();
@@ -120,6 +130,34 @@ impl DomainReduction<'_> {
         }
     }
 
+    /// The binaries among some variables that have to be 0 or 1, not just whole; none if a limit comes first.
+    fn needed_binaries(
+        &mut self,
+        near: &BTreeSet<usize>,
+        oracle: &Oracle<'_>,
+        model: &Model,
+    ) -> BTreeSet<usize> {
+        let is_open = |v: &VariableRef<'_>| {
+            let index = v.id().index();
+            v.kind() == VariableKind::Binary && !self.used[index] && near.contains(&index)
+        };
+        let open = model.variables().filter(is_open).map(|v| v.id().index());
+        let open: Vec<usize> = open.take(MAX_BINARIES + 1).collect();
+        if open.len() > MAX_BINARIES {
+            return BTreeSet::new();
+        }
+        open.iter().for_each(|&index| self.free[index] = true);
+        if !self.refutes(oracle, model) {
+            open.iter().for_each(|&index| self.free[index] = false);
+            for &index in &open {
+                self.free[index] = true;
+                self.free[index] = self.refutes(oracle, model);
+            }
+        }
+        let is_complete = self.trials > 0 && !oracle.is_stopped();
+        open.into_iter().filter(|&index| is_complete && !self.free[index]).collect()
+    }
+
     fn refutes(&mut self, oracle: &Oracle<'_>, model: &Model) -> bool {
         if self.trials == 0 || oracle.is_stopped() {
             return false;
@@ -128,7 +166,7 @@ impl DomainReduction<'_> {
         let mut domain = Domain::new(self.program);
         for variable in model.variables().filter(|v| !self.used[v.id().index()]) {
             let (low, high) = match variable.kind() {
-                VariableKind::Binary => (0.0, 1.0),
+                VariableKind::Binary if !self.free[variable.id().index()] => (0.0, 1.0),
                 _ => (f64::NEG_INFINITY, f64::INFINITY),
             };
             domain.set_lower(variable.id().index(), low);

@@ -1,4 +1,4 @@
-//! What a run carries from sample to sample beside its state: modes, how long they have lasted, events.
+//! The memory of a run, carried from sample to sample beside its state: modes, how long they have lasted, events.
 
 use std::collections::BTreeMap;
 

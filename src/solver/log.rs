@@ -61,7 +61,7 @@ pub struct Log<W: Write> {
     searched: Option<Searched>,
 }
 
-/// What a log knows of a search that solves many programs.
+/// State of the log of a search that solves many programs.
 pub(crate) struct Searched {
     began: Instant,
     /// When the last line was written, in time since the search began.

@@ -105,7 +105,7 @@ impl Edges {
         (0..self.layers).any(|layer| self.alive[self.at(step, layer, edge)])
     }
 
-    /// Nothing remains from a step on.
+    /// Ends all sets from a step on.
     fn end(&mut self, step: usize) {
         let first = self.at(step, 0, 0).min(self.alive.len());
         self.alive[first..].fill(false);

@@ -26,7 +26,7 @@ pub(super) type Given<'a> = dyn FnMut(&[f64]) -> Vec<f64> + 'a;
 /// Whether inputs, an entry per step, are admissible from a state on.
 pub(super) type Check<'a> = dyn FnMut(&[f64], &[Vec<f64>]) -> bool + 'a;
 
-/// What a step begins with.
+/// The state and the memory with which a step begins.
 #[derive(Clone, Copy)]
 pub(super) struct Present<'p> {
     pub(super) system: Option<&'p HybridSystem>,

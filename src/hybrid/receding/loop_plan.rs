@@ -24,7 +24,7 @@ pub(super) struct LoopPlan {
 }
 
 impl LoopPlan {
-    /// What a point says of the choices of all systems that are no cases.
+    /// Reads the choices of all systems that are no cases from a point.
     pub(super) fn choose(&mut self, members: &Members, point: &Point) -> Result<(), Error> {
         self.events = vec![0; members.steps];
         for (own, names) in members.steered_choices() {

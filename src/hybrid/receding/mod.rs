@@ -90,7 +90,7 @@ pub struct RecedingHorizon<'a> {
     rest: LoopPlan,
     /// Whether the last step had no plan.
     missed: bool,
-    /// What the next step begins with beside the state.
+    /// The memory with which the next step begins, beside the state.
     memory: Memory,
 }
 
@@ -361,7 +361,7 @@ impl<'a> RecedingHorizon<'a> {
         self
     }
 
-    /// What the next step begins with beside the state: the modes to which the moves so far lead, how long they
+    /// The memory with which the next step begins, beside the state: the modes to which the moves so far lead, how long they
     /// have lasted, the number of events.
     pub fn memory(&self) -> &Memory {
         &self.memory

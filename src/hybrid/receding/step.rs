@@ -33,8 +33,8 @@ pub enum MoveSource {
     /// A plan from another state than the measured one, from which there is none: from the nearest state within
     /// the domains, or from one on the way to the state that the last plan foresaw.
     Recovery,
-    /// Nothing is known to be admissible: the next input of the last plan, or no input (0), within
-    /// the ranges of the inputs.
+    /// The next input of the last plan, or no input (0), within the ranges of the inputs, because no input is
+    /// known to be admissible.
     Emergency,
 }
 
@@ -55,7 +55,7 @@ impl fmt::Display for MoveSource {
 
 /// A move of a [`RecedingHorizon`](super::RecedingHorizon): what to do now, and what is known of it.
 ///
-/// What to do is more than the input where the plan has chosen among transitions: a plant that is told the
+/// Where the plan has chosen among transitions, a move is more than its input: a plant that is told the
 /// input alone runs another plan. [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) takes the
 /// whole move; a plant of another kind asks for the [`transition`](Move::transition) or the [`mode`](Move::mode)
 /// of a choice.
@@ -116,7 +116,7 @@ pub struct Move {
     /// The number of planned events in each step.
     #[cfg_attr(feature = "serde", serde(default))]
     pub events: Vec<usize>,
-    /// What the run remembers at the measured state: modes, how long they have lasted, events.
+    /// The memory of the run at the measured state: modes, how long they have lasted, events.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Memory,
     /// The cost of the plan.

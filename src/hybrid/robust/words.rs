@@ -1,4 +1,4 @@
-//! What the rows of a tube say, in the names of the system, for explanations; and which transitions no tube
+//! The meaning of the rows of a tube, in the names of the system, for explanations; and which transitions no tube
 //! can go between.
 
 use super::error::RobustError;

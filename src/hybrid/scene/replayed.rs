@@ -86,7 +86,7 @@ impl SceneUnits {
         }
     }
 
-    /// What a replay in these units refuses, in the user's.
+    /// The refusal of a replay in these units, in the user's.
     fn stated_refusal(&self, own: SceneError) -> SceneError {
         let SceneError::Replay { step, what, by, allowed } = own else { return own };
         let unit = match &what[..] {

@@ -1,7 +1,7 @@
 //! The units in which a scene is computed: a power of two as the unit of length, another one as that of time,
 //! and an origin among its bodies.
 //!
-//! What is tolerated of contacts, rows and sets is absolute, and means something for numbers of an ordinary size.
+//! Tolerances of contacts, rows and sets are absolute, and mean something for numbers of an ordinary size.
 //! A scene of another size, or far from the origin of its map, is restated before anything is computed; what is
 //! found is in the user's units again. Masses stay as they are.
 

@@ -1,4 +1,4 @@
-//! What a search tells while it runs.
+//! Events of a search while it runs.
 
 use super::outcome::{Attempt, HorizonProof};
 use crate::solver::Progress;

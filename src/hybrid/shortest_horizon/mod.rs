@@ -121,7 +121,7 @@ pub trait HorizonModel {
         Ok(None)
     }
 
-    /// What else to look at if there is no plan, in words; nothing by default.
+    /// Hints if there is no plan, in words; none by default.
     #[doc(hidden)]
     fn hints(&self) -> Vec<String> {
         Vec::new()

@@ -25,7 +25,7 @@ pub struct ShortestOptions {
     /// Whether a plan on the builder's coarser grid is used as a MIP start if binaries remain open
     /// (default yes).
     pub coarse_guess: bool,
-    /// Who is told what the search does.
+    /// The receivers of the search's events.
     pub(super) watch: Watch,
     /// Statements that programs get besides the rows of their system.
     pub(super) statements: Statements,

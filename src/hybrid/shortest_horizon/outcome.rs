@@ -217,7 +217,7 @@ pub struct Shortest<P> {
     pub starts_in_goal: bool,
     /// Whether the limit of the whole search has stopped it.
     pub(super) is_time_up: bool,
-    /// What else to look at if there is no plan, in words.
+    /// Hints if there is no plan, in words.
     pub(super) hints: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Who watches a search: a callback in its options, and the log for people.
+//! The receivers of a search's events: a callback in its options, and the log for people.
 
 use std::fmt;
 use std::io::Write;

@@ -90,7 +90,7 @@ pub(super) struct Slack {
     pub(super) rounding: f64,
 }
 
-/// What numbers mean for the tolerances of a condition: the measures of its states and inputs.
+/// Sizes of the terms of a condition, for its tolerance: the measures of its states and inputs.
 #[derive(Debug, Clone, Copy)]
 struct TermSizes {
     /// The largest term, from the origins of its measures.

@@ -1,4 +1,4 @@
-//! What a simulation is told of its steps.
+//! Decisions that a simulation is given, step by step.
 
 use crate::hybrid::memory::Memory;
 

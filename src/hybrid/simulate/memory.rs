@@ -1,4 +1,4 @@
-//! What the memory of a run says about its next step.
+//! Conditions of the next step that follow from the memory of a run.
 
 use super::condition::{Condition, Slack};
 use crate::hybrid::memory::Memory;

@@ -198,7 +198,7 @@ pub struct Simulation {
     pub inputs: Vec<Vec<f64>>,
     /// The record of every step that was taken.
     pub steps: Vec<SimulatedStep>,
-    /// What the run remembers at the last sample that was reached: modes, how long they have lasted, events.
+    /// The memory of the run at the last sample that was reached: modes, how long they have lasted, events.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Memory,
     /// Why the run ended early, if it did.

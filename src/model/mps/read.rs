@@ -195,7 +195,10 @@ impl<'a> MpsFile<'a> {
         let chosen = self.chosen.is_none_or(|chosen| chosen.text == name.text);
         let kind = match kind.text.to_ascii_uppercase().as_str() {
             "N" if self.objective.is_none() && chosen => MpsRowKind::Objective,
-            "N" => MpsRowKind::Ignored,
+            "N" => {
+                self.further_objective(&name);
+                MpsRowKind::Ignored
+            }
             "L" => MpsRowKind::AtMost,
             "G" => MpsRowKind::AtLeast,
             "E" => MpsRowKind::Equal,
@@ -224,6 +227,16 @@ impl<'a> MpsFile<'a> {
             last_column: None,
         });
         Ok(())
+    }
+
+    /// Warns of an `N` row after the objective, unless OBJNAME has chosen between them.
+    fn further_objective(&mut self, name: &Token<'a>) {
+        if let (Some(objective), None) = (self.objective, self.chosen) {
+            let (text, first) = (name.text, self.rows[objective].name.text);
+            self.warnings.push(name.warning(format!(
+                "row `{text}` is a further `N` row; it is ignored, because `{first}` is the objective"
+            )));
+        }
     }
 
     fn column(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {

@@ -1,6 +1,6 @@
 //! Equalities of a program that may determine columns.
 
-/// What is known of a column before the equations are looked at.
+/// Kinds of columns before the equations are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ColumnKind {
     /// Its value is given.

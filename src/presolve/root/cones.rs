@@ -115,7 +115,7 @@ fn pin(work: &mut Work, cone: &Cone) -> Result<(), Infeasible> {
     Ok(())
 }
 
-/// What a function says of a cone whose columns are numbered by its entries.
+/// Applies a function to a cone whose columns are numbered by its entries.
 fn alone<T>(work: &Work, cone: &Cone, of: impl Fn(BoundedColumns<'_>, &Cone) -> T) -> T {
     let bounds: Vec<[f64; 2]> =
         cone.columns.iter().map(|&j| [work.lower[j], work.upper[j]]).collect();

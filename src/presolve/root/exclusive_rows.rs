@@ -31,8 +31,7 @@ struct ExclusiveRows {
 }
 
 pub(super) fn apply(work: &mut Work) -> usize {
-    // Under curvature, points lie within faces, so that a tighter row is met in fractions all the same: trees of
-    // systems with modes took up to twice the pivots.
+    // Under curvature, points lie within faces, so that a tighter row is met in fractions all the same.
     if work.quadratic.iter().any(|products| !products.is_empty()) {
         return 0;
     }

@@ -211,6 +211,26 @@ fn domains_that_play_a_part_are_named() {
     assert_eq!(domains, ["x[0]", "x[20]"]);
 }
 
+/// Two binaries cannot be 3, whole numbers could; and the third could make up for what `x` takes.
+#[test]
+fn binaries_that_have_to_be_binary_are_named() {
+    let mut model = Model::new("m");
+    let [a, b, c] = ["a", "b", "c"].map(|name| model.binary(name).unwrap());
+    let x = model.continuous("x", 0.0, 9.0).unwrap();
+    model.add("many", (a + b + x).ge(3.0)).unwrap();
+    model.add("few", (x + c).le(0.5)).unwrap();
+    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    assert!(why.is_irreducible());
+    let domains: Vec<String> = why.domains().iter().map(Name::to_string).collect();
+    assert_eq!(domains, ["a", "b", "c"]);
+    let mut model = Model::new("m");
+    let [a, b] = ["a", "b"].map(|name| model.binary(name).unwrap());
+    model.add("most", (a + 2.0 * b).le(1.5)).unwrap();
+    model.add("least", (a + 2.0 * b).ge(2.5)).unwrap();
+    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    assert!(why.is_irreducible() && why.domains().is_empty());
+}
+
 /// Propagation needs the bounds of `x` and `y` here, the contradiction does not.
 #[test]
 fn domains_that_play_no_part_are_not_named() {
