@@ -4,7 +4,7 @@ use std::fs::OpenOptions;
 
 use carom::explain::Explanation;
 use carom::model::Name;
-use carom::prelude::{Model, Solution, Termination};
+use carom::prelude::{Model, Solution, Termination, VariableKind};
 use carom::solution::{ProofReport, StartStatus};
 
 /// The last line of the output.
