@@ -2,13 +2,13 @@
 
 use std::hint::black_box;
 
-use carom::internals::presolve::{Domain, reduce};
-use carom::internals::program::Program;
-use carom::internals::relaxation::{ClarabelRelaxation, Effort, Prover, Relaxation};
 use carom::model::{Method, Reformulation, mps};
 use carom::prelude::*;
 use carom::reformulate;
 use carom::solver::StopToken;
+use carom_solver::internals::presolve::{Domain, reduce};
+use carom_solver::internals::program::Program;
+use carom_solver::internals::relaxation::{ClarabelRelaxation, Effort, Prover, Relaxation};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 /// Rows of the large models.

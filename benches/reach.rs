@@ -6,9 +6,9 @@ use std::hint::black_box;
 use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, ShortestOptions};
-use carom::internals::hybrid::{Choice, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Choice, Transition};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 fn scenario(time_step: f64) -> Scenario {

@@ -8,12 +8,12 @@ mod instances;
 use std::hint::black_box;
 
 use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
-use carom::internals::presolve::{Domain, Propagator, probe, reduce};
-use carom::internals::program::Program;
-use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation};
 use carom::prelude::*;
 use carom::reformulate;
 use carom::solver::StopToken;
+use carom_solver::internals::presolve::{Domain, Propagator, probe, reduce};
+use carom_solver::internals::program::Program;
+use carom_solver::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 /// The paper's tolerant program, perfectly plastic, at a feasible horizon.

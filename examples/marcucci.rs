@@ -24,9 +24,9 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use carom::hybrid::{Lqr, Matrix, MoveSource, TerminalOptions, TerminalSet};
-use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Halfspace, Transition};
 use interrupts::{INTERRUPTED, Signals};
 
 const T: usize = 20;

@@ -5,11 +5,13 @@ mod instances;
 
 use std::alloc::System;
 
-use carom::internals::presolve::{Domain, Reduced, reduce};
-use carom::internals::program::Program;
-use carom::internals::relaxation::{Effort, InteriorPoint, Prover, Relaxation, RelaxationClaim};
 use carom::prelude::*;
 use carom::solver::StopToken;
+use carom_solver::internals::presolve::{Domain, Reduced, reduce};
+use carom_solver::internals::program::Program;
+use carom_solver::internals::relaxation::{
+    Effort, InteriorPoint, Prover, Relaxation, RelaxationClaim,
+};
 use instances::generators::cartpole;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 

@@ -149,8 +149,10 @@ class Pages:
             return self.near(own, "gallery.md")
         if path in self.names:
             return self.near(own, self.names[path]) + heading
-        if path.startswith("src/"):
-            return self.near(own, f"api/src/carom/{path.removeprefix('src/')}.html")
+        source = re.match(r"(?:crates/([\w-]+)/)?src/(.*)", path)
+        if source:
+            crate = (source[1] or "carom").replace("-", "_")
+            return self.near(own, f"api/src/{crate}/{source[2]}.html")
         raise SystemExit(f"{file}: no page of the site for {link}")
 
     def near(self, own, target):

@@ -9,9 +9,9 @@ use carom::collision_tolerant::{Endpoint, Objective, Plan, PlanningOptions, Scen
 use carom::explain::{ExplainOptions, infeasibility};
 use carom::hybrid::scene::SceneError;
 use carom::hybrid::{ContactLaw, Region, RunError, Shortest, ShortestOptions, Wall};
-use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::Halfspace;
 use proptest::prelude::*;
 
 fn solver() -> BranchAndBound {

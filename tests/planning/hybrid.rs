@@ -9,10 +9,10 @@ use carom::hybrid::{
     Refutation, Restitution, ShortestOptions, ShortestStatus, Verdict, Waiting, Wall,
     shortest_horizon, shortest_horizon_with,
 };
-use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::{Outcome, Point};
+use carom_hybrid::internals::SystemVariables;
 use proptest::prelude::*;
 
 // -- linear systems -----------------------------------------------------------------------------

@@ -5,9 +5,9 @@ use crate::common::config;
 use carom::collision_tolerant::{Objective, Scenario};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{Contact, ContactLaw, HybridSystem, ImpactEstimate, Restitution, Wall};
-use carom::internals::scene::{Samples, advance_line, replay_line as replay};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Samples, advance_line, replay_line as replay};
 use proptest::prelude::*;
 
 /// Largest depth inside the wall, in m, of a parabola between two samples outside the wall.

@@ -149,7 +149,7 @@ impl Shared {
 
     fn options(&self) -> ShortestOptions {
         let mut log = Log::new(self.clone());
-        ShortestOptions::default().with_progress(move |event| log.record_horizon(event))
+        ShortestOptions::default().with_progress(move |event| event.record(&mut log))
     }
 }
 

@@ -12,9 +12,9 @@ use std::time::Duration;
 
 use carom::ErrorKind;
 use carom::conformance::{Capability, Suite};
-use carom::internals::conformance::{Case, answers};
 use carom::prelude::*;
 use carom::solution::{Outcome, Point};
+use carom_conformance::internals::{Case, answers};
 
 const INF: f64 = f64::INFINITY;
 

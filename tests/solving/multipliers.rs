@@ -2,6 +2,7 @@
 
 use carom::ErrorKind;
 use carom::prelude::*;
+use carom::reformulate::relaxed;
 use carom::solution::Multipliers;
 use proptest::prelude::*;
 
@@ -78,7 +79,7 @@ proptest! {
         shifts in prop::collection::vec(-4..=4_i32, 20),
     ) {
         let (mut model, variables) = case.build();
-        let solution = solve(&model.relaxed().unwrap(), true);
+        let solution = solve(&relaxed(&model).unwrap(), true);
         prop_assume!(solution.is_optimal());
         let objective = solution.objective().unwrap();
         if let Some(whole) = solve(&model, true).objective() {
@@ -93,7 +94,7 @@ proptest! {
             line += solution.shadow_price(row).unwrap() * t;
             model.set_limits(row, limits.lower + t, limits.upper + t).unwrap();
         }
-        let moved = solve(&model.relaxed().unwrap(), true);
+        let moved = solve(&relaxed(&model).unwrap(), true);
         if moved.is_optimal() {
             let above = case.sign() * (moved.objective().unwrap() - line);
             prop_assert!(above >= -1e-5 * (1.0 + objective.abs()), "{} below the line", -above);
@@ -110,8 +111,8 @@ fn multipliers_of_a_relaxation_are_its_differences() {
     let room = model.add("room", (x[0] + x[1]).le(3.7)).unwrap();
     model.add("some", z.on().implies(x[2].ge(2.0))).unwrap();
     model.minimize(1.5 * x[0] + 2.0 * x[1] + 1.9 * x[2] - 0.7 * z).unwrap();
-    let value = |model: &Model| solve(&model.relaxed().unwrap(), true).objective().unwrap();
-    let relaxed = solve(&model.relaxed().unwrap(), true);
+    let value = |model: &Model| solve(&relaxed(&model).unwrap(), true).objective().unwrap();
+    let relaxed = solve(&relaxed(&model).unwrap(), true);
     for row in [need, room] {
         let limits = model.constraints().nth(usize::from(row == room)).unwrap().limits();
         let mut moved = [1e-3, -1e-3].map(|t| {
@@ -129,7 +130,7 @@ fn multipliers_of_a_relaxation_are_its_differences() {
     assert_eq!(
         error.to_string(),
         "the solution has no multipliers (`optimal`); they come with an optimal solution of \
-         `BranchAndBound` for a model without integers, such as `model.relaxed()`"
+         `BranchAndBound` for a model without integers, such as `reformulate::relaxed(&model)`"
     );
 }
 

@@ -5,9 +5,9 @@ use carom::hybrid::{
     HybridRun, HybridSystem, LinearSystem, Region, ShortestOptions, ShortestStatus, State,
     TimeStepGrid, Waiting, least_time_step,
 };
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
 use crate::common::config;

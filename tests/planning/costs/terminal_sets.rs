@@ -3,9 +3,9 @@
 use carom::hybrid::{
     HybridSystem, LinearSystem, Lqr, Matrix, TerminalError, TerminalOptions, TerminalSet,
 };
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
 use crate::common::config;

@@ -2,10 +2,10 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{HybridProgram, HybridSystem, IntoRegion, Region, State, When};
-use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::model::Row;
 use carom::prelude::*;
+use carom_hybrid::internals::Halfspace;
 use proptest::prelude::*;
 
 use crate::common::config;

@@ -5,9 +5,9 @@ use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
     HybridProgram, HybridSystem, LinearSystem, Move, MoveSource, RecedingHorizon, Schedule, State,
 };
-use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Halfspace, Transition};
 
 const H: f64 = 0.5;
 

@@ -3,8 +3,8 @@
 use crate::common::config;
 use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions};
 use carom::hybrid::{Contact, HybridSystem, LinearSystem, Matrix, Restitution, Wall};
-use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Halfspace, Transition};
 use proptest::prelude::*;
 
 fn points(state: &[f64]) -> Vec<Interval> {

@@ -2,8 +2,8 @@
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{HybridSystem, LinearSystem, Region};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 
 fn options() -> SetOptions {
     SetOptions::default().with_margin(0.0)

@@ -2,8 +2,8 @@
 //! and runs through them, in plain numbers.
 
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Schedule};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 
 /// A small generator of numbers (xorshift), so that a plant is one seed.
 #[derive(Debug, Clone)]

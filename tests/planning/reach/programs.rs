@@ -5,9 +5,9 @@ use carom::collision_tolerant::{Endpoint, Objective, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, Reason, SetOptions, TighteningReport};
 use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{ContactLaw, HybridSystem, LinearSystem, Matrix, Wall};
-use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::Transition;
 use proptest::prelude::*;
 
 /// A plan in plain numbers.

@@ -4,9 +4,9 @@ use carom::ErrorKind;
 use carom::collision_tolerant::Scenario;
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Region};
-use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Halfspace, Transition};
 
 fn push() -> HybridSystem {
     HybridSystem::new(1.0)

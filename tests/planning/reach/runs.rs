@@ -3,8 +3,8 @@
 use crate::common::config;
 use carom::hybrid::reach::{ReachSets, SetOptions, Tube};
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix};
-use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
+use carom_hybrid::internals::Transition;
 use proptest::prelude::*;
 
 use super::systems::{Mode, Step, System, choices, system};

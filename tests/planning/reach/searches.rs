@@ -11,10 +11,10 @@ use carom::hybrid::{
     HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, Refutation, Shortest,
     ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
 };
-use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Termination;
+use carom_hybrid::internals::{Halfspace, Transition};
 use proptest::prelude::*;
 
 fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> Shortest<Plan> {

@@ -1,8 +1,8 @@
 //! Random hybrid systems, and runs through them in plain numbers.
 
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix};
-use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Halfspace, Transition};
 use proptest::prelude::*;
 
 /// A transition in plain numbers.

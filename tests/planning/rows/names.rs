@@ -2,9 +2,9 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{HybridSystem, LinearSystem};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 
 fn flow(gain: f64, heat: f64) -> LinearSystem {
     LinearSystem::new([[0.9]], [[gain]], [heat]).unwrap()

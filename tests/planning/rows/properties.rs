@@ -2,10 +2,10 @@
 //! an enumeration over transitions.
 
 use carom::hybrid::HybridRun;
-use carom::internals::hybrid::SystemVariables;
 use carom::model::Method;
 use carom::prelude::*;
 use carom::solution::{Point, Verification};
+use carom_hybrid::internals::SystemVariables;
 use proptest::prelude::*;
 
 use super::systems::{DOMAIN, Plain, PlainRun, by_step, plain, wishes};

@@ -1,9 +1,9 @@
 //! How many variables and rows systems get.
 
 use carom::hybrid::{HybridSystem, LinearSystem};
-use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Halfspace, SystemVariables, Transition};
 
 fn written(system: &HybridSystem) -> (Model, SystemVariables) {
     let mut model = Model::new("shapes");

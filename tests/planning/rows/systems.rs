@@ -1,8 +1,8 @@
 //! Random hybrid systems in plain numbers, and runs through them.
 
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Schedule};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
 /// States lie within [-DOMAIN, DOMAIN].

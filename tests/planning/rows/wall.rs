@@ -2,10 +2,10 @@
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{Contact, HybridSystem, LinearSystem, Restitution, Wall};
-use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::reformulate;
+use carom_hybrid::internals::SystemVariables;
 
 const TIME_STEP: f64 = 0.1;
 const POSITIONS: Interval = Interval { lower: 0.0, upper: 20.0 };

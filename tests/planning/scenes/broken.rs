@@ -7,9 +7,9 @@ use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, Scene, SceneError, ScenePlan, Solid, Surface,
 };
 use carom::hybrid::{ImpactEstimate, Region, Restitution};
-use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::Halfspace;
 
 /// A limit, and a rule with it.
 type Case = (f64, Box<dyn Fn(f64) -> DamageRule>);

@@ -6,9 +6,9 @@ use std::time::Duration;
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 use carom::hybrid::{Region, Restitution};
-use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::Halfspace;
 
 fn body() -> Body {
     Body::new("puck", [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)], 3.0, 3.0)

@@ -12,10 +12,10 @@ use carom::hybrid::{
     HorizonEvent, HorizonModel, HybridSystem, Mission, Restitution, Shortest, ShortestOptions,
     ShortestStatus, Waiting, When, shortest_horizon,
 };
-use carom::internals::proof::write_proof_of;
 use carom::prelude::*;
 use carom::solver::{Control, Interrupt};
 use carom_proof::{Claim, check};
+use carom_solver::internals::proof::write_proof_of;
 
 /// An empty folder of its own for a test, which does not exist yet.
 fn folder(name: &str) -> PathBuf {

@@ -1,9 +1,9 @@
 //! Slips in the statement of a hybrid system are named, and nothing else is.
 
 use carom::hybrid::{Contact, Flaw, HybridSystem, LinearSystem, Restitution, Wall};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
 use crate::common::config;

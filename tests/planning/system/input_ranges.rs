@@ -6,9 +6,9 @@ use carom::hybrid::{
     HybridRun, HybridSystem, LinearSystem, Lqr, Region, ShortestOptions, TerminalOptions,
     TerminalSet, Waiting,
 };
-use carom::internals::hybrid::{Choice, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::{Choice, Transition};
 
 /// `x⁺ = x + u`, and 10 more with the boost, and 40 more if shut; u is within [-1, 1] unless a
 /// transition says otherwise: 3 with the boost, and `shut` if shut.

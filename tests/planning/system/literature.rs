@@ -2,9 +2,9 @@
 //! rows by an independent script and solved by another solver (CPLEX 22.2).
 
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, MixedLogicalDynamical};
-use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::SystemVariables;
 
 /// The least cost, of a plan that is certified.
 fn least_cost(

@@ -1,8 +1,8 @@
 //! Random hybrid systems, stated through the crate's own types, and random runs through them.
 
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, SimulationOptions};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
 /// A transition in numbers: matrices row by row for the largest sizes.

@@ -1,9 +1,9 @@
 //! Hybrid systems from and to `serde`.
 
 use carom::hybrid::{HybridSystem, Region, SimulationOptions};
-use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::model::norm;
+use carom_hybrid::internals::Halfspace;
 use proptest::prelude::*;
 
 use super::random::{system, wishes};

@@ -5,9 +5,9 @@ use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
     Condition, DeadEnd, HybridSystem, ImpactEstimate, LinearSystem, Restitution, SimulationOptions,
 };
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
-use carom::internals::scene::{Samples, replay_line};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
+use carom_hybrid::internals::{Samples, replay_line};
 
 fn wall() -> HybridSystem {
     super::wall(0.5, None)

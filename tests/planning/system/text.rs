@@ -1,8 +1,8 @@
 //! The text form of a hybrid system.
 
 use carom::hybrid::{HybridSystem, LinearSystem};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 
 #[test]
 fn everything_is_written() {

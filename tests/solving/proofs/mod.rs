@@ -15,10 +15,10 @@ mod ways_of_solving;
 use std::fs;
 use std::path::PathBuf;
 
-use carom::internals::proof::write_proof_of;
 use carom::model::Model;
 use carom::prelude::*;
 use carom_proof::{Claim, check};
+use carom_solver::internals::proof::write_proof_of;
 
 use crate::torture::generator;
 use crate::torture::oracle::{Truth, truth};

@@ -7,12 +7,12 @@
 // Other builds have no slips.
 #![cfg_attr(not(debug_assertions), allow(unused_imports, dead_code))]
 
-use carom::internals::proof::write_proof_of;
-use carom::internals::slips::{Slip, with_slip};
 use carom::model::Model;
 use carom::prelude::*;
 use carom::solver::{Heuristics, MipStart};
+use carom_model::internals::slips::{Slip, with_slip};
 use carom_proof::check;
+use carom_solver::internals::proof::write_proof_of;
 
 use super::{file, is_proved};
 use crate::torture::generator;

@@ -5,7 +5,7 @@ use carom::prelude::*;
 use carom::solution::Heuristic;
 use carom::solver::Heuristics;
 use proptest::prelude::*;
-use web_time::Duration;
+use std::time::Duration;
 
 use super::{knapsack, parity};
 use crate::common::config;

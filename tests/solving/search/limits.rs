@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use carom::prelude::*;
 use proptest::prelude::*;
-use web_time::Duration;
+use std::time::Duration;
 
 use super::knapsack;
 use crate::common::config;

@@ -1,8 +1,8 @@
 //! The same by matrices and half-spaces.
 
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Schedule};
-use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
+use carom_hybrid::internals::{Choice, Halfspace, Transition};
 
 use super::plain::{Compared, DOMAIN, Line, Plain, Rows, TIME_STEP, UNNAMED};
 

@@ -1,0 +1,66 @@
+#![doc = include_str!("../../docs/hybrid.md")]
+
+mod affine;
+pub mod contact;
+pub mod damage;
+pub(crate) mod exponential;
+mod flaws;
+pub(crate) mod horizon;
+pub mod linear;
+mod matrix;
+mod memory;
+pub(crate) mod mission;
+#[cfg(feature = "nalgebra")]
+mod nalgebra;
+pub(crate) mod program;
+pub mod reach;
+mod receding;
+pub(crate) mod robust;
+pub(crate) mod rows;
+pub mod scene;
+pub mod shortest_horizon;
+pub mod simulate;
+pub(crate) mod system;
+mod terminal;
+pub mod wall;
+
+#[doc(alias("coefficient of restitution", "bounce"))]
+pub use contact::Restitution;
+pub use contact::{Contact, ContactLaw};
+pub use damage::ImpactEstimate;
+pub use flaws::{Flaw, Witness};
+pub use linear::LinearSystem;
+pub use matrix::Matrix;
+pub use memory::Memory;
+pub use mission::{IntoWindow, Mission};
+pub use program::When;
+pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit};
+#[doc(alias("MPC", "model predictive control", "receding horizon"))]
+pub use receding::RecedingHorizon;
+pub use receding::{BrokenLoop, ClosedLoop, Disturbance, Move, MoveSource};
+#[doc(alias("tube", "robust control"))]
+pub use robust::RobustProgram;
+pub use robust::{Feedback, RobustCertificate, RobustError, RobustPlan};
+pub use rows::HybridRun;
+pub use shortest_horizon::{
+    Attempt, HorizonEvent, HorizonModel, HorizonProof, LeastTimeStep, Refutation, Shortest,
+    ShortestOptions, ShortestStatus, Solved, TimeStepGrid, Verdict, Waiting, least_time_step,
+    shortest_horizon, shortest_horizon_with,
+};
+pub use simulate::{
+    Candidate, Condition, DeadEnd, Decisions, DisturbedRun, RunCertificate, RunError,
+    SimulatedStep, Simulation, SimulationOptions,
+};
+#[doc(alias("LCP", "complementarity"))]
+pub use system::LinearComplementarity;
+pub use system::{
+    HybridSystem, IntoRegion, MixedLogicalDynamical, Region, Schedule, State, SystemRow,
+    TransitionMut,
+};
+#[doc(alias("linear-quadratic regulator", "Riccati equation"))]
+pub use terminal::Lqr;
+#[doc(alias("invariant set", "terminal constraint"))]
+pub use terminal::TerminalSet;
+pub use terminal::{TerminalError, TerminalOptions};
+pub(crate) use wall::FreeSide;
+pub use wall::Wall;

@@ -1,0 +1,44 @@
+//! The shortest horizon of a family of programs: the search, and behind it the logs, if they are asked for.
+
+use super::HorizonModel;
+use super::event::HorizonEvent;
+use super::options::ShortestOptions;
+use super::outcome::{Shortest, Solved};
+use super::proofs::{HorizonLogs, without_logs};
+use super::search::find;
+use crate::error::Error;
+use crate::solver::Solver;
+
+/// Finds the smallest feasible horizon and refutes the smaller ones.
+///
+/// # Errors
+///
+/// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for a bad `max_steps`; errors of
+/// building and of the solver.
+pub fn shortest_horizon<B: HorizonModel + ?Sized>(
+    builder: &B,
+    options: &ShortestOptions,
+    solver: &mut dyn Solver,
+) -> Result<Shortest<Solved<B::Program>>, Error> {
+    shortest_horizon_with(builder, options, solver, &mut |_| {})
+}
+
+/// Same as [`shortest_horizon`], with progress events on the calling thread.
+#[doc(hidden)]
+pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
+    builder: &B,
+    options: &ShortestOptions,
+    solver: &mut dyn Solver,
+    progress: &mut dyn FnMut(&HorizonEvent),
+) -> Result<Shortest<Solved<B::Program>>, Error> {
+    without_logs(solver, |solver, folder| {
+        let mut found = find(builder, options, solver, progress)?;
+        let Some(folder) = folder else { return Ok(found) };
+        let mut logs = HorizonLogs::new(folder, options, solver, progress);
+        if let (Some(steps), Some(plan)) = (found.steps, &mut found.plan) {
+            logs.repeat(builder, steps, plan)?;
+        }
+        found.proofs = logs.refute(builder, found.refuted_steps.unwrap_or(0))?;
+        Ok(found)
+    })
+}

@@ -1,0 +1,177 @@
+#![doc = include_str!("../../../docs/shortest_horizon.md")]
+
+mod at_goal;
+mod event;
+mod guess;
+mod logged;
+mod look;
+mod options;
+mod outcome;
+mod proofs;
+mod rest;
+mod run;
+mod search;
+mod statements;
+mod time_step;
+mod watch;
+
+pub use event::HorizonEvent;
+pub use logged::{shortest_horizon, shortest_horizon_with};
+pub use options::ShortestOptions;
+pub use outcome::{Attempt, HorizonProof, Refutation, Shortest, ShortestStatus, Solved, Verdict};
+pub(crate) use proofs::{HorizonLogs, without_logs};
+pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
+pub(crate) use time_step::{decide, least_of};
+
+use std::borrow::BorrowMut;
+
+use crate::error::Error;
+use crate::hybrid::program::HybridProgram;
+use crate::hybrid::reach::{HorizonVariables, ReachSets};
+use crate::hybrid::system::{HybridSystem, Region};
+use crate::model::Model;
+use crate::solution::Solution;
+use crate::solver::Solver;
+
+/// A family of programs, one for each number of steps.
+pub trait HorizonModel {
+    /// The program of a horizon: a [`Model`], or a type that contains one together with its
+    /// handles.
+    type Program: BorrowMut<Model>;
+
+    /// Builds the program of a horizon.
+    ///
+    /// # Arguments
+    ///
+    /// * `steps`: τ, at least 1 and at most
+    ///   [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
+    ///
+    /// # Errors
+    ///
+    /// Any error of building ends the search.
+    fn build(&self, steps: usize) -> Result<Self::Program, Error>;
+
+    /// Whether a feasible horizon makes every longer one feasible.
+    fn waiting(&self) -> Waiting;
+
+    /// The number of steps at which to begin, at least 1. A good guess saves solves; a bad one only
+    /// costs time. Used only if waiting is free.
+    fn lower_hint(&self) -> usize {
+        1
+    }
+
+    /// A number of steps that is probably feasible. A good guess saves solves; a bad one only costs
+    /// time. Used only if waiting is free.
+    fn upper_hint(&self) -> Option<usize> {
+        None
+    }
+
+    /// Reach sets of the system that the programs describe, with the same start and goal; `None` by
+    /// default.
+    ///
+    /// They refute most horizons before a program is built. Every solution of a program must be a run
+    /// of the system.
+    ///
+    /// # Errors
+    ///
+    /// Any error of building them ends the search.
+    fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
+        Ok(None)
+    }
+
+    /// The program's variables for states and transitions: sets tighten both, and a coarser plan
+    /// suggests the transitions.
+    #[doc(hidden)]
+    fn variables(&self, program: &Self::Program) -> HorizonVariables {
+        let _ = program;
+        HorizonVariables::default()
+    }
+
+    /// Whether the objective only guides the search: the first point of a horizon is enough.
+    #[doc(hidden)]
+    fn takes_any_point(&self) -> bool {
+        false
+    }
+
+    /// The solution whose states are the run of its inputs: the same one by default, or a corrected one.
+    ///
+    /// # Errors
+    ///
+    /// A [`RunError::Drift`](crate::hybrid::RunError::Drift) if there is none leaves the horizon open; any
+    /// other error ends the search.
+    #[doc(hidden)]
+    fn settled(
+        &self,
+        program: &Self::Program,
+        solution: Solution,
+        solver: &mut dyn Solver,
+    ) -> Result<Solution, Error> {
+        let _ = (program, solver);
+        Ok(solution)
+    }
+
+    /// Δt of the programs, in s, for the words of the result; `None` by default.
+    fn time_step(&self) -> Option<f64> {
+        None
+    }
+
+    /// The system with its start and its goal, to see whether no step is needed; `None` by default.
+    #[doc(hidden)]
+    fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
+        Ok(None)
+    }
+
+    /// Hints if there is no plan, in words; none by default.
+    #[doc(hidden)]
+    fn hints(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Hands a program with a hybrid system to `statements`, for the
+    /// [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the options; by
+    /// default it does not, and then such options are refused.
+    fn with_hybrid(
+        &self,
+        program: &mut Self::Program,
+        statements: &mut dyn FnMut(&mut HybridProgram),
+    ) {
+        let _ = (program, statements);
+    }
+
+    /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps the
+    /// binaries of transitions may be needed. A good guess saves most of a search; a bad one only costs
+    /// time.
+    #[doc(hidden)]
+    fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Self::Program> + '_>> {
+        None
+    }
+}
+
+/// Whether waiting is free, with the reason as text.
+///
+/// Waiting is free if every plan of τ steps can be extended to τ+1: the vehicle can hold still at
+/// its start or at its goal, there is no running cost, and no limit, window or obstacle depends on
+/// the step.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Waiting {
+    /// Feasibility is monotone in the horizon, so bisection is valid.
+    Free(String),
+    /// Feasibility may not be monotone, so every smaller horizon must be refuted.
+    NotFree(String),
+}
+
+impl Waiting {
+    /// Whether bisection is valid.
+    pub fn is_free(&self) -> bool {
+        matches!(self, Waiting::Free(_))
+    }
+
+    /// The reason.
+    pub fn reason(&self) -> &str {
+        match self {
+            Waiting::Free(reason) | Waiting::NotFree(reason) => reason,
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! What tests and the other crates of the workspace use of this one beside its public interface. It may change in
+//! any release.
+
+pub use crate::hybrid::rows::SystemVariables;
+pub use crate::hybrid::scene::samples::{Samples, advance_line, replay_line};
+pub use crate::hybrid::system::{Choice, Halfspace, Transition};
+
+use crate::hybrid::Matrix;
+
+pub fn exponential(matrix: &Matrix) -> Matrix {
+    crate::hybrid::exponential::exponential(matrix.faer()).into()
+}

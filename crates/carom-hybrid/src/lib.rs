@@ -1,0 +1,18 @@
+//! Hybrid systems, contact, reach sets and controllers as mixed-integer programs, for the crate `carom`.
+//!
+//! Users take them from `carom`, which has the guide. Programs are solved through the trait of solvers: this
+//! crate knows no solver.
+
+pub mod collision_tolerant;
+pub mod graph_of_sets;
+pub mod hybrid;
+#[doc(hidden)]
+pub mod internals;
+pub mod picture;
+
+#[cfg(feature = "serde")]
+use carom_model::internals::wire;
+use carom_model::internals::{
+    error, interval, model, number, setters, solution, solver, sum, tolerance,
+};
+use error::Error;

@@ -1,0 +1,84 @@
+//! Functions of variables that are not affine, as first-class statements of a model.
+
+use super::affine::Affine;
+use super::ids::Variable;
+use super::piecewise::PiecewiseAffine;
+
+/// The function that a variable equals, made by [`Model::product`](super::Model::product),
+/// [`absolute`](super::Model::absolute) and similar methods.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Function {
+    /// A binary or integer variable times an affine expression.
+    Product {
+        /// The binary or integer variable.
+        factor: Variable,
+        /// The expression.
+        of: Affine,
+    },
+    /// The absolute value.
+    Absolute(Affine),
+    /// The largest of several expressions.
+    Maximum(Vec<Affine>),
+    /// The smallest of several expressions.
+    Minimum(Vec<Affine>),
+    /// A piecewise-affine function of an expression, which must lie in its domain.
+    Piecewise {
+        /// The expression.
+        of: Affine,
+        /// The function.
+        graph: PiecewiseAffine,
+    },
+}
+
+impl Function {
+    /// Value at a point, given as a function from variables to values. The argument of a
+    /// piecewise-affine function is clamped to its domain.
+    pub fn evaluate(&self, value: impl Fn(Variable) -> f64) -> f64 {
+        match self {
+            Function::Product { factor, of } => value(*factor) * of.evaluate(&value),
+            Function::Absolute(of) => of.evaluate(&value).abs(),
+            Function::Maximum(of) => {
+                of.iter().map(|e| e.evaluate(&value)).fold(f64::NEG_INFINITY, f64::max)
+            }
+            Function::Minimum(of) => {
+                of.iter().map(|e| e.evaluate(&value)).fold(f64::INFINITY, f64::min)
+            }
+            Function::Piecewise { of, graph } => graph.value_near(of.evaluate(&value)),
+        }
+    }
+
+    /// The expressions that it depends on, without the factor of a product.
+    pub fn expressions(&self) -> &[Affine] {
+        match self {
+            Function::Product { of, .. }
+            | Function::Absolute(of)
+            | Function::Piecewise { of, .. } => std::slice::from_ref(of),
+            Function::Maximum(of) | Function::Minimum(of) => of,
+        }
+    }
+
+    /// The factor of a product.
+    pub fn factor(&self) -> Option<Variable> {
+        match self {
+            Function::Product { factor, .. } => Some(*factor),
+            _ => None,
+        }
+    }
+
+    /// The function with its variables named.
+    pub(crate) fn text(&self, name: &dyn Fn(Variable) -> String) -> String {
+        let list = |of: &[Affine]| of.iter().map(|e| e.text(name)).collect::<Vec<_>>().join(", ");
+        match self {
+            Function::Product { factor, of } => format!("{} * ({})", name(*factor), of.text(name)),
+            Function::Absolute(of) => format!("|{}|", of.text(name)),
+            Function::Maximum(of) => format!("max({})", list(of)),
+            Function::Minimum(of) => format!("min({})", list(of)),
+            Function::Piecewise { of, graph } => {
+                let points = graph.points().iter().map(|(x, y)| format!("({x}, {y})"));
+                let points = points.collect::<Vec<_>>().join(" ");
+                format!("f({}) through {points}", of.text(name))
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The phase after the last one, if it is asked for: the proof of the answer, for another program to check.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind as IoErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::lower::{LoweredProgram, lower};
+use super::solve::{Solve, SolveResult};
+use crate::error::{Error, ErrorKind};
+use crate::model::Model;
+use crate::proof::{Claim, Guide, ProofRequest};
+use crate::relaxation::LadderPool;
+use crate::solution::{ProofReport, Termination};
+use crate::solver::{Interrupt, Options, StopToken};
+
+/// Splits of a proof besides those of the search, and of a proof without a search.
+const MOST_SPLITS: u64 = 20_000;
+const FEW_SPLITS: u64 = 1000;
+
+/// The largest number of proofs in a folder.
+const MOST_FILES: usize = 1_000_000;
+
+impl Solve<'_> {
+    /// Writes the proof of an answer; `None` if it claims nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Io`](crate::error::ErrorKind::Io) if the file cannot be written.
+    pub(super) fn write_proof(
+        &self,
+        path: &Path,
+        lowered: &LoweredProgram,
+        solved: &mut SolveResult,
+        interrupt: &Interrupt,
+    ) -> Result<Option<ProofReport>, Error> {
+        let found = &mut solved.found;
+        let (program, squares) = lowered.stated();
+        if let Some(point) = &mut solved.lowered_point {
+            point.truncate(program.column_count());
+        }
+        let claim = match found.termination {
+            Termination::Infeasible => Claim::Infeasible,
+            _ if found.bound.is_finite() => {
+                let point = solved.lowered_point.as_ref();
+                let best = point.map_or(found.bound, |x| program.objective(x));
+                let gap = self.options.allowed_gap(best, program.constant);
+                Claim::Bound(found.bound.min(best) - gap)
+            }
+            _ => return Ok(None),
+        };
+        let guide = Guide::new(
+            std::mem::take(&mut found.forks),
+            solved.columns.take(),
+            program.column_count(),
+        );
+        let token = StopToken::new(self.options.time_limit, interrupt);
+        let failed = |source| {
+            let what = format!("the proof cannot be written to {}", path.display());
+            let help = "choose a file or a folder that can be written";
+            Error::with_source(ErrorKind::Io { what, help }, source)
+        };
+        let mut out = BufWriter::new(create(path).map_err(failed)?);
+        let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
+        let point = solved.lowered_point.as_deref();
+        let (options, token, ladders) = (self.options, &token, self.ladders);
+        let asked = ProofRequest {
+            program,
+            squares,
+            names,
+            claim,
+            options,
+            token,
+            most_splits: MOST_SPLITS,
+            ladders,
+        };
+        asked.prove(guide, point, &mut out).map(Some).map_err(failed)
+    }
+}
+
+/// The file at a path, or a new one in it if it is a folder.
+fn create(path: &Path) -> io::Result<File> {
+    if !path.is_dir() {
+        return File::create(path);
+    }
+    let place = |k: usize| -> PathBuf { path.join(format!("{k:06}.proof")) };
+    for k in 1..MOST_FILES {
+        match OpenOptions::new().write(true).create_new(true).open(place(k)) {
+            Err(error) if error.kind() == IoErrorKind::AlreadyExists => {}
+            other => return other,
+        }
+    }
+    Err(IoErrorKind::AlreadyExists.into())
+}
+
+/// Writes the proof of a claim about a model that no search has made: that its (minimised) objective is at
+/// least `bound`, or that it has no point. The log is one that no checker accepts if the claim is false.
+pub fn write_proof_of(
+    model: &Model,
+    bound: Option<f64>,
+    out: &mut dyn Write,
+) -> Result<ProofReport, Error> {
+    let (options, token) = (&Options::default(), &StopToken::default());
+    let Some(lowered) = lower(model, token, true)? else { return Err(ErrorKind::Other.into()) };
+    let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
+    let claim = bound.map_or(Claim::Infeasible, Claim::Bound);
+    let ladders = &LadderPool::new(options);
+    let (program, squares) = lowered.stated();
+    let asked = ProofRequest {
+        program,
+        squares,
+        names,
+        claim,
+        options,
+        token,
+        most_splits: FEW_SPLITS,
+        ladders,
+    };
+    asked.prove(Guide::default(), None, out).map_err(|source| {
+        let (what, help) = ("the proof cannot be written".into(), "look at the writer");
+        Error::with_source(ErrorKind::Io { what, help }, source)
+    })
+}

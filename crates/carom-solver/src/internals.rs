@@ -1,0 +1,86 @@
+//! What tests and the other crates of the workspace use of this one beside its public interface. It may change in
+//! any release.
+
+pub mod branch_and_bound {
+    use crate::search::{SearchResult, SolveTask};
+
+    /// Tightens, cuts and searches the program of a task.
+    pub fn search_tightened(task: SolveTask<'_>) -> SearchResult {
+        crate::branch_and_bound::search_tightened(task)
+    }
+}
+
+pub mod presolve {
+    pub use crate::presolve::{
+        Compressed, Domain, ImplicationGraph, Propagator, Reduced, Worklist, probe,
+        probe_implications, project, reduce, tighten_big_ms, tighten_by_disjunctions,
+        tighten_coefficients, tighten_conditional_cones, tighten_switched_cones,
+    };
+
+    pub mod root {
+        pub use crate::presolve::root::{
+            Presolve, PresolveRule, Presolved, ProgramBlock, blocks, presolve,
+        };
+    }
+}
+
+pub mod program {
+    pub use crate::program::{Cone, ConeRole, ConeShape, Program};
+}
+
+pub mod relaxation {
+    pub use crate::relaxation::{
+        ActiveSet, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
+        LadderPool, Prover, Record, Relaxation, RelaxationClaim, RelaxationResult, WarmState,
+        polish,
+    };
+}
+
+pub mod proof {
+    pub use crate::branch_and_bound::proof::write_proof_of;
+}
+
+pub mod search {
+    pub use crate::search::{
+        Contradiction, PointJudge, SearchResult, SolveTask, Start, StartPoint, search,
+        search_unstrengthened,
+    };
+
+    pub mod best_points {
+        pub use crate::search::{Accepted, BestPoints};
+    }
+
+    pub mod branching {
+        pub use crate::search::{FixingCredit, growth_rate};
+    }
+
+    pub mod cuts {
+        pub use crate::search::cuts::{
+            Cut, MOST_ROWS, cut_set_cuts, mixed_integer_rounding_cuts, polymatroid_cuts,
+        };
+    }
+
+    pub mod heuristics {
+        pub use crate::search::{Allowance, Frontier};
+    }
+
+    pub mod indifferent_binaries {
+        pub use crate::search::{groups, lone_binaries, settle_groups, settle_lone};
+    }
+
+    pub mod node {
+        pub use crate::search::{Decision, Node, NodeQueue, Path, StepCount};
+    }
+
+    pub mod node_probing {
+        pub use crate::search::NodeProbing;
+    }
+
+    pub mod perspective {
+        pub use crate::search::{Switched, switched_squares, with_slopes};
+    }
+
+    pub mod pseudocosts {
+        pub use crate::search::{LEAST_GAIN, Pseudocosts};
+    }
+}

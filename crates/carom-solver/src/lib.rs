@@ -1,0 +1,26 @@
+#![doc = include_str!("../README.md")]
+
+pub mod branch_and_bound;
+pub mod explain;
+#[cfg(not(target_family = "wasm"))]
+pub mod external;
+#[cfg(all(feature = "highs", not(target_family = "wasm")))]
+pub mod highs;
+#[doc(hidden)]
+pub mod internals;
+pub mod prelude;
+mod presolve;
+mod program;
+mod proof;
+pub mod reformulate;
+mod relaxation;
+mod search;
+
+pub use branch_and_bound::BranchAndBound;
+pub use carom_model;
+
+#[cfg(feature = "serde")]
+use carom_model::internals::wire;
+use carom_model::internals::{
+    error, interval, model, number, semidefinite, setters, slips, solution, solver, sum, tolerance,
+};

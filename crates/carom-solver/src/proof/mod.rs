@@ -1,0 +1,183 @@
+//! Proofs that another program can check: a log of why no point is better than a bound, or why there is
+//! none, in terms of the lowered program alone.
+//!
+//! The search rewrites its program and trusts what has rewritten it. A proof trusts nothing: it takes from
+//! the search where it split, and proves every end of that tree again from the rows of the lowered program,
+//! with bounds, sums of facts, tangents and splits. Where the search knew more (cuts, tighter rows), the
+//! proof splits further. So a false answer of the search has no proof.
+//!
+//! * `facts` - rows of the program, and those derived from them
+//! * `bounds` - bounds with the facts that they follow from
+//! * `fact_sum` - sums of facts with bounds on their rounding
+//! * `convexity` - the proof that the objective is convex
+//! * `relaxed`, `cones` - multipliers of relaxations as sums of facts
+//! * `tightened` - rows with smaller big-Ms, as lemmas
+//! * `conjugate_gradients` - equations that need few digits
+//! * `root`, `curvature_bounds` - what holds everywhere
+//! * `case_bounds` - bounds that hold in all cases of a disjunction
+//! * `lemma` - rows with proofs of a few splits
+//! * `strengthened` - smaller big-Ms, bounds and cuts of the root, as lemmas
+//! * `declarations`, `implied_integers` - columns that may be taken as whole, or as 0
+//! * `block_lemmas` - independent blocks one by one
+//! * `switched`, `zero_products` - products that make squares tighter, and are 0 at every point
+//! * `simple_sums` - sums whose terms cancel exactly
+//! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
+//! * `tree`, `guide`, `guided_splits`, `split_places`, `whole_splits`, `search` - the splits, those of the search first
+//! * `log` - the text
+
+mod block_lemmas;
+mod bounds;
+mod case_bounds;
+mod claim;
+mod cones;
+mod conjugate_gradients;
+mod convexity;
+mod curvature_bounds;
+mod declarations;
+mod fact_sum;
+mod facts;
+mod guide;
+mod guided_splits;
+mod implied_integers;
+mod lemma;
+mod log;
+mod pivoted_solution;
+mod relaxed;
+mod repaired_sums;
+mod root;
+mod search;
+mod simple_sums;
+mod split_places;
+mod strengthened;
+mod switched;
+mod tightened;
+mod tree;
+mod whole_splits;
+mod zero_products;
+
+use std::io::{self, Write};
+use std::rc::Rc;
+
+use crate::program::Program;
+use crate::relaxation::LadderPool;
+use crate::solution::ProofReport;
+use crate::solver::{Options, StopToken};
+pub(crate) use block_lemmas::count_blocks;
+use bounds::Bounds;
+pub(crate) use claim::Claim;
+use cones::cones_by_column;
+use fact_sum::FactSum;
+use facts::Facts;
+pub(crate) use guide::Guide;
+use log::{Names, ProofLog};
+use relaxed::Relaxer;
+use tree::ProofWriter;
+use zero_products::ObjectiveTerms;
+
+/// A proof that is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ProofRequest<'a> {
+    /// The lowered program.
+    pub(crate) program: &'a Program,
+    /// Multiples of `z^2 - z`, of columns between 0 and 1, that make an objective convex which is not;
+    /// `None` if none do.
+    pub(crate) squares: Option<&'a [(usize, f64)]>,
+    /// The names of its columns and of its rows, as far as there are any.
+    pub(crate) names: [&'a [String]; 2],
+    pub(crate) claim: Claim,
+    pub(crate) options: &'a Options,
+    /// Ends the proof when it is over.
+    pub(crate) token: &'a StopToken,
+    /// Splits besides those of the search.
+    pub(crate) most_splits: u64,
+    pub(crate) ladders: &'a LadderPool,
+}
+
+impl ProofRequest<'_> {
+    /// Writes the proof.
+    ///
+    /// # Arguments
+    ///
+    /// * `guide`: where to split.
+    /// * `point`: the best point that is known.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub(crate) fn prove(
+        self,
+        guide: Guide,
+        point: Option<&[f64]>,
+        out: &mut dyn Write,
+    ) -> io::Result<ProofReport> {
+        let ProofRequest {
+            program,
+            squares,
+            names: [columns, rows],
+            claim,
+            options,
+            token,
+            most_splits,
+            ladders,
+        } = self;
+        let mut log = ProofLog::new(out, program, &Names { columns, rows }, claim);
+        if let Some(point) = point {
+            log.point(point);
+        }
+        let squares = if claim == Claim::Infeasible { Some(&[][..]) } else { squares };
+        let Some(squares) = squares else {
+            log.remark("the objective is not convex, and no products that are 0 make it so");
+            let (commands, bytes) = log.abandon()?;
+            return Ok(ProofReport::new(false, commands, bytes));
+        };
+        let facts = Facts::new(program);
+        let bounds = Bounds::new(program);
+        let mut program = program.clone();
+        if claim == Claim::Infeasible {
+            program.make_feasibility_problem();
+        }
+        let cones_of = cones_by_column(&program);
+        let relaxer = Relaxer {
+            terms: ObjectiveTerms::of(&program),
+            within: program.clone(),
+            fact_of_row: (0..program.row_count()).collect(),
+            program,
+            claim,
+            options,
+            token,
+            ladder: ladders.take(),
+            ladders,
+            warm: None,
+            wants_vertex: false,
+            sum: FactSum::default(),
+            tight_sum: FactSum::default(),
+            is_inside: None,
+            cones_of,
+            deficits: Vec::new(),
+            objective: Vec::new(),
+        };
+        let mut writer = ProofWriter {
+            log: &mut log,
+            facts,
+            bounds,
+            relaxer,
+            squares,
+            splits_left: most_splits,
+            trial_left: None,
+            lemma_splits: 0,
+            lemma_fact: 0,
+            lemma_cases: Vec::new(),
+            gaps: 0,
+        };
+        let result = writer.run(Rc::new(guide), point);
+        let gaps = writer.gaps;
+        ladders.give_back(writer.relaxer.ladder);
+        if result.is_err() {
+            log.remark("a limit came before the end of the proof");
+            let (commands, bytes) = log.abandon()?;
+            return Ok(ProofReport::new(false, commands, bytes));
+        }
+        let (commands, bytes) = log.finish()?;
+        Ok(ProofReport::new(gaps == 0, commands, bytes))
+    }
+}

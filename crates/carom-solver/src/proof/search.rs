@@ -1,0 +1,40 @@
+//! A search inside a proof, for splits that close a context.
+
+use super::bounds::Bounds;
+use super::claim::Claim;
+use super::guide::Guide;
+use super::relaxed::Relaxer;
+use super::tree::Limit;
+use crate::search::{SolveTask, search};
+use crate::solver::{Control, Heuristics};
+
+/// Most nodes of a search for splits.
+const MOST_NODES: u64 = 2000;
+
+impl Relaxer<'_> {
+    /// Searches a context as it is, without what would make its relaxation tighter. Returns the splits; there are
+    /// none if the search has closed the context by probing it, or has found nothing.
+    pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Guide, Limit> {
+        for j in 0..self.program.column_count() {
+            [self.within.lower[j], self.within.upper[j]] = self.range(bounds, j);
+        }
+        let options = {
+            let mut changed = self.options.nested();
+            changed.proof = Some(std::path::PathBuf::new());
+            changed.node_limit = Some(MOST_NODES);
+            changed.cuts = false;
+            changed.heuristics = Heuristics::none();
+            changed
+        };
+        let accepts = |_: &[f64]| true;
+        let mut task = SolveTask::new(&self.within, &accepts, self.ladders, &options, self.token);
+        if let Claim::Bound(bound) = self.claim {
+            task.cutoff = bound;
+        }
+        let found = search(task, &mut Control::default(), None);
+        if self.token.is_over() {
+            return Err(Limit);
+        }
+        Ok(Guide { is_plain: true, ..Guide::new(found.forks, None, usize::MAX) })
+    }
+}

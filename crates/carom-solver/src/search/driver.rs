@@ -1,0 +1,160 @@
+//! One search from its start to its end.
+
+use super::context::Context;
+use super::found::SearchResult;
+use super::heuristics::{complete_start, look_for_first_point, suits_jumps};
+use super::node_relaxation::reduce_node;
+use super::parallel::{deterministic, opportunistic};
+use super::proofs::{End, ProofMultipliers, ProofTrial};
+use super::reporter::Reporter;
+use super::root::Root;
+use super::shared_tree;
+use super::start::{Start, StartPoint};
+use super::task::SolveTask;
+use super::trace::span;
+use super::tree::Tree;
+use super::tree_view::TreeView;
+use crate::program::Program;
+use crate::solution::Heuristic;
+use crate::solver::Control;
+
+/// Searches the tree of a program, from a start if there is one.
+pub fn search(
+    task: SolveTask<'_>,
+    control: &mut Control<'_>,
+    start: Option<&Start>,
+) -> SearchResult {
+    span!(
+        INFO,
+        "search",
+        rows = task.program.row_count(),
+        columns = task.program.column_count(),
+        integers = task.program.integers.len()
+    );
+    // The user's callback may end this search and no other.
+    let token = &task.token.child(None);
+    let task = SolveTask { token, ..task };
+    let own;
+    let root = match task.root {
+        Some(root) => root,
+        None => {
+            own = Root::new(task.program, token, task.options.probing);
+            &own
+        }
+    };
+    if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
+        // The bound of the relaxed root and the point of the start are kept.
+        let tree = Tree::new(task, root, start, search_nested, 1);
+        tree.stop(reason);
+        Reporter::new(control).report(&tree);
+        return tree.into_found();
+    }
+    let exchange = control.take_exchange();
+    let alone;
+    let task = if exchange.is_some() {
+        alone = {
+            let mut changed = task.options.clone();
+            changed.threads = 1;
+            changed.deterministic = false;
+            changed
+        };
+        SolveTask { options: &alone, ..task }
+    } else {
+        task
+    };
+    let rounds = task.options.deterministic;
+    let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
+    let tree = Tree::new(task, root, start, search_nested, workers);
+    let mut reporter = Reporter::new(control);
+    reporter.exchange = exchange;
+    if let Some(exchange) = reporter.exchange.as_deref_mut() {
+        reporter.drops_nodes = shared_tree::begin(&tree, exchange);
+    }
+    if rounds {
+        deterministic::run(&tree, &mut reporter);
+    } else {
+        opportunistic::run(&tree, &mut reporter);
+    }
+    // Other threads may have found points while the caller's had nothing to do.
+    reporter.report(&tree);
+    tree.into_found()
+}
+
+/// Searches a smaller program inside a search.
+fn search_nested(task: SolveTask<'_>) -> SearchResult {
+    search(SolveTask { root: None, ..task }, &mut Control::default(), None)
+}
+
+/// Searches the program of a task as it was before it was strengthened, once an accepted point has
+/// contradicted the strengthened one. Begins with that point, and counts what was done before.
+pub fn search_unstrengthened(
+    task: SolveTask<'_>,
+    before: SearchResult,
+    control: &mut Control<'_>,
+) -> SearchResult {
+    let program = task.exact.unwrap_or(task.program);
+    let options = {
+        let mut changed = task.options.clone();
+        changed.probing = false;
+        changed
+    };
+    let task = SolveTask { program, exact: Some(program), root: None, options: &options, ..task };
+    let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
+    let point = before.points.into_iter().next();
+    let point = point.map(|values| StartPoint { values, found_by });
+    let mut found = search(task, control, Some(&Start::from_point(point)));
+    found.statistics.add(&before.statistics);
+    found
+}
+
+/// Completes the integers of a start, and searches no further. Returns the point that a search can
+/// begin with, and the bound that the multipliers of an earlier root prove.
+pub(crate) fn complete(task: SolveTask<'_>, start: &Start) -> SearchResult {
+    let mut bound = f64::NEG_INFINITY;
+    let found = at_root(task, Some(start), |ctx| {
+        bound = earlier_bound(ctx);
+        complete_start(ctx);
+    });
+    SearchResult { bound: found.bound.max(bound), ..found }
+}
+
+/// Whether a point of a program is looked for before its first relaxation, however much time there is.
+pub(crate) fn wants_first_point(program: &Program) -> bool {
+    suits_jumps(program)
+}
+
+/// Looks for a point of a program without solving a relaxation of the whole program.
+pub(crate) fn first_point(task: SolveTask<'_>) -> SearchResult {
+    at_root(task, None, look_for_first_point)
+}
+
+/// Runs a heuristic at the root, which is propagated and not probed, and returns its finds.
+fn at_root(
+    task: SolveTask<'_>,
+    start: Option<&Start>,
+    look: impl FnOnce(&mut Context<'_>),
+) -> SearchResult {
+    let root = Root::new(task.program, task.token, false);
+    if root.conflict.is_some() {
+        return SearchResult::infeasible();
+    }
+    let tree = Tree::new(task, &root, start, search_nested, 1);
+    let mut ctx = Context::new(TreeView::immediate(&tree, 0));
+    look(&mut ctx);
+    tree.take_in(&mut tree.lock(), ctx.tree.take_report());
+    ctx.retire();
+    tree.into_found()
+}
+
+/// The bound on this root that the multipliers of an earlier root prove; `-inf` if they prove none.
+fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
+    let proof = ctx.tree.proofs().and_then(|proofs| proofs.of(End::Node(0)).cloned());
+    let Some((proof, root)) = proof.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };
+    let memory = &mut ProofMultipliers::default();
+    let tried = proof.prove(&root, f64::INFINITY, ctx.ladder.prover(), memory);
+    ctx.ladder.reducer().reuse(root);
+    match tried {
+        ProofTrial::Bound(bound) => bound,
+        _ => f64::NEG_INFINITY,
+    }
+}

@@ -1,0 +1,20 @@
+//! What no user sees: presolve, propagation, relaxations and the proofs of what they claim.
+
+#[path = "../../../../tests/common/mod.rs"]
+mod common;
+
+mod active_set;
+mod congruence;
+mod conic_propagation;
+mod extended;
+mod open_columns;
+mod presolve;
+mod propagation;
+mod records;
+mod relaxation;
+mod search;
+mod simplex;
+mod strengthening;
+mod warm_states;
+mod whole_terms;
+mod worklist;
