@@ -292,7 +292,7 @@ fn ten_times_nothing_is_nothing() {
     let found = system.shortest([states[0].equals(0.0)], [states[0].ge(1.0)], &mut solver).unwrap();
     assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 10_000 });
     // From something it does get there, in the right number of steps.
-    for (from, steps) in [(1e-3, 3), (2e-5, 5)] {
+    for (from, steps) in [(1e-3, 3), (2e-5, 5), (2e-7, 7), (3e-9, 9)] {
         let (start, goal) = ([states[0].equals(from)], [states[0].ge(1.0)]);
         assert_eq!(system.shortest(start, goal, &mut solver).unwrap().steps, Some(steps), "{from}");
     }
