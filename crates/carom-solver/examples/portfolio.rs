@@ -27,8 +27,12 @@ fn main() -> Result<(), Error> {
     model.maximize(gains - 0.01 * trades)?;
 
     let solution = BranchAndBound::default().solve(&model)?;
-    println!("{:?}, gain {:.4}, at most {:.4}", solution.termination(), 
-        solution.objective().unwrap_or(f64::NAN), solution.bound());
+    println!(
+        "{:?}, gain {:.4}, at most {:.4}",
+        solution.termination(),
+        solution.objective().unwrap_or(f64::NAN),
+        solution.bound()
+    );
     for k in 0..5 {
         let value = solution.value(share[k])?;
         if value > 0.0 {

@@ -30,11 +30,13 @@ pub struct Affine {
 
 impl Affine {
     /// The expression 0.
+    #[inline]
     pub fn zero() -> Self {
         Affine::default()
     }
 
     /// A constant.
+    #[inline]
     pub fn constant(value: f64) -> Self {
         Affine { terms: Vec::new(), constant: value }
     }
@@ -45,6 +47,7 @@ impl Affine {
     }
 
     /// The constant part.
+    #[inline]
     pub fn offset(&self) -> f64 {
         self.constant
     }
@@ -57,6 +60,7 @@ impl Affine {
     }
 
     /// Value at a point given by a function from variables to values.
+    #[inline]
     pub fn evaluate(&self, value: impl Fn(Variable) -> f64) -> f64 {
         self.sum(value).value()
     }
@@ -74,6 +78,7 @@ impl Affine {
     }
 
     #[doc(hidden)]
+    #[inline]
     pub fn raw_terms(&self) -> &[(Variable, f64)] {
         &self.terms
     }

@@ -27,11 +27,13 @@ pub struct Literal {
 
 impl Literal {
     /// The binary variable.
+    #[inline]
     pub fn variable(self) -> Variable {
         self.variable
     }
 
     /// Whether the condition is "the variable is 1" (rather than 0).
+    #[inline]
     pub fn is_on(self) -> bool {
         self.on
     }
@@ -54,11 +56,13 @@ impl From<&Literal> for Affine {
 
 impl Variable {
     /// The condition "this binary is 1".
+    #[inline]
     pub fn on(self) -> Literal {
         Literal { variable: self, on: true }
     }
 
     /// The condition "this binary is 0".
+    #[inline]
     pub fn off(self) -> Literal {
         Literal { variable: self, on: false }
     }

@@ -27,11 +27,13 @@ pub struct Quadratic {
 
 impl Quadratic {
     /// The expression 0.
+    #[inline]
     pub fn zero() -> Self {
         Quadratic::default()
     }
 
     /// The affine part.
+    #[inline]
     pub fn affine(&self) -> &Affine {
         &self.affine
     }
@@ -117,6 +119,7 @@ fn merge_products(products: &mut Vec<(Variable, Variable, f64)>) {
 
 impl Affine {
     /// The square of the expression.
+    #[inline]
     pub fn square(&self) -> Quadratic {
         Quadratic::product(self, self)
     }
@@ -124,6 +127,7 @@ impl Affine {
 
 impl Variable {
     /// The square of the variable.
+    #[inline]
     pub fn square(self) -> Quadratic {
         Affine::from(self).square()
     }

@@ -22,11 +22,13 @@ macro_rules! id_and_name {
     ($($view:ident: $handle:ident),*) => {$(
         impl<'a> $view<'a> {
             /// The handle.
+            #[inline]
             pub fn id(&self) -> $handle {
                 self.id
             }
 
             /// The name.
+            #[inline]
             pub fn name(&self) -> &'a Name {
                 &self.data.name
             }
@@ -52,11 +54,13 @@ pub struct VariableRef<'a> {
 
 impl<'a> VariableRef<'a> {
     /// The kind.
+    #[inline]
     pub fn kind(&self) -> VariableKind {
         self.data.kind
     }
 
     /// Current bounds, in the variable's unit. For a parameter, both are its value.
+    #[inline]
     pub fn bounds(&self) -> Interval {
         Interval::new(self.data.lower, self.data.upper)
     }
@@ -70,6 +74,7 @@ impl<'a> VariableRef<'a> {
     }
 
     /// For a parameter: the declared range of its values, in its unit.
+    #[inline]
     pub fn parameter_range(&self) -> Option<Interval> {
         self.data.range.map(|(lower, upper)| Interval::new(lower, upper))
     }
@@ -84,11 +89,13 @@ pub struct ConstraintRef<'a> {
 
 impl<'a> ConstraintRef<'a> {
     /// The terms, sorted by variable.
+    #[inline]
     pub fn terms(&self) -> &'a [(Variable, f64)] {
         &self.data.row.terms
     }
 
     /// The limits of the terms' sum.
+    #[inline]
     pub fn limits(&self) -> Interval {
         Interval::new(self.data.row.lower, self.data.row.upper)
     }
@@ -103,21 +110,25 @@ pub struct IndicatorRef<'a> {
 
 impl<'a> IndicatorRef<'a> {
     /// The condition; [`Logic::as_literal`] returns `Some` for a plain literal.
+    #[inline]
     pub fn condition(&self) -> &'a Logic {
         &self.data.condition
     }
 
     /// The terms of the implied row, sorted by variable.
+    #[inline]
     pub fn terms(&self) -> &'a [(Variable, f64)] {
         &self.data.row.terms
     }
 
     /// The limits of the implied row.
+    #[inline]
     pub fn limits(&self) -> Interval {
         Interval::new(self.data.row.lower, self.data.row.upper)
     }
 
     /// Where its big-M comes from.
+    #[inline]
     pub fn big_m(&self) -> BigM {
         self.data.big_m
     }
@@ -132,16 +143,19 @@ pub struct DisjunctionRef<'a> {
 
 impl<'a> DisjunctionRef<'a> {
     /// The method chosen for this disjunction, if any.
+    #[inline]
     pub fn method(&self) -> Option<Method> {
         self.data.method
     }
 
     /// The terms in the order they were written.
+    #[inline]
     pub fn terms(&self) -> impl ExactSizeIterator<Item = TermRef<'a>> + use<'a> {
         self.data.terms.iter().map(|data| TermRef { data })
     }
 
     #[doc(hidden)]
+    #[inline]
     pub fn stored_terms(&self) -> &'a [StoredTerm] {
         &self.data.terms
     }
@@ -155,6 +169,7 @@ pub struct TermRef<'a> {
 
 impl<'a> TermRef<'a> {
     /// The condition that selects the term.
+    #[inline]
     pub fn selector(&self) -> Literal {
         self.data.selector
     }
@@ -166,11 +181,13 @@ impl<'a> TermRef<'a> {
         self.data.rows.iter().map(|row| (&row.terms[..], Interval::new(row.lower, row.upper)))
     }
 
+    #[inline]
     pub(crate) fn conic(&self) -> &'a [StoredConic] {
         &self.data.conic
     }
 
     /// The terms of each disjunction inside this term.
+    #[inline]
     pub fn nested(&self) -> impl ExactSizeIterator<Item = Vec<TermRef<'a>>> + use<'a> {
         self.data.nested.iter().map(|terms| terms.iter().map(|data| TermRef { data }).collect())
     }
@@ -185,6 +202,7 @@ pub struct LogicalConstraintRef<'a> {
 
 impl<'a> LogicalConstraintRef<'a> {
     /// The formula.
+    #[inline]
     pub fn logic(&self) -> &'a Logic {
         &self.data.logic
     }
@@ -199,11 +217,13 @@ pub struct SpecialOrderedSetRef<'a> {
 
 impl<'a> SpecialOrderedSetRef<'a> {
     /// How many members may be other than 0: 1, or 2 that are next to each other.
+    #[inline]
     pub fn most(&self) -> usize {
         usize::from(self.data.most)
     }
 
     /// The members and their weights (no unit), sorted by weight.
+    #[inline]
     pub fn members(&self) -> &'a [(Variable, f64)] {
         &self.data.members
     }
@@ -218,16 +238,19 @@ pub struct FunctionRef<'a> {
 
 impl<'a> FunctionRef<'a> {
     /// The variable.
+    #[inline]
     pub fn result(&self) -> Variable {
         self.data.result
     }
 
     /// The variable's name.
+    #[inline]
     pub fn name(&self) -> &'a Name {
         &self.variable.name
     }
 
     /// The function.
+    #[inline]
     pub fn function(&self) -> &'a Function {
         &self.data.function
     }

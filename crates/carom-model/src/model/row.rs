@@ -24,21 +24,25 @@ pub struct Row {
 
 impl Row {
     #[doc(hidden)]
+    #[inline]
     pub fn new(expression: Affine, lower: f64, upper: f64) -> Self {
         Row { expression, lower, upper }
     }
 
     /// The compared expression.
+    #[inline]
     pub fn expression(&self) -> &Affine {
         &self.expression
     }
 
     /// The lower limit, or `-inf`.
+    #[inline]
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
     /// The upper limit, or `+inf`.
+    #[inline]
     pub fn upper(&self) -> f64 {
         self.upper
     }
@@ -60,6 +64,7 @@ impl Row {
 
     /// Whether the row has no variable and holds.
     #[doc(hidden)]
+    #[inline]
     pub fn is_constant_and_holds(&self) -> bool {
         let value = self.expression.offset();
         self.expression.terms().is_empty() && self.lower <= value && value <= self.upper
@@ -72,23 +77,27 @@ macro_rules! comparisons {
     ($operand:ty) => {
         impl $operand {
             /// The row `self <= right`.
+            #[inline]
             pub fn le(&self, right: impl Into<Affine>) -> Row {
                 let expression = Affine::from(self) - right.into();
                 Row::new(expression, f64::NEG_INFINITY, 0.0)
             }
 
             /// The row `self >= right`.
+            #[inline]
             pub fn ge(&self, right: impl Into<Affine>) -> Row {
                 let expression = Affine::from(self) - right.into();
                 Row::new(expression, 0.0, f64::INFINITY)
             }
 
             /// The row `self = right`.
+            #[inline]
             pub fn equals(&self, right: impl Into<Affine>) -> Row {
                 Row::new(Affine::from(self) - right.into(), 0.0, 0.0)
             }
 
             /// The row `lower <= self <= upper`; one limit may be infinite.
+            #[inline]
             pub fn within(&self, lower: f64, upper: f64) -> Row {
                 Row::new(Affine::from(self), lower, upper)
             }

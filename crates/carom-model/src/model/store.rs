@@ -174,6 +174,7 @@ pub(super) type StatementIndex = (StatementKind, u32);
 
 impl Model {
     /// An empty model: no variables, no rows, objective "minimise 0".
+    #[inline]
     pub fn new(name: impl Into<String>) -> Self {
         Model::empty(name.into(), ModelTag::fresh())
     }
@@ -210,6 +211,7 @@ impl Model {
     }
 
     /// The model's name.
+    #[inline]
     pub fn name(&self) -> &str {
         &self.stored.name
     }
@@ -217,16 +219,19 @@ impl Model {
     // -- objective ------------------------------------------------------------------------------
 
     /// Direction of optimisation.
+    #[inline]
     pub fn sense(&self) -> Sense {
         self.stored.sense
     }
 
     /// The objective expression.
+    #[inline]
     pub fn objective(&self) -> &Quadratic {
         &self.stored.objective
     }
 
     /// How the model is to be lowered.
+    #[inline]
     pub fn reformulation(&self) -> Reformulation {
         self.stored.reformulation
     }
@@ -254,6 +259,7 @@ impl Model {
     // -- inside the crate -----------------------------------------------------------------------
 
     #[doc(hidden)]
+    #[inline]
     pub fn tag(&self) -> ModelTag {
         self.stored.tag
     }
@@ -282,6 +288,7 @@ impl Model {
     /// Whether it holds systems, whose units are chosen by their domains: bounds that sets have made narrow say
     /// nothing about them.
     #[doc(hidden)]
+    #[inline]
     pub fn has_systems(&self) -> bool {
         !self.systems.is_empty()
     }
@@ -295,6 +302,7 @@ impl Model {
     /// Changes with every modification except values of parameters. A clone shares its original's
     /// until either is modified.
     #[doc(hidden)]
+    #[inline]
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -355,6 +363,7 @@ impl Model {
 
     /// Whether the objective is convex only as far as the bounds of a solve tell.
     #[doc(hidden)]
+    #[inline]
     pub fn is_convex_within_bounds(&self) -> bool {
         self.is_convex_within_bounds
     }
@@ -439,6 +448,7 @@ impl Model {
     }
 
     /// The name that the model gives to what is to be called so.
+    #[inline]
     pub(super) fn scoped(&self, name: Name) -> Name {
         if self.scope.is_empty() { name } else { name.prefixed(&self.scope) }
     }
@@ -471,6 +481,7 @@ fn fresh_revision() -> u64 {
     REVISIONS.fetch_add(1, Ordering::Relaxed)
 }
 
+#[inline]
 pub(super) fn foreign(kind: &'static str, index: usize, place: impl ToString) -> Error {
     Error::from(ErrorKind::ForeignHandle { kind, index, place: place.to_string(), name: None })
 }

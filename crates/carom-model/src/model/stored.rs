@@ -36,12 +36,14 @@ pub struct StoredTerm {
 impl StoredTerm {
     /// A term without rows.
     #[doc(hidden)]
+    #[inline]
     pub fn always(selector: Literal) -> Self {
         StoredTerm { selector, rows: Vec::new(), conic: Vec::new(), nested: Vec::new() }
     }
 
     /// Calls `visit` with every row of the term and of the terms inside it.
     #[doc(hidden)]
+    #[inline]
     pub fn for_each_row(&self, visit: &mut dyn FnMut(&StoredRow)) {
         self.rows.iter().for_each(&mut *visit);
         self.nested.iter().flatten().for_each(|term| term.for_each_row(visit));
@@ -49,6 +51,7 @@ impl StoredTerm {
 
     /// Calls `visit` with every conic row of the term and of the terms inside it.
     #[doc(hidden)]
+    #[inline]
     pub fn for_each_conic(&self, visit: &mut dyn FnMut(&StoredConic)) {
         self.conic.iter().for_each(&mut *visit);
         self.nested.iter().flatten().for_each(|term| term.for_each_conic(visit));

@@ -19,6 +19,7 @@ impl Point {
     /// # Errors
     ///
     /// [`ErrorKind::Length`] when the number of values is not the number of variables.
+    #[inline]
     pub fn new(model: &Model, values: Vec<f64>) -> Result<Self, Error> {
         check_length("the point", values.len(), model.variable_count())?;
         Ok(Point { tag: model.tag(), values })
@@ -29,6 +30,7 @@ impl Point {
     /// # Errors
     ///
     /// [`ErrorKind::ForeignHandle`] for a handle of another model.
+    #[inline]
     pub fn is_on(&self, of: impl Evaluate) -> Result<bool, Error> {
         Ok(self.value(of)? > 0.5)
     }
@@ -38,6 +40,7 @@ impl Point {
     /// # Errors
     ///
     /// [`ErrorKind::ForeignHandle`] for a handle of another model.
+    #[inline]
     pub fn value(&self, of: impl Evaluate) -> Result<f64, Error> {
         of.evaluate_at(self)
     }
@@ -58,6 +61,7 @@ impl Point {
     }
 
     /// The values, in the order in which the variables were created.
+    #[inline]
     pub fn as_slice(&self) -> &[f64] {
         &self.values
     }

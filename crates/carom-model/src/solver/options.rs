@@ -169,18 +169,21 @@ impl Default for Options {
 
 impl Options {
     /// A good point soon: a relative gap of 0.1 %, and one thread per processor.
+    #[inline]
     pub fn fast() -> Self {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(256);
         Options { relative_gap: 1e-3, threads, ..Options::default() }
     }
 
     /// The default.
+    #[inline]
     pub fn balanced() -> Self {
         Options::default()
     }
 
     /// A tighter, reproducible proof: a relative gap of 1e-7, and the same search on any number of
     /// threads. Relaxations are accurate to about 1e-8, so much smaller gaps cannot be proved.
+    #[inline]
     pub fn proof() -> Self {
         Options { relative_gap: 1e-7, deterministic: true, ..Options::default() }
     }
@@ -223,6 +226,7 @@ impl Options {
 
     /// Whether a solve may be stopped by a limit of time or nodes.
     #[doc(hidden)]
+    #[inline]
     pub fn may_stop(&self) -> bool {
         self.time_limit.is_some() || self.node_limit.is_some()
     }
@@ -294,6 +298,7 @@ impl Options {
 
     /// Where to write proofs; none on WebAssembly, which has no files.
     #[doc(hidden)]
+    #[inline]
     pub fn proof_path(&self) -> Option<&Path> {
         self.proof.as_deref().filter(|_| cfg!(not(target_family = "wasm")))
     }
@@ -304,6 +309,7 @@ impl Options {
     ///
     /// * `constant`: the constant of the objective.
     #[doc(hidden)]
+    #[inline]
     pub fn allowed_gap(&self, objective: f64, constant: f64) -> f64 {
         self.absolute_gap.max(self.relative_gap * tolerance::gap_scale(objective, constant))
     }

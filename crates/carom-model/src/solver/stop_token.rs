@@ -107,21 +107,25 @@ impl StopToken {
     }
 
     /// Ends this token and its children, as an interrupt would; the user's handle is not touched.
+    #[inline]
     pub fn stop(&self) {
         self.shared.end(INTERRUPTED);
     }
 
     /// The user's handle.
+    #[inline]
     pub fn interrupt(&self) -> &Interrupt {
         &self.shared.interrupt
     }
 
     /// Time since the solve began; a child counts from where its parent does.
+    #[inline]
     pub fn elapsed(&self) -> Duration {
         self.shared.began.elapsed()
     }
 
     /// The time left; `None` if it is not limited.
+    #[inline]
     pub fn left(&self) -> Option<Duration> {
         self.shared.at.map(|at| at.saturating_duration_since(Instant::now()))
     }
@@ -150,6 +154,7 @@ impl StopToken {
     }
 
     /// Whether it is over now.
+    #[inline]
     pub fn is_over(&self) -> bool {
         self.ended().is_some()
     }

@@ -37,12 +37,14 @@ pub(super) enum Refused {
 }
 
 impl ConicRow {
+    #[inline]
     pub(crate) fn new(conic: StoredConic) -> Self {
         ConicRow { conic, refused: None }
     }
 
     /// The cone as it is stored.
     #[doc(hidden)]
+    #[inline]
     pub fn stored(&self) -> &StoredConic {
         &self.conic
     }
@@ -55,10 +57,12 @@ impl ConicRow {
 
     /// The cone as it is stored.
     #[doc(hidden)]
+    #[inline]
     pub fn into_stored(self) -> StoredConic {
         self.conic
     }
 
+    #[inline]
     pub(super) fn refused(self, why: Refused) -> Self {
         ConicRow { refused: Some(why), ..self }
     }
