@@ -62,8 +62,8 @@ impl Others {
             progress.nodes = own.nodes + self.nodes;
             progress.relaxations = own.relaxations + self.relaxations;
             progress.incumbent = own.incumbent.zip(self.value).map(|(own, others)| own + others);
-            progress.// Opposite infinities = the block is infeasible; progress.and nothing is known of the others.
-            bound = if bound.is_nan() { self.bound } else { bound };
+            // Opposite infinities: the block is infeasible, and nothing is known of the others.
+            progress.bound = if bound.is_nan() { self.bound } else { bound };
             progress.constant = self.constant;
             progress
         }
