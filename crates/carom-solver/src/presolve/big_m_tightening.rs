@@ -1,5 +1,8 @@
 //! Big-M tightening by pairs of rows.
 //!
+//! Takes rows that a binary switches off, and rows that share columns with them; leaves smaller
+//! coefficients of the binary, and tighter limits.
+//!
 //! If a binary switches a row off, the bounds of the row's columns alone give a weak big-M. In a
 //! piecewise-affine system, `x+ - A x - B u` has one value in one mode and another in the other,
 //! over the same columns: while the first mode is off, the second is on, and its rows bound the

@@ -1,4 +1,6 @@
 //! Bounds from a row that holds in some cases only, and so is none of a program's own.
+//!
+//! Takes a row and the bounds of its columns; leaves the bounds that the row implies.
 
 use super::domain::Domain;
 use super::propagation::{Conflict, settle};

@@ -1,5 +1,10 @@
 //! Coefficient tightening: big-Ms from bounds.
 //!
+//! Takes rows with one limit and binaries; leaves smaller coefficients of the binaries, and limits
+//! to match (Crowder, Johnson and Padberg, Solving large-scale zero-one linear programming
+//! problems, Operations Research 31, 1983). If all columns of a row are integral, its limits are
+//! rounded to multiples of the greatest common divisor of its coefficients.
+//!
 //! If a row is redundant at one value of a binary, the binary's coefficient and the row's limit can
 //! be changed together until it is only just redundant. This keeps integral points and cuts off
 //! relaxed ones: `x <= 2 + 8 (1 - z)` at a node with `x <= 5` becomes `x <= 2 + 3 (1 - z)`.

@@ -1,5 +1,8 @@
 //! Cones that have room while a binary has one of its values.
 //!
+//! Takes second-order cones and binaries; leaves heads that are smaller, by the room, while a
+//! binary has such a value.
+//!
 //! A norm under a condition is often `|z| <= r + M (1 - b)`. If propagation tells that `|z|` is at most
 //! `h - c` wherever `b` is 0, where `h` is the head, then `|z| <= h - c (1 - b)` has the same points with
 //! whole `b`: nothing changes where `b` is 1. It is the coefficient tightening of rows, for cones.

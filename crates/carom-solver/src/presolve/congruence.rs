@@ -1,5 +1,10 @@
 //! Bounds of integral columns from divisibility.
 //!
+//! Takes an equality over whole numbers; leaves bounds at members of residue classes, or a
+//! contradiction. The modular inverse reduction substitutes the column instead (Achterberg, Bixby,
+//! Gu, Rothberg and Weninger, Presolve reductions in mixed integer programming, INFORMS Journal on
+//! Computing 32, 2020).
+//!
 //! In `a'x = b` over whole numbers, all terms but one are multiples of the greatest common divisor of
 //! their coefficients. This leaves the one column a residue class, so its bounds move to the next members
 //! of the class, or there is no point at all: no `x`, `y` satisfy `6 x + 10 y = 5`, and of

@@ -1,5 +1,9 @@
-//! Bounds of columns from one second-order cone, both ways: the largest head bounds each entry of the tail,
-//! given the least of the others, and the least tail bounds the head.
+//! Bounds of columns from one second-order cone.
+//!
+//! Takes a cone and the bounds of its columns; leaves tighter bounds, both ways: the largest head
+//! bounds each entry of the tail, given the least of the others, and the least tail bounds the head
+//! (Belotti, Lee, Liberti, Margot and Wächter, Branching and bounds tightening techniques for
+//! non-convex MINLP, Optimization Methods and Software 24, 2009).
 //!
 //! Every step is rounded outward. A root turns a small change of the head into a large one of the tail, so
 //! the head is taken larger by what a conflict must exceed: a bound of the tail cuts off no point that
@@ -58,8 +62,8 @@ impl BoundedColumns<'_> {
         self.integral[column] || is_exact(bound)
     }
 
-    /// The amount by which the squares of a column may miss the cone: whole values must satisfy it as accepted points
-    /// do.
+    /// The amount by which the squares of a column may miss the cone: whole values must satisfy it as
+    /// accepted points do.
     fn margin(&self, column: usize) -> f64 {
         if self.integral[column] { tolerance::FEASIBILITY } else { CONTRADICTION }
     }

@@ -1,5 +1,9 @@
 //! Disjunctive bound tightening (constructive disjunction) over covering rows.
 //!
+//! Takes covering rows; leaves the bounds that hold in all of their cases, and coefficients to
+//! match (Van Hentenryck, Saraswat and Deville, Design, implementation, and evaluation of the
+//! constraint language cc(FD), Journal of Logic Programming 37, 1998).
+//!
 //! A row `z_1 + ... + z_k >= 1` over binaries means that at least one of `k` cases applies. Each
 //! case is propagated on trial. Infeasible cases are excluded, and the hull of the bounds in the
 //! other cases is valid. In a piecewise-affine system these hulls are boxes around the states that

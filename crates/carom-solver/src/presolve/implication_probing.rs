@@ -1,5 +1,9 @@
 //! Implications of a binary's values beyond propagation.
 //!
+//! Takes binaries; leaves bounds that hold at both of their values, and a table of implications
+//! between them (Atamtürk, Nemhauser and Savelsbergh, Conflict graphs in solving integer
+//! programming problems, European Journal of Operational Research 121, 2000).
+//!
 //! Probing a binary at both values shows what follows from each. What follows from both for an
 //! integral column always holds. If `a` implies `b` by propagation, "not `b`" implies "not `a`",
 //! which propagation often does not find; a table keeps these implications.

@@ -1,5 +1,9 @@
 //! Probing: try both values of a binary, and keep what propagation proves.
 //!
+//! Takes integral columns with two values left; leaves one value where propagation refutes the
+//! other (Savelsbergh, Preprocessing and probing techniques for mixed integer programming problems,
+//! ORSA Journal on Computing 6, 1994).
+//!
 //! A binary whose value 1 contradicts the domain is fixed to 0, and the other way round. A trial
 //! costs one propagation, a small fraction of a relaxation. It often excludes most impacts and
 //! refutes many horizons without a relaxation.

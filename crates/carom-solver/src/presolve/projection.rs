@@ -1,5 +1,9 @@
 //! Projection: removing binaries that a relaxation does not need.
 //!
+//! Takes two rows of a relaxation and a binary that is in no other; leaves the sum of the rows,
+//! without the binary (Dantzig and Eaves, Fourier-Motzkin elimination and its dual, Journal of
+//! Combinatorial Theory A 14, 1973).
+//!
 //! A disjunction "one of these rows must hold" has one binary per row: `z = 1` enforces its row,
 //! and a covering row `z_1 + ... + z_k >= 1` requires one of them. In the relaxation, such a binary
 //! only links two rows, and a Fourier-Motzkin step removes it: the two rows are added so that it

@@ -1,9 +1,12 @@
 //! Activity-based bound propagation.
 //!
+//! Takes rows, cones and bounds; leaves tighter bounds, or a contradiction (Davis, Constraint
+//! propagation with interval labels, Artificial Intelligence 32, 1987).
+//!
 //! For a row `l <= a'x <= u` the smallest and the largest activity over the current bounds limit
-//! every column in it. A second-order cone bounds its columns likewise. The rows of tightened columns go back on a worklist until no bound moves
-//! enough. Its order is in `worklist`, the arithmetic of one row in `tightening`, that of one cone in
-//! `conic_tightening`.
+//! every column in it. A second-order cone bounds its columns likewise. The rows of tightened
+//! columns go back on a worklist until no bound moves enough. Its order is in `worklist`, the
+//! arithmetic of one row in `tightening`, that of one cone in `conic_tightening`.
 
 use super::change_log::{ChangeLog, RowBlockSet};
 use super::congruence::{is_whole_equality, tighten_residues};

@@ -1,5 +1,7 @@
 //! The reduction of a program at a node to a smaller continuous program.
 //!
+//! Takes a program and the bounds of a node; leaves a continuous program over the free columns.
+//!
 //! Fixed columns are substituted, rows with one free column become bounds, rows that the bounds
 //! imply are dropped, and parallel rows are merged: two opposite inequalities become one equality.
 //!

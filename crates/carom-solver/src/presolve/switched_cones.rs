@@ -1,5 +1,10 @@
 //! Perspective of cones that binaries switch off.
 //!
+//! Takes cones with a constant in the head and a tail that binaries switch off; leaves in the place
+//! of the constant a column that is 0 wherever a binary switches the tail off (Günlük and
+//! Linderoth, Perspective reformulations of mixed integer nonlinear programs with indicator
+//! variables, Mathematical Programming 124, 2010).
+//!
 //! Where a binary `b` is 0, the tail of `z^2 <= s c` with a constant `c > 0` is often 0: rows such as
 //! `z <= u b` say so. The relaxation has `b` at a fraction, and there the cone asks too little of `s`. The
 //! convex hull of both cases is `z^2 <= s (c b)`, with the same points wherever `b` is whole: for `b = 1` it

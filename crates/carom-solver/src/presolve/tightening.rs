@@ -1,5 +1,9 @@
 //! Bounds of columns from one row.
 //!
+//! Takes a row and the bounds of its columns; leaves tighter bounds, or a contradiction (Brearley,
+//! Mitra and Williams, Analysis of mathematical programming problems prior to applying the simplex
+//! algorithm, Mathematical Programming 8, 1975).
+//!
 //! Most visits end after a single pass: if the row's slack (its limit less its smallest activity)
 //! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
 //! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point. A bound

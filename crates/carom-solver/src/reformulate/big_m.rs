@@ -1,5 +1,9 @@
 //! Indicator to big-M rows.
 //!
+//! Takes a row under a condition; leaves a row for each side, with an M times a binary (Dantzig, On
+//! the significance of solving linear programming problems with some integer variables,
+//! Econometrica 28, 1960).
+//!
 //! For `z = 1 => a'x <= u` and any `M >= max a'x - u` over the bounds, the row `a'x + M z <= u + M`
 //! is equivalent for `z` in {0, 1}; for `z = 0 => a'x <= u` it is `a'x - M z <= u`. Lower sides
 //! mirror this. M comes from interval arithmetic over the current bounds, rounded outward,

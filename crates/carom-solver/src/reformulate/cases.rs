@@ -1,5 +1,9 @@
 //! Bounds that hold in every case: of a disjunction, of the conditions of indicators, of a function.
 //!
+//! Takes the cases of a statement; leaves the bounds that hold in all of them (Van Hentenryck,
+//! Saraswat and Deville, Design, implementation, and evaluation of the constraint language cc(FD),
+//! Journal of Logic Programming 37, 1998).
+//!
 //! In each case, its rows tighten the bounds of their variables; the bounds that hold in all cases
 //! are those of the smallest box around them. Cases that contradict the bounds do not count, so
 //! what a binary with one value left implies holds as it stands.

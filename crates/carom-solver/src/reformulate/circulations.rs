@@ -1,11 +1,14 @@
 //! Bounds of flows in networks, whose rows alone leave them unbounded because flow may circulate.
 //!
-//! If less flow never harms (it costs no more, and no statement but the balances of the nodes limits
-//! a flow from below), every point has another one that is at least as good, with the same values of
-//! all other variables, in which no flow runs in a circle. Its flows are sums of paths from sources to
-//! sinks, so none is larger than all that enters and leaves the network.
-//! The bounds hold for that point, not for all. They are taken only for continuous variables, so
-//! that none of the values of integers is lost.
+//! Takes the balances of the nodes of networks; leaves upper bounds of flows that have none.
+//!
+//! If less flow never harms (it costs no more, and no statement but the balances of the nodes
+//! limits a flow from below), every point has another one that is at least as good, with the same
+//! values of all other variables, in which no flow runs in a circle. Its flows are sums of paths
+//! from sources to sinks (Ford and Fulkerson, Flows in Networks, Princeton University Press, 1962),
+//! so none is larger than all that enters and leaves the network. The bounds hold for that point,
+//! not for all. They are taken only for continuous variables, so that none of the values of
+//! integers is lost.
 
 use super::direction::Harm;
 use super::implied_bounds::{MAX_IMPLIED_BOUND, loosened};

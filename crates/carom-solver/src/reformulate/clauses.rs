@@ -1,4 +1,6 @@
 //! Small formulas as clauses, without auxiliary variables.
+//!
+//! Takes a formula; leaves its clauses, if they are few.
 
 use crate::model::{Formula, Literal};
 

@@ -1,9 +1,14 @@
 //! Norms and quadratic rows under a condition.
 //!
+//! Takes a norm or a quadratic row under a condition; leaves it with an M times a binary in its
+//! bound.
+//!
 //! For `z = 1 => |e| <= b` and any `M >= max |e| - min b` over the bounds, the norm `|e| <= b + M (1 - z)` is
 //! equivalent for `z` in {0, 1}. For a convex quadratic row `q <= 0` it is `q <= M (1 - z)`. A row that only
-//! the signs of its variables make a cone, `|e|^2 <= b c`, becomes `|(2 e, b - c)| <= b + c`, and so does a row
-//! with a constant limit, because a norm is tighter between 0 and 1. M is rounded outward.
+//! the signs of its variables make a cone, `|e|^2 <= b c`, becomes `|(2 e, b - c)| <= b + c` (Lobo,
+//! Vandenberghe, Boyd and Lebret, Applications of second-order cone programming, Linear Algebra and its
+//! Applications 284, 1998), and so does a row with a constant limit, because a norm is tighter between 0
+//! and 1. M is rounded outward.
 
 use super::big_m::{Need, choose, open_guard};
 use super::linear_program::tidy_up;

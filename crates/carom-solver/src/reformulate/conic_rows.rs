@@ -1,4 +1,6 @@
 //! Rows that norms and quadratic rows imply.
+//!
+//! Takes a norm or a quadratic row; leaves rows that hold wherever it does.
 
 use crate::error::Error;
 use crate::model::{Affine, Model, Name, StandardCone, StoredConic, StoredRow};

@@ -1,5 +1,7 @@
 //! Which functions can be relaxed to one side, and how a point is moved back onto them.
 //!
+//! Takes the functions of a model; leaves, for each of them, the sides that need rows.
+//!
 //! A variable `w = f(...)` with `f` convex can be relaxed to `w >= f(...)` if decreasing `w` alone
 //! never harms: it does not worsen the objective and violates no row, indicator or other function.
 //! Then decreasing `w` to `f(...)` turns every point of the relaxed model into a point of the

@@ -1,5 +1,9 @@
 //! Disjunctions as rows: the selectors, and big-M.
 //!
+//! Takes a disjunction; leaves a row over its selectors, and the rows of its terms by one of the
+//! methods (Raman and Grossmann, Modelling and computational techniques for logic based integer
+//! programming, Computers & Chemical Engineering 18, 1994).
+//!
 //! Exactly one selector of a disjunction is true. In a disjunction inside a term, exactly one is
 //! true if the term's selector is, and none otherwise: `s1 + ... + sn = s`. So a selector alone
 //! implies the rows of its term, and with big-M each of them is an indicator. The other methods are

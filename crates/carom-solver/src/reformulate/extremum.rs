@@ -1,5 +1,8 @@
 //! Absolute values, maxima and minima as rows.
 //!
+//! Takes a variable that is an absolute value, a maximum or a minimum; leaves rows, and binaries if
+//! one side does not suffice.
+//!
 //! `w = max(e1, ..., en)` is `w >= ei` for all of them and `w <= ei + Mi (1 - zi)` for one, chosen
 //! by binaries with `z1 + ... + zn = 1` (one binary for two expressions). `Mi` is the largest
 //! `ej - ei` over the bounds. Expressions that are never the largest according to the bounds are

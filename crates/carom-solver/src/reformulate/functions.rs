@@ -1,5 +1,7 @@
-//! Functions of variables as rows: the bounds of their variables; each kind of function has its own
-//! file.
+//! Functions of variables as rows.
+//!
+//! Takes a function; leaves the bounds that it gives its variable, and rows. Each kind of function
+//! has its own file for the rows.
 
 use super::direction::{self, Tie};
 use super::lowering::Lowering;

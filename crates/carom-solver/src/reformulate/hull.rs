@@ -1,11 +1,16 @@
 //! Disjunctions by the convex hull of their terms.
 //!
+//! Takes a disjunction whose selectors have rows; leaves a copy of each variable for each term, and
+//! rows over the copies (Balas, Disjunctive programming, Annals of Discrete Mathematics 5, 1979;
+//! for convex rows Grossmann and Lee, Generalized convex disjunctive programming: nonlinear convex
+//! hull relaxation, Computational Optimization and Applications 26, 2003).
+//!
 //! Every variable `x` of a disjunction gets a copy `x_i` for each term `i` with selector `s_i`:
-//! `x = x_1 + ... + x_n`, `l s_i <= x_i <= u s_i` with the bounds that the term implies, and a row
-//! `a'x <= b` of term `i` becomes `a'x_i <= b s_i` (Balas 1979; Grossmann and Lee 2003 for the use
-//! in modelling), and a norm `|A x + c| <= b` becomes `|A x_i + c s_i| <= b s_i`. The relaxation is the convex hull of the disjunction alone over the bounds. A
-//! disjunction inside a term is the hull of the term's copies, with the rows of the terms around
-//! it. The hull has no big-M, but still needs bounds.
+//! `x = x_1 + ... + x_n`, and `l s_i <= x_i <= u s_i` with the bounds that the term implies. A row
+//! `a'x <= b` of term `i` becomes `a'x_i <= b s_i`, and a norm `|A x + c| <= b` becomes
+//! `|A x_i + c s_i| <= b s_i`. The relaxation is the convex hull of the disjunction alone over the
+//! bounds. A disjunction inside a term is the hull of the term's copies, with the rows of the terms
+//! around it. The hull has no big-M, but still needs bounds.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,8 @@
 //! Bounds that rows imply, for variables that have none of their own.
 //!
+//! Takes a model; leaves bounds of its variables and largest values of sums, without a change of
+//! the model.
+//!
 //! They come from propagation over everything that holds in every case: the rows of the model, what
 //! functions say of their variables, and the bounds that all cases of a statement share
 //! (`reformulate/cases.rs`). A sum of rows may bound what no row alone does, which takes a linear

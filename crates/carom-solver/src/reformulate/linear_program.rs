@@ -1,5 +1,9 @@
 //! Proved upper bounds of expressions over rows and bounds, from linear programs.
 //!
+//! Takes an expression, rows and bounds; leaves an upper bound of the expression (Neumaier and
+//! Shcherbina, Safe bounds in linear and mixed-integer linear programming, Mathematical Programming
+//! 99, 2004).
+//!
 //! The answer is the *dual* bound, recomputed from the multipliers
 //! ([`Prover`](crate::relaxation::Prover)), so an inaccurate solve gives an M that is
 //! larger than necessary but never too small. Bounds are propagated first, which is often enough.

@@ -1,5 +1,9 @@
 //! Logic as rows.
 //!
+//! Takes a formula over binaries; leaves rows, and auxiliary binaries for parts of the formula
+//! (Plaisted and Greenbaum, A structure-preserving clause form translation, Journal of Symbolic
+//! Computation 2, 1986).
+//!
 //! With `l = z` for a literal "on" and `l = 1 - z` for one "off", over binaries:
 //!
 //! | formula | rows |
@@ -10,12 +14,12 @@
 //! | longer parities | up to eight clauses, or `l1 + ... + ln = 2 k + 1` with an integer `k` |
 //! | fewer or more than `k` to `m` | a binary for which of the two, one row each |
 //! | conjunction | the rows of its members |
-//! | disjunction of literals `g` and one formula | the formula's rows, each relaxed by a multiple of the sum of `g` |
-//! | disjunction of several formulas | up to eight rows by distribution; else all but one of them get an auxiliary binary |
+//! | disjunction of literals `g` and one formula | its rows, each relaxed by a multiple of the sum of `g` |
+//! | disjunction of several formulas | up to eight rows by distribution; else binaries for all but one |
 //!
 //! An auxiliary binary represents a formula only in the direction that is needed: if the formula
-//! occurs positively, the binary implies it; if negatively, it implies the binary (Plaisted and
-//! Greenbaum 1986). Equal formulas share one, across statements.
+//! occurs positively, the binary implies it; if negatively, it implies the binary. Equal formulas
+//! share one, across statements.
 
 use super::clauses::{Clause, clauses, product, tidy};
 use super::lowering::Lowering;

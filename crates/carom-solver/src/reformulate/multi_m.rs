@@ -1,11 +1,15 @@
 //! Disjunctions as rows with an M for each pair of terms.
 //!
+//! Takes a disjunction whose selectors have rows; leaves a row for each side of a row of a term,
+//! with an M for each other term (Trespalacios and Grossmann, Improved Big-M reformulation for
+//! generalized disjunctive programs, Computers & Chemical Engineering 76, 2015).
+//!
 //! If term `k` is selected instead of term `i`, a row `a'x <= b` of term `i` can be violated by at
 //! most `M_ik = max a'x - b` over the rows of term `k`. Since exactly one selector is true,
 //! `a'x <= b + sum M_ik s_k` over the other terms is equivalent to big-M with the largest of them,
-//! and its relaxation is never weaker (Trespalacios and Grossmann 2015). `M_ik` is negative if term
-//! `k` implies more than the row. Inside a term of an outer disjunction, the siblings of that term
-//! are other terms as well, because exactly one of all of them is selected.
+//! and its relaxation is never weaker. `M_ik` is negative if term `k` implies more than the row.
+//! Inside a term of an outer disjunction, the siblings of that term are other terms as well, because
+//! exactly one of all of them is selected.
 
 use std::borrow::Cow;
 

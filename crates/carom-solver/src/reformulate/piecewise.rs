@@ -1,5 +1,9 @@
 //! Piecewise-affine functions as rows.
 //!
+//! Takes a variable that is a piecewise-affine function of an expression; leaves rows, and binaries
+//! if one side does not suffice (Vielma, Ahmed and Nemhauser, Mixed-integer models for nonseparable
+//! piecewise-linear optimization: unifying framework and extensions, Operations Research 58, 2010).
+//!
 //! The function is first restricted to the range of its argument, and breakpoints without a bend
 //! are dropped. One piece is an equation. A convex function that the model pushes only down
 //! (`reformulate/direction.rs`) is one inequality per piece. All others use the incremental

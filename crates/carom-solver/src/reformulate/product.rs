@@ -1,5 +1,9 @@
 //! Products with binary and integer variables as rows.
 //!
+//! Takes a variable that is the product of a binary or integer variable and an expression; leaves
+//! rows, and binaries for the bits of an integer (Glover, Improved linear integer programming
+//! formulations of nonlinear integer problems, Management Science 22, 1975).
+//!
 //! For a binary `b` and `l <= e <= u`, `w = b e` is
 //! `l b <= w <= u b` and `e - u (1 - b) <= w <= e - l (1 - b)`: the convex hull of both cases.
 //! An integer `n` in `[p, q]` is split into bits, `n = p + b0 + 2 b1 + 4 b2 + ...`, and

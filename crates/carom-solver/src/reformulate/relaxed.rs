@@ -1,4 +1,6 @@
 //! The continuous relaxation of a model.
+//!
+//! Takes a model; leaves the lowered model with continuous variables only.
 
 use super::lower;
 use crate::error::Error;

@@ -1,5 +1,8 @@
 //! Semi-continuous variables as rows.
 //!
+//! Takes a variable that is 0 or within limits; leaves bounds, and rows with a binary if bounds do
+//! not suffice.
+//!
 //! `x = 0 or l <= x <= u` with `0 < l` becomes `l z <= x <= u z` with a binary `z`, which is the
 //! convex hull; the mirror image holds for `u < 0`. Current bounds narrow `l` and `u` first. No
 //! binary is needed if they exclude 0 or all other values, or if every whole number of a

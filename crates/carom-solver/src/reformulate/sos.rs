@@ -1,5 +1,9 @@
 //! Special ordered sets as rows.
 //!
+//! Takes a special ordered set (Beale and Tomlin, Special facilities in a general mathematical
+//! programming system for non-convex problems using ordered sets of variables, Proceedings of the
+//! Fifth International Conference on Operational Research, 1970); leaves rows and binaries.
+//!
 //! *First kind*: a binary `z` per member with `l z <= x <= u z`, and `z1 + ... + zn <= 1`. A member
 //! that is a binary is its own `z`, and a variable has one `z` for all sets and for being
 //! semi-continuous. *Second kind*: a binary per pair of neighbours, one of which is chosen,

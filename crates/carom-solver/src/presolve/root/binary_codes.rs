@@ -1,10 +1,14 @@
 //! Binary codes: "exactly one of these" written with logarithmically many binaries.
 //!
+//! Takes an equality by which columns that are not negative add up to 1, and the binaries and rows
+//! that code which of them is 1 (Vielma and Nemhauser, Modeling disjunctive constraints with a
+//! logarithmic number of binary variables and constraints, Mathematical Programming 128, 2011);
+//! leaves these columns as binaries, without the codes and their rows.
+//!
 //! If `z_1 + ... + z_k = 1` and binaries say in which half of the columns the 1 is (`sum of z over
 //! S <= b` and `sum of the others <= 1 - b`), then each `b` is the sum over its `S`. If no two
-//! columns have the same code, each `z` is whole wherever the `b` are (Vielma and Nemhauser 2011).
-//! Branching on a `b` excludes little, and rules for "exactly one of these" do not apply to it. So the
-//! columns become binaries, and the codes are dropped with their rows.
+//! columns have the same code, each `z` is whole wherever the `b` are. Branching on a `b` excludes
+//! little, and rules for "exactly one of these" do not apply to it.
 
 use super::postsolve::{Restored, Undo};
 use super::work::Work;

@@ -1,8 +1,12 @@
 //! Tightens coefficients and limits of rows with integers.
 //!
-//! A row over integers only is divided by the greatest common divisor of its coefficients, and its
-//! limits are rounded. If a row is redundant at one value of a binary, the binary's coefficient and
-//! the row's limit are changed together until it is only just redundant.
+//! Takes rows with integers; leaves smaller coefficients of binaries, and tighter limits
+//! (Savelsbergh, Preprocessing and probing techniques for mixed integer programming problems, ORSA
+//! Journal on Computing 6, 1994).
+//!
+//! If all columns of a row are integral, its limits are rounded to multiples of the greatest common
+//! divisor of its coefficients. If a row with one limit is redundant at one value of a binary, the
+//! binary's coefficient and the row's limit are changed together until it is only just redundant.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Sparse, Work};

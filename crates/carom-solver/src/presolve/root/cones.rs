@@ -1,4 +1,6 @@
-//! Second-order cones become shorter, or bounds and rows.
+//! Shortens second-order cones.
+//!
+//! Takes second-order cones and bounds; leaves shorter cones, or bounds and rows in their place:
 //!
 //! * Entries that are 0 leave the tail, and their parts with them.
 //! * A tail without open entries bounds the head, and a head without open columns bounds a tail with one

@@ -1,5 +1,12 @@
-//! Columns that equations determine one after the other are computed before any rule looks at them, with
-//! more digits than a float has: rules would leave each equation its rounding, which the next ones multiply.
+//! Columns that equations determine one after the other.
+//!
+//! Takes equalities; leaves the continuous columns that they determine at their values, or within
+//! the error of the values where this is larger than the rounding of a float. A matching of
+//! equalities and columns tells which columns these are (Dulmage and Mendelsohn, Coverings of
+//! bipartite graphs, Canadian Journal of Mathematics 10, 1958).
+//!
+//! The columns are computed before any rule looks at them, with more digits than a float has: rules
+//! would leave each equation its rounding, which the next ones multiply.
 
 use super::fixed_columns;
 use super::postsolve::{Restored, Undo};

@@ -1,4 +1,7 @@
-//! Dominated columns: columns whose reduced cost has a known sign are fixed at a bound.
+//! Dominated columns.
+//!
+//! Takes columns whose reduced cost has a known sign; leaves them fixed at a bound (Andersen and
+//! Andersen, Presolving in linear programming, Mathematical Programming 71, 1995).
 //!
 //! If multipliers have known signs (such as that of a row without an upper limit), so do reduced
 //! costs: a column that no row holds back goes to the bound that its cost prefers ("dual fixing").

@@ -1,4 +1,8 @@
-//! Doubleton equalities: one of their two columns is substituted.
+//! Doubleton equalities.
+//!
+//! Takes an equality over two columns; leaves the program without one of them (Andersen and
+//! Andersen, Presolving in linear programming, Mathematical Programming 71, 1995, for columns in a
+//! single row).
 //!
 //! The bounds of the column become a row over the other one, which `singleton_rows` turns into
 //! bounds. An integral column is replaced only by an integral multiple of an integral one, and of a

@@ -1,4 +1,7 @@
-//! Exclusive rows: rows that differ only in binaries of which at most one is 1 become one row.
+//! Exclusive rows.
+//!
+//! Takes rows that differ only in binaries of which at most one is 1; leaves one row with all of
+//! these binaries.
 //!
 //! `rest + a x <= b` and `rest + c y <= b` with `x + y <= 1` and positive `a` and `c` say together that
 //! `rest + a x + c y <= b`, which fractions of `x` and `y` keep less easily. They come from times that a

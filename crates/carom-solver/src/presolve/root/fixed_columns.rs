@@ -1,4 +1,7 @@
-//! Fixed columns are substituted in rows and objective. Those of cones stay as columns.
+//! Fixed columns.
+//!
+//! Takes columns with one value left; leaves the value in their place in rows and objective.
+//! Columns of cones stay, but in no row and not in the objective.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{OldColumn, Work};

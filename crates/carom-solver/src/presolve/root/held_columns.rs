@@ -1,4 +1,7 @@
-//! Held columns: if only one row keeps a column from moving, that row becomes an equality.
+//! Held columns: columns that only one row keeps from moving.
+//!
+//! Takes this row, if it is an inequality; leaves it as an equality, and a continuous column
+//! without the bound that the equality implies.
 //!
 //! If a column's cost and all of its rows but one let it fall, some optimum has it where that row or its
 //! bound stops it. If the row does so before the bound, the row holds with equality, and other rules can

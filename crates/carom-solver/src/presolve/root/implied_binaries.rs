@@ -1,5 +1,9 @@
-//! Implied binaries: columns between 0 and 1 that are whole in some optimum. Their upper bound may be
-//! implied by a row, as that of `x <= z`.
+//! Implied binaries.
+//!
+//! Takes continuous columns between 0 and 1 that are whole in some optimum; leaves them as binaries
+//! (Achterberg, Bixby, Gu, Rothberg and Weninger, Presolve reductions in mixed integer programming,
+//! INFORMS Journal on Computing 32, 2020). Their upper bound may be implied by a row, as that of
+//! `x <= z`.
 //!
 //! If nothing but rows over integers keeps a column from rising, and its cost lets it rise, it can
 //! be where the first of these rows holds it, which is a whole number. Multipliers are not

@@ -1,4 +1,8 @@
-//! Implied free columns: if the rows of a column imply its bounds, an equality replaces the column.
+//! Implied free columns.
+//!
+//! Takes a continuous column whose rows imply its bounds, and an equality among them; leaves the
+//! program without both (Achterberg, Bixby, Gu, Rothberg and Weninger, Presolve reductions in mixed
+//! integer programming, INFORMS Journal on Computing 32, 2020).
 
 use super::substitute::{is_stable, substitute};
 use super::work::Work;

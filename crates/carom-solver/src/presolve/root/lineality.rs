@@ -1,5 +1,7 @@
-//! Lineality: if columns can be shifted together without changing any row or the objective, one of
-//! them is fixed.
+//! Lineality: directions along which neither rows nor the objective change.
+//!
+//! Takes columns that can be shifted together without changing any row or the objective; leaves one
+//! of them fixed at 0, and the others without bounds.
 //!
 //! Rows over potentials of a tour, or over start times of a schedule, depend only on differences.
 //! If `Ad = 0`, `q'd = 0` and `Pd = 0` for a direction `d` (in the lineality space), every point

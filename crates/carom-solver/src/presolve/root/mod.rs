@@ -9,8 +9,9 @@
 //! are right with cones for one of three reasons:
 //!
 //! * They conclude from rows and bounds what holds at every point, so further conditions change nothing:
-//!   singleton rows, redundant rows, parallel rows, coefficients, exclusive rows. A row that forces columns stays if one of
-//!   them is in a cone: a cone may turn a rounding of its head into a large change of its tail.
+//!   singleton rows, redundant rows, parallel rows, coefficients, exclusive rows. A row that forces
+//!   columns stays if one of them is in a cone: a cone may turn a rounding of its head into a large
+//!   change of its tail.
 //! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves rows and
 //!   objective, and stays), binary codes, doubletons, lineality, slack columns, implied free columns,
 //!   parallel columns, open integers. The columns that go or move are in no cone, so that the cones do not change.
@@ -18,9 +19,10 @@
 //!   columns, dominated columns. Columns of cones are not moved, and cones do not stop others. What needs
 //!   multipliers is left out (see `dominated_columns`).
 //!
-//! `cones` makes the cones themselves shorter, and frees columns. At the end constant heads of cones become columns that binaries switch off, see
-//! [`tighten_switched_cones`], and heads lose what they have too much while a binary is off, see
-//! [`tighten_conditional_cones`]. Multipliers of programs with cones are not restored.
+//! `cones` makes the cones themselves shorter, and frees columns. At the end constant heads of cones
+//! become columns that binaries switch off, see [`tighten_switched_cones`], and heads lose what they have
+//! too much while a binary is off, see [`tighten_conditional_cones`]. Multipliers of programs with cones
+//! are not restored.
 
 mod binary_codes;
 mod blocks;

@@ -1,11 +1,15 @@
 //! Open integers: integers without a bound on some side that are in equalities over whole numbers.
 //!
+//! Takes an equality over whole numbers with open integers; leaves the program without one of them,
+//! or the equality with smaller coefficients (Pugh, The Omega test: a fast and practical integer
+//! programming algorithm for dependence analysis, Proceedings of Supercomputing, 1991).
+//!
 //! A tree over such integers may have no end: of `6 x - 3 y = 4 z + 1` with a binary `z` every relaxation of
 //! `z = 1` has a point, and no bound of `x` or `y` ever excludes them all. So the equality is solved: an
 //! integer whose coefficient divides all others is substituted. Where there is none, the integers are
-//! combined as in Euclid's algorithm (Pugh 1991, "The Omega test"): for the one with the least coefficient
-//! `p` another one stands, `z = x_p + sum k_j x_j`, which leaves the others their remainders. At the end one
-//! open integer is left, and the equality tells its residue class.
+//! combined as in Euclid's algorithm: for the one with the least coefficient `p` another one stands,
+//! `z = x_p + sum k_j x_j`, which leaves the others their remainders. At the end one open integer is
+//! left, and the equality tells its residue class.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,7 @@
-//! Parallel columns: columns that are multiples of another one, including the cost, are merged into
-//! it.
+//! Parallel columns.
+//!
+//! Takes two columns of which one is a multiple of the other, including the cost; leaves one column
+//! (Andersen and Andersen, Presolving in linear programming, Mathematical Programming 71, 1995).
 //!
 //! Rows and objective depend only on `x_j + r x_k`, which becomes one column. This is exact for
 //! continuous pairs, and for integral ones with `r = 1` or `r = -1`.

@@ -1,4 +1,8 @@
-//! Parallel rows: rows that are multiples of another one are merged into it.
+//! Parallel rows.
+//!
+//! Takes two rows of which one is a multiple of the other; leaves one row with the tighter limits
+//! of both (Tomlin and Welch, Finding duplicate rows in a linear programming model, Operations
+//! Research Letters 5, 1986).
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Work};

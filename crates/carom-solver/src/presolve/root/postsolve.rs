@@ -1,5 +1,7 @@
 //! Postsolve: a stack of undos, the last reduction first.
 //!
+//! Takes a point of the presolved program with its multipliers; leaves those of the original.
+//!
 //! Multipliers follow one convention: the reduced cost of a column is `d = q + Px + A'y`; a
 //! positive multiplier belongs to a row's upper limit, a negative one to its lower limit; a
 //! positive reduced cost belongs to a lower bound, a negative one to an upper bound. They are those

@@ -1,5 +1,9 @@
-//! Redundant rows: sides that the bounds imply are dropped. Forcing rows, which the bounds satisfy
-//! only with equality, fix their columns at bounds.
+//! Redundant rows.
+//!
+//! Takes rows; leaves only the sides that bounds do not imply (Brearley, Mitra and Williams,
+//! Analysis of mathematical programming problems prior to applying the simplex algorithm,
+//! Mathematical Programming 8, 1975). Forcing rows, which the bounds satisfy only with equality,
+//! fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{ActivityRange, Infeasible, Sparse, Work};

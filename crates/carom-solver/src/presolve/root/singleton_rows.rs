@@ -1,4 +1,8 @@
-//! Singleton rows become bounds; empty rows are checked and dropped.
+//! Singleton rows.
+//!
+//! Takes rows with one column; leaves its bounds (Brearley, Mitra and Williams, Analysis of
+//! mathematical programming problems prior to applying the simplex algorithm, Mathematical
+//! Programming 8, 1975). Empty rows are checked and dropped.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Work};

@@ -1,4 +1,7 @@
-//! Slack columns: continuous columns in a single row become part of its limits.
+//! Slack columns.
+//!
+//! Takes a continuous column in a single row; leaves the row with other limits, without the column
+//! (Andersen and Andersen, Presolving in linear programming, Mathematical Programming 71, 1995).
 //!
 //! In an equality they are substituted, including their cost. Without a cost they widen the limits
 //! of any row. With a cost and no other restriction, they make a limit of their row active, so that

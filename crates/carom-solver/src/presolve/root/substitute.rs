@@ -1,7 +1,10 @@
 //! Substitution of a column by an equality.
 //!
+//! Takes a column and an equality; leaves the program without the column, and with a row for its
+//! bounds in the place of the equality if the caller asks for one.
+//!
 //! From `a_j x_j + rest = b` follows `x_j = b / a_j - rest / a_j`, which is substituted in every
-//! other row and the objective. The equality becomes a row for the bounds of the column,
+//! other row and the objective. The row for the bounds of the column is
 //! `b / a_j - upper <= rest / a_j <= b / a_j - lower`, in the unit of the column, so that its
 //! tolerance is that of the bounds.
 

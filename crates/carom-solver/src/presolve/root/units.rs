@@ -1,5 +1,8 @@
-//! Units of columns and rows of tiny numbers: powers of two that bring bounds, and the terms of rows within
-//! bounds, near 1. Tolerances of rules and methods are absolute, and `x <= 1e-8` lies below them.
+//! Units of columns and rows of tiny numbers.
+//!
+//! Takes columns with tiny bounds, and rows whose terms are tiny within the bounds; leaves them
+//! times powers of two that bring bounds and terms near 1. Tolerances of rules and methods are
+//! absolute, and `x <= 1e-8` lies below them.
 //!
 //! Ordinary numbers stay as they are. Multiplying by a power of two rounds nothing.
 

@@ -1,9 +1,13 @@
 //! Cut sets of networks with arcs that binaries open.
 //!
+//! Takes a relaxed point and rows that share continuous columns; leaves cuts in integers alone. The
+//! networks are shrunk first (Günlük, A branch-and-cut algorithm for capacitated network design
+//! problems, Mathematical Programming 86, 1999).
+//!
 //! Two rows that share a continuous column are the ends of an arc. Arcs are contracted, the most open
-//! ones first, as a spanning tree grows (Günlük 1999 shrinks networks so). Only arcs that are less open
-//! enter or leave the parts that appear on the way, so if the rows of a part together need a flow, whole
-//! binaries open more than the point does: the sum of the rows is rounded.
+//! ones first, as a spanning tree grows. Only arcs that are less open enter or leave the parts that
+//! appear on the way, so if the rows of a part together need a flow, whole binaries open more than the
+//! point does: the sum of the rows is rounded.
 
 use super::parameters::CUTS;
 use std::collections::BTreeMap;

@@ -1,4 +1,7 @@
-//! Mixed-integer rounding of aggregated rows (Marchand and Wolsey 2001).
+//! Mixed-integer rounding of aggregated rows.
+//!
+//! Takes a relaxed point and the rows of a program; leaves cuts that the point violates (Marchand
+//! and Wolsey, Aggregation and mixed integer rounding to solve MIPs, Operations Research 49, 2001).
 //!
 //! A row is an equality with a slack. Continuous columns far from their bounds are eliminated with
 //! further rows, up to a few; each aggregate is rounded in both directions (`rounding`).

@@ -1,4 +1,8 @@
-//! Polymatroid cuts of norms of binaries (Atamtürk and Narayanan 2008).
+//! Polymatroid cuts of norms of binaries.
+//!
+//! Takes a relaxed point and second-order cones with constants and multiples of binaries in the
+//! tail; leaves at most one cut for each cone (Atamtürk and Narayanan, Polymatroids and mean-risk
+//! minimization in discrete optimization, Operations Research Letters 36, 2008).
 //!
 //! Where every entry of a tail is a number times a binary, the length of the tail is a function of the set
 //! of binaries at 1: `f(S) = sqrt(c + sum of w_i over S)`, which is submodular. So for any order of the

@@ -1,5 +1,9 @@
 //! The rounding of one aggregate.
 //!
+//! Takes a relaxed point and an aggregate of rows; leaves the cut of those tried that is deepest at
+//! the point, if there is one (Nemhauser and Wolsey, A recursive procedure to generate all cuts for
+//! 0-1 mixed integer programs, Mathematical Programming 46, 1990).
+//!
 //! Columns are measured from a bound (`t >= 0`), continuous ones also from a variable bound
 //! `x <= c + v z`. From `sum a_j t_j + sum c_k t_k <= b` with integral `t_j`, divided by `d > 0`,
 //! follows `sum F(a_j / d) t_j + sum min(c_k, 0) / (d (1 - f)) t_k <= floor(b / d)`, where `f` is
