@@ -111,7 +111,7 @@ fn multipliers_of_a_relaxation_are_its_differences() {
     let room = model.add("room", (x[0] + x[1]).le(3.7)).unwrap();
     model.add("some", z.on().implies(x[2].ge(2.0))).unwrap();
     model.minimize(1.5 * x[0] + 2.0 * x[1] + 1.9 * x[2] - 0.7 * z).unwrap();
-    let value = |model: &Model| solve(&relaxed(&model).unwrap(), true).objective().unwrap();
+    let value = |model: &Model| solve(&relaxed(model).unwrap(), true).objective().unwrap();
     let relaxed = solve(&relaxed(&model).unwrap(), true);
     for row in [need, room] {
         let limits = model.constraints().nth(usize::from(row == room)).unwrap().limits();
