@@ -283,3 +283,30 @@ proptest! {
         prop_assert_eq!(program.model().to_string(), first.model().to_string());
     }
 }
+
+/// Inputs may be declared when they are needed: what was stated before does not depend on them.
+#[test]
+fn an_input_after_a_limit_and_a_flow_is_that_of_a_system_in_order() {
+    let stated = |is_late: bool| {
+        let mut system = HybridSystem::new(1.0);
+        let x = system.state("x", 0.0, 9.0).unwrap();
+        let v = system.input("v", -1.0, 1.0).unwrap();
+        let early = (!is_late).then(|| system.input("u", 0.0, 2.0).unwrap());
+        system.limit("slow", v.within(-0.5, 0.5)).unwrap();
+        system.limit("sum", (x + v).le(8.0)).unwrap();
+        system.next([(x, x + v)]).unwrap();
+        system.mode("coast").unwrap().guard(v.ge(0.25)).unwrap();
+        let u = early.unwrap_or_else(|| system.input("u", 0.0, 2.0).unwrap());
+        system.mode("boost").unwrap().next([(x, 1.0 * u)]).unwrap().guard(u.ge(0.5)).unwrap();
+        (system, x)
+    };
+    let [(early, x), (late, late_x)] = [false, true].map(stated);
+    assert_eq!(early.to_string(), late.to_string());
+    let mut solver = BranchAndBound::default();
+    let (start, goal) = ([x.equals(0.0)], [x.ge(7.4)]);
+    let found = early.shortest(start, goal, &mut solver).unwrap();
+    let (start, goal) = ([late_x.equals(0.0)], [late_x.ge(7.4)]);
+    assert_eq!(late.shortest(start, goal, &mut solver).unwrap().steps, found.steps);
+    // 2.5 m a step at most.
+    assert_eq!(found.steps, Some(3));
+}

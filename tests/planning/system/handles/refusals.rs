@@ -181,14 +181,14 @@ fn parts_of_a_transition_are_of_its_start_or_of_its_prediction() {
 #[test]
 fn a_system_is_stated_in_order() {
     let late = "a statement after a limit, a mode or a flow";
-    let first = "declare all states and inputs first";
+    let first = "declare all states first";
     let (limited, [x, _], _) = cart();
     let mut after_limit = limited.clone();
     after_limit.limit("l", x.le(1.0)).unwrap();
     assert_eq!(text(after_limit.state("y", 0.0, 1.0)), misplaced("`y`", late, first));
     let mut after_flow = limited.clone();
     after_flow.next([(x, 0.5 * x)]).unwrap();
-    assert_eq!(text(after_flow.input("w", 0.0, 1.0)), misplaced("`w`", late, first));
+    assert_eq!(text(after_flow.state("w", 0.0, 1.0)), misplaced("`w`", late, first));
     let mut after_mode = limited.clone();
     after_mode.mode("go").unwrap();
     assert_eq!(text(after_mode.state("y", 0.0, 1.0)), misplaced("`y`", late, first));

@@ -47,14 +47,15 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// As for [`state`](HybridSystem::state); [`ErrorKind::OutOfRange`] for an empty list.
+    /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::NotFinite`],
+    /// [`ErrorKind::CrossedBounds`]; [`ErrorKind::OutOfRange`] for an empty list.
     pub fn input(
         &mut self,
         name: &str,
         lower: impl Into<Schedule<f64>>,
         upper: impl Into<Schedule<f64>>,
     ) -> Result<Variable, Error> {
-        self.check_declaration(name)?;
+        self.check_name(name)?;
         let (lower, upper) = (lower.into(), upper.into());
         lower.check(&format!("the lower end of `{name}`"))?;
         upper.check(&format!("the upper end of `{name}`"))?;
@@ -62,6 +63,8 @@ impl HybridSystem {
         let at = |step| Some(Interval::new(*lower.get(step)?, *upper.get(step)?));
         let ranges: Vec<Interval> = (0..=last).filter_map(at).collect();
         ranges.iter().try_for_each(|range| super::check_ends(name, *range))?;
+        // What was stated before does not depend on it.
+        self.add_idle_input();
         self.inputs.push((name.to_owned(), ranges.into()));
         Ok(self.handles.of(Meaning::Input(self.inputs.len() - 1)))
     }
@@ -258,14 +261,13 @@ impl HybridSystem {
         Ok(())
     }
 
-    /// Refuses names that are taken, and declarations of states and inputs when the shape of flows and
-    /// limits is settled.
+    /// Refuses names that are taken, and declarations of states when flows say nothing of them.
     fn check_declaration(&self, name: &str) -> Result<(), Error> {
         let is_limited = !self.limits.is_empty() || !self.norms.is_empty();
         if self.flow.is_some() || is_limited || !self.choices.is_empty() {
             let (name, place) =
                 (format!("`{name}`"), "a statement after a limit, a mode or a flow".into());
-            let help = "declare all states and inputs first";
+            let help = "declare all states first";
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         }
         self.check_name(name)

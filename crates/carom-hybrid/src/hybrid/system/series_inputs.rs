@@ -42,7 +42,7 @@ impl HybridSystem {
     }
 
     /// Gives all that is stated of inputs a coefficient 0 of one more.
-    fn add_idle_input(&mut self) {
+    pub(super) fn add_idle_input(&mut self) {
         let with_inputs = self.states.len() + self.inputs.len();
         let has_inputs = !self.inputs.is_empty();
         let widen = |factors: &mut Vec<f64>| {
