@@ -129,7 +129,7 @@ impl Solver for HighsSolver {
             termination = if proved { termination } else { interrupted };
         }
         let values = values.map(|found| lowered.restore(&found));
-        let claimed = Outcome { termination, values, bound, statistics };
+        let claimed = Outcome::new(termination, values, bound, statistics);
         settled(model, claimed, &self.options, &token, control)
     }
 }
@@ -168,7 +168,8 @@ impl HighsSolver {
             return Ok((Termination::Optimal, found));
         }
         let mut found = self.call(program, &program.linear, token.left())?;
-        let mut statistics = Statistics { iterations: found.iterations, ..Statistics::default() };
+        let mut statistics = Statistics::default();
+        statistics.iterations = found.iterations;
         use HighsModelStatus as Status;
         let open = matches!(found.status, Status::Unbounded | Status::UnboundedOrInfeasible);
         if open {
