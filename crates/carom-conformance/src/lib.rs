@@ -32,7 +32,7 @@ pub use report::{CaseOutcome, Report};
 
 #[doc(hidden)]
 pub mod internals {
-    //! What tests of the workspace use of this crate beside its public interface. It may change in any release.
+    //! Parts of this crate that tests of the workspace use beside its public interface. They may change in any release.
 
     pub use crate::answer::{Case, Truth};
     pub use crate::programs::answers;

@@ -1,4 +1,4 @@
-//! What the other crates of the workspace use of this one beside its public interface. It may change in any
+//! Parts that the other crates of the workspace use beside the public interface. They may change in any
 //! release.
 
 pub mod error {

@@ -1,4 +1,4 @@
-//! What tests and the other crates of the workspace use of this one beside its public interface. It may change in
+//! Parts that tests and the other crates of the workspace use beside the public interface. They may change in
 //! any release.
 
 pub mod branch_and_bound {

@@ -1,4 +1,4 @@
-//! What only the log has: the columns, rows and cones that statements of the model have become which are no rows.
+//! Parts that only the log has: the columns, rows and cones that statements of the model have become which are no rows.
 //!
 //! * A further column that a row sets equal to a linear form, or that is a constant, is an entry of a cone. With the
 //!   forms in their places, each cone must be a statement: a quadratic row, or a cone of expressions.
@@ -15,10 +15,10 @@ use crate::exact::Sum;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 
-/// What the limits of rows with a big number may be off by, relative to their terms (no unit): they are sums.
+/// The error of the limits of rows with a big number, relative to their terms (no unit): they are sums.
 pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// What was found of the statements of a model.
+/// Findings about the statements of a model.
 #[derive(Default)]
 pub(super) struct Found {
     /// Columns of the log whose lower bound is 0 because they are heads.
@@ -47,7 +47,7 @@ impl<'a> Further<'a> {
     ///
     /// # Errors
     ///
-    /// What is only in the log, or in the model, in words.
+    /// Names the parts that are only in the log, or only in the model.
     pub(super) fn take_out(
         model: &'a Model,
         log: &'a mut Model,

@@ -144,7 +144,7 @@ pub fn compare(text: &str, format: Format, log: impl BufRead) -> Result<Comparis
     })
 }
 
-/// What was found of statements that are no rows, or the first difference.
+/// Findings about statements that are no rows, or the first difference.
 fn difference(mut model: Model, mut log: Model) -> Result<Found, String> {
     if model.is_maximisation != log.is_maximisation {
         return Err("the sense of the objective".to_string());

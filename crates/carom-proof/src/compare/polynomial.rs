@@ -14,7 +14,7 @@ const ROUNDING_OF_SUMS: f64 = 16.0 * f64::EPSILON;
 /// be said of the others.
 const LARGEST_CANCELLATION: f64 = 1e6;
 
-/// What stands for 1 in the place of a column.
+/// Stands for 1 in the place of a column.
 const ONE: u32 = u32::MAX;
 
 /// A linear form with a constant.
