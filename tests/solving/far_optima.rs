@@ -1,7 +1,7 @@
 //! Optima far from 0 along variables without bounds.
 
 use carom::prelude::*;
-use carom::solution::Note;
+use carom::solution::{Note, Termination};
 use proptest::prelude::*;
 
 const FREE: f64 = f64::INFINITY;
@@ -72,6 +72,37 @@ proptest! {
             }
             _ => prop_assert!(!falls, "{}", solution.termination()),
         }
+    }
+
+    /// Beside an objective of 1e16, a fall of 1e9 is within the gap. What falls for ever has no optimum all the
+    /// same.
+    #[test]
+    fn a_fall_without_end_is_no_optimum_beside_large_values(
+        exponent in 3_i32..18,
+        bends in any::<bool>(),
+        costs in prop::array::uniform4(-3_i8..4),
+        entries in prop::array::uniform8(-4_i8..5),
+        presolve in any::<bool>(),
+    ) {
+        let far = 10_f64.powi(exponent);
+        let mut model = Model::new("fall");
+        let x = model.continuous("x", -FREE, FREE).unwrap();
+        let y = model.continuous("y", -far, 10.0 * far).unwrap();
+        let z = model.continuous("z", -FREE, FREE).unwrap();
+        let t = model.continuous("t", 0.0, FREE).unwrap();
+        let e = entries.map(f64::from);
+        // As x grows, the first row gets more room, and the second does not change.
+        let fall = e[0].abs() + 1.0;
+        model.add("first", (fall * x + e[1] * y + e[2] * z + e[3] * t).ge(0.0)).unwrap();
+        model.add("second", (e[4] * y + e[5] * z + e[6] * t).le(7.0 + e[7])).unwrap();
+        let c = costs.map(f64::from);
+        let curvature = if bends { 0.5 } else { 0.0 };
+        model
+            .minimize((-c[0].abs() - 1.0) * x + c[1] * y + c[2] * z + c[3] * t + curvature * t.square())
+            .unwrap();
+        let solution = solved(&model, presolve);
+        let wrong = [Termination::Optimal, Termination::Infeasible];
+        prop_assert!(!wrong.contains(&solution.termination()), "{:?}", solution.objective());
     }
 }
 

@@ -16,7 +16,6 @@ WORST = {
     "task=bank&maxAcceleration=0": "no plan",
     "maxAcceleration=0&velocity=-5": "no plan",
 }
-SOON = 2.0  # s
 # Names of variables, of statements, and numbers that nobody reads.
 UNREADABLE = re.compile(r"`|clear and|beyond \d|\bv[xy]\b|\ba[xy]\b|\d\.\d{4}|\bwall \d|_|stopped")
 
@@ -42,7 +41,7 @@ def sentences(browser):
     return " ".join(browser.text(f"#{name}") for name in ("verdict", "reason")).strip()
 
 
-def worst_links_are_answered_soon(test):
+def worst_links_are_answered(test):
     test.open()  # so that the planner is compiled
     bad = []
     for link, word in WORST.items():
@@ -54,8 +53,6 @@ def worst_links_are_answered_soon(test):
         test.settled()
         seconds, said = time.monotonic() - begun, sentences(test.browser)
         print(f"{link}: {seconds:.2f} s: {said}")
-        if seconds > SOON:
-            bad.append(f"{link}: {seconds:.2f} s")
         if word not in said or not said.endswith(".") or UNREADABLE.search(said):
             bad.append(f"{link}: {said}")
     assert not bad, "\n".join(bad)

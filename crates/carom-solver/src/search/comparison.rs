@@ -63,15 +63,16 @@ fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64) -> bool {
     miss > if is_integral { 0.5 } else { COEFFICIENT_MISS * value.abs().max(1.0) }
 }
 
-/// Whether the exact program itself excludes an accepted point. Expressions in cones are columns of which
-/// the model knows nothing: a point that it accepts may have other values of them than the rows say, and
-/// tells nothing about what was derived from the rows.
+/// Whether the exact program itself excludes an accepted point, which then tells nothing about what was
+/// derived from it. Presolve makes equations of rows that hold as equations at an optimum, and expressions in
+/// cones are columns of which the model knows nothing: a point that the model accepts need not satisfy either.
 fn is_excluded(exact: &Program, x: &[f64]) -> bool {
+    let has_cones = !exact.cones.is_empty();
+    let miss = if has_cones { ROOTED_MISS } else { [COEFFICIENT_MISS, TERMS_MISS] };
     let is_outside = |j| is_outside(exact.integral[j], [exact.lower[j], exact.upper[j]], x[j]);
-    !exact.cones.is_empty()
-        && ((0..x.len()).any(is_outside)
-            || (0..exact.row_count()).any(|row| is_missed(exact, row, x, ROOTED_MISS))
-            || exact.cones.iter().any(|cone| is_cone_missed(cone, x)))
+    (0..x.len()).any(is_outside)
+        || (0..exact.row_count()).any(|row| is_missed(exact, row, x, miss))
+        || exact.cones.iter().any(|cone| is_cone_missed(cone, x))
 }
 
 /// Whether a point misses a cone by so much that bounds from it may be missed: by the root of what the head
