@@ -144,8 +144,8 @@ fn more_states(criterion: &mut Criterion) {
     }
 }
 
-/// Rooms in a row, each of which exchanges heat with its neighbours, so that all states are coupled.
-/// The first one has a heater that stays on for at least three samples.
+/// Rooms in a row, each of which exchanges heat with its neighbours, so that all states are
+/// coupled. The first one has a heater that stays on for at least three samples.
 fn rooms(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("rooms");
     group.sample_size(10);

@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example bank_shot [-- [--proof FOLDER] [PICTURE.svg [ANIMATION.svg]]]`
 //!
-//! * `--proof FOLDER`: write a log for each horizon of both searches, which `carom-proof check` reads
+//! * `--proof FOLDER`: write a log for each horizon of both searches, which `carom-proof check`
+//!   reads
 
 #[path = "common/proofs.rs"]
 mod proofs;

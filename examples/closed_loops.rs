@@ -1,6 +1,7 @@
 //! Closed loops of hybrid systems: every program solved from nothing, and prepared and warm.
 //!
-//! `cargo run --release --example closed_loops -- [NAME...] [--steps N] [--seed S] [--noise F] [--each]`
+//! `cargo run --release --example closed_loops -- [NAME...] [--steps N] [--seed S] [--noise F]
+//! [--each]`
 //!
 //! * `NAME...`: parts of names; all loops by default
 //! * `--steps N`: steps of a loop, 100 by default
@@ -10,9 +11,9 @@
 //!
 //! The programs are those of `table`, with the measured state as parameters. After each step the
 //! state is the next one of the plan, disturbed. The table has the median times, the median of warm
-//! over cold, the steps that took longer than 1.1 times cold plus 1 ms, the nodes, and the allocations
-//! per relaxation. The exit status tells whether all optima agree within the gaps. Ctrl-C ends the loop at
-//! hand with the row of its steps so far, and the exit status 3.
+//! over cold, the steps that took longer than 1.1 times cold plus 1 ms, the nodes, and the
+//! allocations per relaxation. The exit status tells whether all optima agree within the gaps.
+//! Ctrl-C ends the loop at hand with the row of its steps so far, and the exit status 3.
 
 #[macro_use]
 #[path = "common/output.rs"]

@@ -67,8 +67,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         std::fs::write(path, plan.picture(&scene(late)?)?.with_title(title).to_svg())?;
     }
 
-    // In closed loop: at every sample, the primary controller drives on if the vehicle can still get
-    // away after the next step; otherwise the planner takes over for good.
+    // In closed loop: at every sample, the primary controller drives on if the vehicle can still
+    // get away after the next step; otherwise the planner takes over for good.
     let mut state = [-4.0, 1.0, 10.0, 0.0];
     let mut taken_over = None;
     for t in 0..25 {

@@ -1,5 +1,5 @@
-//! A free-flyer in a room with a pillar: avoid walls and pillar, or bounce off them. Time, effort and
-//! impulse of two flights.
+//! A free-flyer in a room with a pillar: avoid walls and pillar, or bounce off them. Time, effort
+//! and impulse of two flights.
 //!
 //! `cargo run --release --example free_flyer [-- PICTURE.svg [PICTURE.svg]]`
 

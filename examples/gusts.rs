@@ -1,5 +1,5 @@
-//! A puck that bounces off a wall of unknown restitution under gusts: a nominal plan, a tube around a plan, and
-//! scenarios, flown through 10,000 simulated worlds each.
+//! A puck that bounces off a wall of unknown restitution under gusts: a nominal plan, a tube around
+//! a plan, and scenarios, flown through 10,000 simulated worlds each.
 //!
 //! `cargo run --release --example gusts [-- PICTURE.svg]`
 
@@ -63,8 +63,8 @@ fn unit(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Flies the plan that `choose` gives for a restitution through all worlds: how many runs arrive, and some of
-/// their paths.
+/// Flies the plan that `choose` gives for a restitution through all worlds: how many runs arrive,
+/// and some of their paths.
 fn fly<'a>(
     name: &str,
     world: &HybridSystem,

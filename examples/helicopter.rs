@@ -1,11 +1,11 @@
-//! A helicopter flies over islands, where it may land and charge its battery: which islands, where to land on
-//! them, and how long to rest? A shortest path through a graph of convex sets.
+//! A helicopter flies over islands, where it may land and charge its battery: which islands, where
+//! to land on them, and how long to rest? A shortest path through a graph of convex sets.
 //!
 //! `cargo run --release --example helicopter [-- ISLANDS.csv [PICTURE.svg]]`
 //!
-//! Flying one unit takes one unit of time and five of the battery, which holds one; resting charges one a unit of
-//! time. The file has a line `x,y,radius` for each island after its heading. Ctrl-C ends the search with the
-//! best path so far, and the exit status is 3.
+//! Flying one unit takes one unit of time and five of the battery, which holds one; resting charges
+//! one a unit of time. The file has a line `x,y,radius` for each island after its heading. Ctrl-C
+//! ends the search with the best path so far, and the exit status is 3.
 
 #[path = "common/interrupts.rs"]
 mod interrupts;

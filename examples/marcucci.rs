@@ -5,13 +5,14 @@
 //! `cargo run --release --example marcucci -- [STEPS] [--each]`
 //! `cargo run --release --example marcucci -- [STEPS] --budget MS`
 //!
-//! Solves the programs of STEPS (50) steps three times: from nothing; prepared, without anything from
-//! the step before; and prepared and warm, beginning with the shifted plan and the last tree. Prints the
-//! mean nodes, relaxations and times beside the published ones (another machine); with `--each`, also a line per step. The exit status tells whether all optima agree
-//! within the gaps. With `--budget`, a controller under noise takes at most so many milliseconds a
-//! search, and the summary says where its inputs came from, how many plans were proved optimal, and how
-//! many inputs violate a limit in a simulation of the next step. Ctrl-C ends the loop with the means so
-//! far, and the exit status 3.
+//! Solves the programs of STEPS (50) steps three times: from nothing; prepared, without anything
+//! from the step before; and prepared and warm, beginning with the shifted plan and the last tree.
+//! Prints the mean nodes, relaxations and times beside the published ones (another machine); with
+//! `--each`, also a line per step. The exit status tells whether all optima agree within the gaps.
+//! With `--budget`, a controller under noise takes at most so many milliseconds a search, and the
+//! summary says where its inputs came from, how many plans were proved optimal, and how many inputs
+//! violate a limit in a simulation of the next step. Ctrl-C ends the loop with the means so far,
+//! and the exit status 3.
 
 #[macro_use]
 #[path = "common/output.rs"]
@@ -183,8 +184,8 @@ fn timed(solve: impl FnOnce() -> Result<Solution, Error>) -> Result<(Solution, E
     Ok((solution, effort))
 }
 
-/// A closed loop with noise, at most so many milliseconds a search. After a plan that was not found in
-/// time, the rest of the last one is applied; without any, the regulator's force.
+/// A closed loop with noise, at most so many milliseconds a search. After a plan that was not found
+/// in time, the rest of the last one is applied; without any, the regulator's force.
 fn run_with_budget(steps: usize, milliseconds: f64) -> Result<ExitCode, Error> {
     let CartPole { model, start, state, force, end } = cart_pole()?;
     let mut solver = BranchAndBound::default();

@@ -1,5 +1,5 @@
-//! A mission in words of time: a puck visits A within 10 s, then B or C, never D, and stays two seconds in E.
-//! It may bounce off the cushions.
+//! A mission in words of time: a puck visits A within 10 s, then B or C, never D, and stays two
+//! seconds in E. It may bounce off the cushions.
 //!
 //! `cargo run --release --example mission [-- PICTURE.svg]`
 

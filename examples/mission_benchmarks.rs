@@ -1,5 +1,5 @@
-//! The scenarios of stlpy (Kurtz and Lin, arXiv:2204.06367) as missions, with optimum and seconds, and ten
-//! robots with one mission.
+//! The scenarios of stlpy (Kurtz and Lin, arXiv:2204.06367) as missions, with optimum and seconds,
+//! and ten robots with one mission.
 //!
 //! `cargo run --release --example mission_benchmarks [NAME | robots [COUNT]]`
 
@@ -15,8 +15,8 @@ use missions::{Point, SCENARIOS, Scenario};
 
 type Done<T> = Result<T, Box<dyn std::error::Error>>;
 
-/// Robots that cross the room to places of their own within 15 steps, and keep clear of the pillar and of each
-/// other.
+/// Robots that cross the room to places of their own within 15 steps, and keep clear of the pillar
+/// and of each other.
 fn robots(count: usize) -> Done<()> {
     let steps = 15;
     let robots: Vec<Point> = (0..count).map(|_| Point::new()).collect::<Result<_, _>>()?;

@@ -1,6 +1,7 @@
 //! A gate that moves: the drone waits for it, and every shorter flight is refuted, one by one.
 //!
-//! `cargo run --release --example moving_gate [-- [--proof FOLDER] [PICTURE.svg [ANIMATION.svg [PROGRAM.mps]]]]`
+//! `cargo run --release --example moving_gate [-- [--proof FOLDER]
+//! [PICTURE.svg [ANIMATION.svg [PROGRAM.mps]]]]`
 //!
 //! * `--proof FOLDER`: write a log for each horizon, which `carom-proof check` reads
 

@@ -1,10 +1,11 @@
-//! Draws a performance profile: the share of programs that a solver solves within a factor of the best
-//! time (E. D. Dolan, J. J. Moré, 2002).
+//! Draws a performance profile: the share of programs that a solver solves within a factor of the
+//! best time (E. D. Dolan, J. J. Moré, 2002).
 //!
 //! `cargo run --release --example profile -- FACTORS.csv PICTURE.svg`
 //!
 //! FACTORS.csv has a line `solver,factor` for each solver and program after its heading, as
-//! `benches/compare.py --profile FACTORS.csv` writes it; the factor of what was not solved is empty.
+//! `benches/compare.py --profile FACTORS.csv` writes it; the factor of what was not solved is
+//! empty.
 
 use carom::interval::Interval;
 use carom::picture::{COLOURS, Chart};

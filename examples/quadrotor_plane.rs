@@ -1,5 +1,5 @@
-//! A quadrotor in the plane, past three posts and perhaps off a wall, in the least time and with the least fuel:
-//! speed and thrust are limited by discs, or by the octagons in them.
+//! A quadrotor in the plane, past three posts and perhaps off a wall, in the least time and with
+//! the least fuel: speed and thrust are limited by discs, or by the octagons in them.
 //!
 //! `cargo run --release --example quadrotor_plane`
 

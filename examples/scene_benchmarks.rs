@@ -2,8 +2,8 @@
 //!
 //! * `cargo run --release --example scene_benchmarks`: boxes to avoid, and a puck on a table
 //! * `cargo run --release --example scene_benchmarks -- paper`: the 16 rows of `paper --csv`
-//! * `cargo run --release --example scene_benchmarks -- estimates`: shortest plans with both ways of
-//!   counting what happens within a step
+//! * `cargo run --release --example scene_benchmarks -- estimates`: shortest plans with both ways
+//!   of counting what happens within a step
 //!
 //! Ctrl-C ends the solve at hand, and the exit status is 3.
 

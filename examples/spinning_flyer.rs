@@ -1,5 +1,5 @@
-//! A free-flyer with spin: what a hit does to it as one linear map, and how torque before a hit steers
-//! the rebound.
+//! A free-flyer with spin: what a hit does to it as one linear map, and how torque before a hit
+//! steers the rebound.
 //!
 //! `cargo run --release --example spinning_flyer [-- PICTURE.svg]`
 
@@ -13,17 +13,19 @@ const RESTITUTION: f64 = 0.6;
 /// The touching points slide back with this part of their speed.
 const TANGENTIAL: f64 = 0.4;
 
-/// What a hit does to the velocity along the normal, that along the normal turned left, and the spin.
+/// What a hit does to the velocity along the normal, that along the normal turned left, and the
+/// spin.
 fn map() -> [[f64; 3]; 3] {
-    // An impulse along the surface changes the velocity of the touching points k times as much as that of
-    // the centre.
+    // An impulse along the surface changes the velocity of the touching points k times as much as
+    // that of the centre.
     let k = 1.0 + MASS * RADIUS * RADIUS / INERTIA;
     let push = (1.0 + TANGENTIAL) / k;
     let turn = MASS * RADIUS / INERTIA * push;
     [[-RESTITUTION, 0.0, 0.0], [0.0, 1.0 - push, push * RADIUS], [0.0, turn, 1.0 - turn * RADIUS]]
 }
 
-/// A robot with hardly any thrust left drifts towards a wall, off which it bounces, and must get to the right.
+/// A robot with hardly any thrust left drifts towards a wall, off which it bounces, and must get to
+/// the right.
 fn scene(max_torque: f64) -> Result<Scene, carom::Error> {
     let bumper = Surface::bounce(Restitution::new(RESTITUTION)?).with_linear_map(-TANGENTIAL, 0.0);
     let robot = Body::new("robot", [0.0..=4.0, 0.0..=3.0], 0.6, 0.005)

@@ -17,8 +17,8 @@
 //!
 //! Programs are solved from their MPS text. Allocations are those of the process during the solve,
 //! including lowering. The exit status tells whether every answer was the listed one. See
-//! `docs/benchmarks.md`. Ctrl-C ends the solve at hand; its row says what is known of it, and the exit
-//! status is 3.
+//! `docs/benchmarks.md`. Ctrl-C ends the solve at hand; its row says what is known of it, and the
+//! exit status is 3.
 
 #[macro_use]
 #[path = "common/output.rs"]

@@ -13,7 +13,8 @@ use carom::prelude::*;
 const HORIZON: usize = 3;
 const REFERENCE: [f64; 3] = [0.444, 0.35, 0.2]; // m
 
-/// Levels to levels, flows to levels and constant part, with both valves open, the first, the second, none.
+/// Levels to levels, flows to levels and constant part, with both valves open, the first, the
+/// second, none.
 fn flows() -> Result<[LinearSystem; 4], Error> {
     let both = LinearSystem::new(
         [

@@ -7,17 +7,18 @@
 //! * `--seed S`: seed of the first program, 0 by default; the others follow
 //! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
-//! * `--family NAME`: `mixed` (the default), `large`, `big-m`, `open`, `borderline`, `chain`, `at-rest`,
-//!   `open-integers`, `cones`, `thin-cones`, or `all` in turn; see `tests/torture/families.rs` and
-//!   `tests/torture/cones`
-//! * `--paths`: solves each program in all unusual ways as well: without presolve, with a pool, with kept
-//!   leaves, with another branching rule, without cuts
+//! * `--family NAME`: `mixed` (the default), `large`, `big-m`, `open`, `borderline`, `chain`,
+//!   `at-rest`, `open-integers`, `cones`, `thin-cones`, or `all` in turn; see
+//!   `tests/torture/families.rs` and `tests/torture/cones`
+//! * `--paths`: solves each program in all unusual ways as well: without presolve, with a pool,
+//!   with kept leaves, with another branching rule, without cuts
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
 //!
 //! Each program that was answered wrongly or not finished is written there as an MPS file named
-//! after its family and seed, and a line says what is wrong. The last line counts the verdicts. The exit
-//! status tells whether any answer was wrong, or any solve stalled that may not. `tests/torture` has the
-//! generator and defines what is wrong. Ctrl-C ends it with the counts so far and the exit status 3.
+//! after its family and seed, and a line says what is wrong. The last line counts the verdicts. The
+//! exit status tells whether any answer was wrong, or any solve stalled that may not.
+//! `tests/torture` has the generator and defines what is wrong. Ctrl-C ends it with the counts so
+//! far and the exit status 3.
 
 #[macro_use]
 #[path = "common/output.rs"]

@@ -1,8 +1,9 @@
-//! The shortest tour of a drone over some way-points, with the rows against subtours found on the way.
+//! The shortest tour of a drone over some way-points, with the rows against subtours found on the
+//! way.
 //!
 //! Two flights at every way-point allow several small tours instead of one. There are too many rows
-//! against that to write down, so they are lazy constraints: a callback sees each candidate, and returns
-//! the rows that it violates.
+//! against that to write down, so they are lazy constraints: a callback sees each candidate, and
+//! returns the rows that it violates.
 //!
 //! `cargo run --release --example tour`
 

@@ -1,4 +1,5 @@
-//! The whole program of the tutorial: a robot in an aisle with a crossing, and the same robot in a room.
+//! The whole program of the tutorial: a robot in an aisle with a crossing, and the same robot in a
+//! room.
 //!
 //! `cargo run --release --example tutorial [-- PICTURE.svg [PICTURE.svg]]`
 

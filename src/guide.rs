@@ -24,8 +24,8 @@ pub mod scenes {}
 #[doc = include_str!("../docs/missions.md")]
 pub mod missions {}
 
-// The pages are also read as files. Of two definitions of a link, the first one counts, so that these
-// take the place of the links to files at the ends of the pages.
+// The pages are also read as files. Of two definitions of a link, the first one counts, so that
+// these take the place of the links to files at the ends of the pages.
 #[doc = include_str!("../docs/my_search_does_not_finish.md")]
 pub mod my_search_does_not_finish {}
 

@@ -1,4 +1,5 @@
-//! What relaxations and prepared solves allocate. On its own, because it counts for the whole process.
+//! What relaxations and prepared solves allocate. On its own, because it counts for the whole
+//! process.
 
 #[path = "instances/mod.rs"]
 mod instances;
@@ -35,8 +36,8 @@ fn root(model: &mut Model, values: &[f64]) -> Reduced {
     reduce(&program, &Domain::new(&program)).unwrap()
 }
 
-/// What a relaxation of unchanged structure allocates: before any result was given back, once one was,
-/// and the proof of its bound.
+/// What a relaxation of unchanged structure allocates: before any result was given back, once one
+/// was, and the proof of its bound.
 fn relaxations() -> [usize; 3] {
     let mut model = cartpole(8, None);
     let (one, two) = (root(&mut model, &[0.2, 0.0, 0.0, -1.0]), root(&mut model, &[0.1; 4]));

@@ -525,7 +525,8 @@ impl Random {
     }
 }
 
-/// Compares shadow prices and reduced costs of a linear program with those of GLPK's simplex method.
+/// Compares shadow prices and reduced costs of a linear program with those of GLPK's simplex
+/// method.
 fn compare_multipliers(model: &Model) {
     let folder = tempfile::tempdir().unwrap();
     let (file, answer) = (folder.path().join("model.mps"), folder.path().join("answer"));

@@ -1,5 +1,5 @@
-//! Ctrl-C for tools that run long: the first one ends the search and keeps what was found, the second
-//! one ends the process as if nobody listened. A request to terminate counts as Ctrl-C.
+//! Ctrl-C for tools that run long: the first one ends the search and keeps what was found, the
+//! second one ends the process as if nobody listened. A request to terminate counts as Ctrl-C.
 
 use std::io;
 use std::sync::Arc;

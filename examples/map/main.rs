@@ -9,10 +9,12 @@
 //! * `--size N`: N destinations times N restitutions, 50 by default
 //! * `--time-step S`: length of a step in s, 0.01 by default
 //! * `--file FILE`: append each cell to this file of JSON lines, and go on where it ends
-//! * `--shard I/N`: search only the I-th of N shares of the cells; join the files to draw the whole map
+//! * `--shard I/N`: search only the I-th of N shares of the cells; join the files to draw the whole
+//!   map
 //!
-//! Ctrl-C ends the searches; the picture and the rows then have the cells that are proved, and the exit
-//! status is 3. A second Ctrl-C ends the program. With a file, the next run searches what is missing.
+//! Ctrl-C ends the searches; the picture and the rows then have the cells that are proved, and the
+//! exit status is 3. A second Ctrl-C ends the program. With a file, the next run searches what is
+//! missing.
 
 #[path = "../common/interrupts.rs"]
 mod interrupts;

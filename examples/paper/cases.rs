@@ -113,8 +113,8 @@ impl Solved {
     }
 }
 
-/// Solves every case; the order of the results is that of the tables. After an interrupt, they lack the
-/// cases that were not begun.
+/// Solves every case; the order of the results is that of the tables. After an interrupt, they lack
+/// the cases that were not begun.
 ///
 /// # Arguments
 ///

@@ -4,12 +4,12 @@
 //!
 //! * `--csv`: print the rows of a CSV file on standard output and nothing else
 //! * `--out FOLDER`: where the plots go, `plots` by default
-//! * `--proof FOLDER`: write a log for every shorter horizon of each row and for its plan, which `carom-proof check`
-//!   reads, to a folder for each row
+//! * `--proof FOLDER`: write a log for every shorter horizon of each row and for its plan, which
+//!   `carom-proof check` reads, to a folder for each row
 //! * `--scaling`: instead, measure the time of one search with finer and finer steps
 //!
-//! Ctrl-C ends the searches; what is proved by then is printed and plotted, with how far the others are,
-//! and the exit status is 3. A second Ctrl-C ends the program.
+//! Ctrl-C ends the searches; what is proved by then is printed and plotted, with how far the others
+//! are, and the exit status is 3. A second Ctrl-C ends the program.
 //!
 //! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
 //! planning of autonomous vehicles", arXiv:1611.07608.

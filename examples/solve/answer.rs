@@ -41,7 +41,8 @@ pub(crate) fn check(path: &str) -> Result<(), String> {
     opened.map(drop).map_err(|error| format!("{path}: {error}"))
 }
 
-/// Writes the best point to a file that `--start` reads: a line for every value but 0, with all digits.
+/// Writes the best point to a file that `--start` reads: a line for every value but 0, with all
+/// digits.
 pub(crate) fn write(model: &Model, solution: &Solution, path: &str) -> Result<(), String> {
     let mut text = format!("# Status: {}\n", status(solution));
     if let (Some(point), Some(objective)) = (solution.point(), solution.objective()) {
@@ -92,7 +93,8 @@ pub(crate) fn summary(model: &Model, solution: &Solution, seconds: f64) -> Strin
     format!("{}: {found}, after {effort}{refused}{notes}", solution.termination())
 }
 
-/// That a gap is relative to the objective without its constant, if there is a gap and that makes a difference.
+/// That a gap is relative to the objective without its constant, if there is a gap and that makes a
+/// difference.
 fn without_constant(model: &Model, solution: &Solution, objective: f64) -> String {
     let fixed = |variable| {
         let bounds = model.variable_ref(variable).ok()?.bounds();
@@ -148,8 +150,8 @@ fn status(solution: &Solution) -> &'static str {
     }
 }
 
-/// A number rounded to twelve significant digits, without trailing zeros; below 1e-6 with an exponent.
-/// A zero has no sign, and less than all normal numbers is 0.
+/// A number rounded to twelve significant digits, without trailing zeros; below 1e-6 with an
+/// exponent. A zero has no sign, and less than all normal numbers is 0.
 fn twelve_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     match rounded.abs() {

@@ -39,8 +39,8 @@ fn size(model: &Model) -> [usize; 5] {
     [rows, model.variable_count(), integers, linear + switched, model.conic_constraint_count()]
 }
 
-/// The ranges of the magnitudes of all numbers but 0: programs whose numbers differ by many powers of ten
-/// are solved less reliably.
+/// The ranges of the magnitudes of all numbers but 0: programs whose numbers differ by many powers
+/// of ten are solved less reliably.
 fn coefficients(model: &Model) -> String {
     let rows = || model.constraints().map(|row| (row.terms(), row.limits()));
     let switched = || model.indicators().map(|row| (row.terms(), row.limits()));

@@ -14,8 +14,8 @@ const GZIP: &[u8] = &[0x1f, 0x8b];
 const OTHERS: [(&[u8], &str); 4] =
     [(b"BZh", "bzip2"), (b"\xfd7zXZ", "xz"), (b"\x28\xb5\x2f\xfd", "zstd"), (b"PK\x03\x04", "zip")];
 
-/// Models as text become some tens of times smaller. What is much smaller is no model, and might fill the
-/// memory.
+/// Models as text become some tens of times smaller. What is much smaller is no model, and might
+/// fill the memory.
 const MOST_EXPANSION: u64 = 500;
 /// Up to so many bytes, a text may expand as it likes.
 const HARMLESS: u64 = 1 << 24;

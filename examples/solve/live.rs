@@ -1,5 +1,5 @@
-//! What is seen while a program is solved: lines on the standard error, and below them, on a terminal, a
-//! line that moves.
+//! What is seen while a program is solved: lines on the standard error, and below them, on a
+//! terminal, a line that moves.
 
 use std::io::{self, Write};
 use std::time::Duration;

@@ -2,18 +2,18 @@
 //!
 //! `cargo run --release --example solve -- FILE [OPTIONS]`; `--help` lists the options.
 //!
-//! Files are MPS (free or fixed), LP, CBF, or JSON (with `--features serde`), plain or compressed by
-//! gzip; `-` is the standard input. The format follows from `--format`, else from the extension `.mps`,
-//! `.lp`, `.cbf` or `.json`, otherwise from the contents.
+//! Files are MPS (free or fixed), LP, CBF, or JSON (with `--features serde`), plain or compressed
+//! by gzip; `-` is the standard input. The format follows from `--format`, else from the extension
+//! `.mps`, `.lp`, `.cbf` or `.json`, otherwise from the contents.
 //!
 //! The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
-//! those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line is
-//! `status=… objective=… bound=… nodes=… seconds=…`. The status
-//! is `optimal`, `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved
-//! optimal) or `limit` (stopped without a point). The objective is `-` if there is no point. The
-//! seconds exclude reading the file. What people want to see is on the standard error: the size and the
-//! numbers of the program, what presolve has left, the bound before and after cuts, lines of progress and
-//! a summary; on a terminal, a last line moves.
+//! those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line
+//! is `status=… objective=… bound=… nodes=… seconds=…`. The status is `optimal`, `infeasible`,
+//! `unbounded`, `feasible` (stopped with a point that is not proved optimal) or `limit` (stopped
+//! without a point). The objective is `-` if there is no point. The seconds exclude reading the
+//! file. What people want to see is on the standard error: the size and the numbers of the program,
+//! what presolve has left, the bound before and after cuts, lines of progress and a summary; on a
+//! terminal, a last line moves.
 //!
 //! Ctrl-C ends the search and keeps what was found; see `--help` for that and for the exit status.
 
@@ -147,12 +147,12 @@ fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
     Ok(ended)
 }
 
-/// Processor time of this thread (s), or of the process if the search has several, where the system tells
-/// it: not disturbed by other programs.
+/// Processor time of this thread (s), or of the process if the search has several, where the system
+/// tells it: not disturbed by other programs.
 fn processor_seconds(threads: usize) -> Option<f64> {
     if threads > 1 {
-        // User and system time, in hundredths of a second, are the 14th and 15th word; the 2nd is in
-        // parentheses and may have blanks.
+        // User and system time, in hundredths of a second, are the 14th and 15th word; the 2nd is
+        // in parentheses and may have blanks.
         let text = std::fs::read_to_string("/proc/self/stat").ok()?;
         let times = text.rsplit(')').next()?.split_whitespace().skip(11).take(2);
         return times.map(|ticks| Some(0.01 * ticks.parse::<f64>().ok()?)).sum();

@@ -1,4 +1,5 @@
-//! Bytes as proofs and as model files: the checker and the readers of its package answer any of them.
+//! Bytes as proofs and as model files: the checker and the readers of its package answer any of
+//! them.
 
 #![no_main]
 

@@ -1,7 +1,8 @@
 //! Time and nodes of three trees: one thread, two threads of one process, and two ranks.
 //!
-//! `compare NAME`, `compare NAME threads` and `mpirun -n 2 compare NAME ranks`, where NAME is `boxes`, `puck` or
-//! `market`, or the path of a model as JSON. A number of steps, or of columns, may follow.
+//! `compare NAME`, `compare NAME threads` and `mpirun -n 2 compare NAME ranks`, where NAME is
+//! `boxes`, `puck` or `market`, or the path of a model as JSON. A number of steps, or of columns,
+//! may follow.
 
 #[path = "../tests/programs/mod.rs"]
 mod programs;

@@ -1,13 +1,14 @@
-//! A simulation of rank 0 and its workers, with measured node times: the share of time in which ranks have
-//! a node, for 16 to 4,096 ranks and three protocols.
+//! A simulation of rank 0 and its workers, with measured node times: the share of time in which
+//! ranks have a node, for 16 to 4,096 ranks and three protocols.
 //!
 //! `cargo run --release --no-default-features --example simulate [-- --out FILE] [--measure]`
 //!
 //! * `--out FILE`: where the picture goes, `../docs/images/cluster.svg` by default
 //! * `--measure`: measure node times again, on this machine, and write `examples/node_times.txt`
 //!
-//! The tree is random: a node has two children or none, so that about so many nodes a rank are searched as
-//! are given below. A message takes a latency, and rank 0 handles messages one after the other.
+//! The tree is random: a node has two children or none, so that about so many nodes a rank are
+//! searched as are given below. A message takes a latency, and rank 0 handles messages one after
+//! the other.
 
 #[path = "../../tests/instances/mod.rs"]
 mod instances;
@@ -55,8 +56,8 @@ fn processor_time() -> Option<f64> {
     text.split(' ').next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
-/// The times of the first nodes of a tree, in s, in order of size. Where others use the machine as well, all
-/// of them are shortened alike.
+/// The times of the first nodes of a tree, in s, in order of size. Where others use the machine as
+/// well, all of them are shortened alike.
 fn measure() -> Result<Vec<f64>, Box<dyn Error>> {
     let mut watch = Watch { last: Instant::now(), seconds: Vec::new() };
     let model = instances::generators::puck(20, 0.33);

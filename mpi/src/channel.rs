@@ -7,7 +7,8 @@ use std::time::Duration;
 /// How long a rank with nothing to do waits between two looks at its messages.
 const PAUSE: Duration = Duration::from_micros(200);
 
-/// A rank's end of the messages between all ranks. Messages from one rank to another keep their order.
+/// A rank's end of the messages between all ranks. Messages from one rank to another keep their
+/// order.
 pub trait Channel {
     /// The rank of this process, from 0.
     fn rank(&self) -> usize;

@@ -1,7 +1,9 @@
-//! Checkpoints: what is open of a tree, and the best point, in a file that is written whole or not at all.
+//! Checkpoints: what is open of a tree, and the best point, in a file that is written whole or not
+//! at all.
 //!
-//! A file is a line of text, the number of the model, the length of what follows, the trees, and a checksum of
-//! all of it. A tree is the number of its presolved program, its bounds, its best point and its open nodes.
+//! A file is a line of text, the number of the model, the length of what follows, the trees, and a
+//! checksum of all of it. A tree is the number of its presolved program, its bounds, its best point
+//! and its open nodes.
 
 use std::fs;
 use std::io::{ErrorKind, Write};

@@ -41,8 +41,8 @@ pub enum Error {
         /// The fault.
         what: &'static str,
     },
-    /// A checkpoint is about another model, or about the same model with other options or on another
-    /// version.
+    /// A checkpoint is about another model, or about the same model with other options or on
+    /// another version.
     #[error("checkpoint `{path}` belongs to {of}; resume with what it was written for")]
     Foreign {
         /// The file.

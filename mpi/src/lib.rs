@@ -20,11 +20,11 @@
 //! # fn main() {}
 //! ```
 //!
-//! Every rank presolves the model by itself and comes to the same program, so what is sent is small: a node
-//! is a list of decisions over columns of that program, with its bound. Rank 0 holds the nodes that no rank
-//! has, hands them out with the best bound first, and asks ranks that have many for some of theirs before
-//! others are idle. It verifies every point against the model, and its bound is the least of all that is
-//! open anywhere; it concludes only when nothing is.
+//! Every rank presolves the model by itself and comes to the same program, so what is sent is
+//! small: a node is a list of decisions over columns of that program, with its bound. Rank 0 holds
+//! the nodes that no rank has, hands them out with the best bound first, and asks ranks that have
+//! many for some of theirs before others are idle. It verifies every point against the model, and
+//! its bound is the least of all that is open anywhere; it concludes only when nothing is.
 //!
 //! * `message` - what ranks say to each other; `bytes` - numbers and nodes as bytes
 //! * `channel` - carries messages between threads, `world` by MPI
@@ -53,8 +53,8 @@ pub use solve::{Answer, Run};
 pub use sweep::sweep;
 pub use sweep::sweep_on;
 
-/// Solves a model on the ranks of an MPI communicator. All ranks call it with the same model and options.
-/// [`Run`] has checkpoints and a log.
+/// Solves a model on the ranks of an MPI communicator. All ranks call it with the same model and
+/// options. [`Run`] has checkpoints and a log.
 ///
 /// # Errors
 ///

@@ -1,9 +1,10 @@
 //! Solves a model file on the ranks of an MPI run:
 //!
-//! `mpirun -n 4 carom-mpi FILE [--checkpoint FILE] [--every S] [--resume] [--time-limit S] [--node-limit N]
-//! [--gap G] [--quiet]`
+//! `mpirun -n 4 carom-mpi FILE [--checkpoint FILE] [--every S] [--resume] [--time-limit S]
+//! [--node-limit N] [--gap G] [--quiet]`
 //!
-//! Rank 0 prints the answer; the exit status is 0 if it is proved, 3 if a limit came first, 1 for errors.
+//! Rank 0 prints the answer; the exit status is 0 if it is proved, 3 if a limit came first, 1 for
+//! errors.
 
 use std::error::Error;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! The messages of ranks to each other.
 //!
-//! A worker speaks first: every [`Status`] is answered by [`Orders`], and a worker sends no second status
-//! before it has its orders. So a rank never sends to one that is sending to it, and sends may block.
+//! A worker speaks first: every [`Status`] is answered by [`Orders`], and a worker sends no second
+//! status before it has its orders. So a rank never sends to one that is sending to it, and sends
+//! may block.
 
 use carom::solver::OpenNode;
 
@@ -24,7 +25,8 @@ pub(crate) struct Status {
     pub(crate) given: Vec<OpenNode>,
     /// All nodes that it has, if it was asked to list them.
     pub(crate) listing: Option<Vec<OpenNode>>,
-    /// The last word about a tree, with its counts, as JSON, and the time in nodes so far, in s. No orders follow.
+    /// The last word about a tree, with its counts, as JSON, and the time in nodes so far, in s. No
+    /// orders follow.
     pub(crate) last: Option<(String, f64)>,
 }
 

@@ -62,8 +62,8 @@ pub(crate) struct Peer {
 /// Most nodes that are handed to a worker at once.
 const MOST_AT_ONCE: usize = 256;
 
-/// The time that a worker should need for what it is handed: twice as many nodes if it needed less, half as
-/// many if it needed ten times as long.
+/// The time that a worker should need for what it is handed: twice as many nodes if it needed less,
+/// half as many if it needed ten times as long.
 const HELD: Duration = Duration::from_millis(10);
 
 /// The number of nodes that a rank gets at once.

@@ -44,7 +44,8 @@ pub struct Answer {
 }
 
 impl Run {
-    /// A run with these options. Each rank searches on one thread; limits count for all ranks together.
+    /// A run with these options. Each rank searches on one thread; limits count for all ranks
+    /// together.
     pub fn new(options: &Options) -> Self {
         Run { options: options.clone(), ..Run::default() }
     }

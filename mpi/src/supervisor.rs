@@ -13,8 +13,8 @@ use crate::error::Error;
 use crate::message::{Orders, Status};
 use crate::peer::{BETWEEN_LOOKS, Batch, Peer, RankCounts};
 
-/// The least time between two nodes that a rank gets although it has some, because they are better than its
-/// own: a node that moves loses the basis of its parent.
+/// The least time between two nodes that a rank gets although it has some, because they are better
+/// than its own: a node that moves loses the basis of its parent.
 const BETWEEN_BETTER: Duration = Duration::from_millis(200);
 
 /// The least time between two looks of rank 0 at its stock while it searches itself.

@@ -1,5 +1,5 @@
-//! Sweeps whose cases run on the ranks of a run. Rank 0 hands out one case after the other and appends the
-//! records to the file.
+//! Sweeps whose cases run on the ranks of a run. Rank 0 hands out one case after the other and
+//! appends the records to the file.
 
 use carom::sweep::{Sweep, SweepCase, SweepRecord, SweepResults};
 
@@ -50,8 +50,9 @@ impl Word {
     }
 }
 
-/// Runs the cases of a sweep on the ranks of an MPI communicator, one case a rank at a time. All ranks call
-/// it with the same sweep; rank 0 alone opens the file, and runs no cases unless it is alone.
+/// Runs the cases of a sweep on the ranks of an MPI communicator, one case a rank at a time. All
+/// ranks call it with the same sweep; rank 0 alone opens the file, and runs no cases unless it is
+/// alone.
 ///
 /// # Errors
 ///

@@ -10,8 +10,8 @@ use crate::error::Error;
 use crate::message::{Orders, Status};
 use crate::peer::BETWEEN_LOOKS;
 
-/// Every rank between 1 and so many adds to the time between two statuses of a worker, so that rank 0
-/// hears a bounded number a second.
+/// Every rank between 1 and so many adds to the time between two statuses of a worker, so that rank
+/// 0 hears a bounded number a second.
 const STATUS_SHARE: Duration = Duration::from_micros(50);
 
 /// The least time between two statuses of a worker.
@@ -76,7 +76,8 @@ impl<'a, C: Channel> Worker<'a, C> {
         Some(orders.unwrap_or(Orders { ends: true, stop: true, ..Orders::default() }))
     }
 
-    /// Takes part until rank 0 ends the search, once this rank's own search is over or has never begun.
+    /// Takes part until rank 0 ends the search, once this rank's own search is over or has never
+    /// begun.
     pub(crate) fn finish(&mut self) {
         while !self.is_over {
             if !self.is_waiting {

@@ -1,4 +1,5 @@
-//! The program `carom-mpi` on the ranks of `mpirun`: the same answers as alone, and runs that are killed.
+//! The program `carom-mpi` on the ranks of `mpirun`: the same answers as alone, and runs that are
+//! killed.
 #![cfg(feature = "mpi")]
 
 mod programs;

@@ -1,8 +1,8 @@
 //! Circles of files: strongly connected components of the graph of imports.
 //!
 //! A file points to another one when a path in its code, in a `use` or elsewhere, leads to a name
-//! that the other file defines. Paths through re-exports lead to the file behind them, so a `mod.rs`
-//! that only declares and re-exports points to nothing. Unit tests are left out.
+//! that the other file defines. Paths through re-exports lead to the file behind them, so a
+//! `mod.rs` that only declares and re-exports points to nothing. Unit tests are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,6 +1,6 @@
-//! The floors within the crates: who may import whom, which circles of files there may be, who may name
-//! the relaxation's library, how long a file may be, and that a name stands for one thing. Between crates,
-//! Cargo sees to it. See `docs/architecture.md`.
+//! The floors within the crates: who may import whom, which circles of files there may be, who may
+//! name the relaxation's library, how long a file may be, and that a name stands for one thing.
+//! Between crates, Cargo sees to it. See `docs/architecture.md`.
 
 mod circles;
 mod names;
@@ -61,7 +61,8 @@ const LONGEST: usize = 500;
 /// The most files on a circle of imports.
 const CIRCLE: usize = 3;
 
-/// The folders of sources, and the module of `carom` that each is; those without one share the root.
+/// The folders of sources, and the module of `carom` that each is; those without one share the
+/// root.
 const CRATES: [(&str, &str); 6] = [
     ("src", ""),
     ("crates/carom-model/src", ""),
@@ -252,6 +253,20 @@ fn one_file_names_the_relaxation_library() {
         }
     }
     assert_eq!(naming, ["relaxation::clarabel"]);
+}
+
+/// Formatting leaves comments as they are. Rows of tables cannot be broken.
+#[test]
+fn comments_end_at_column_100() {
+    let is_wide = |line: &&str| {
+        let text = line.trim_start();
+        let row = text.trim_start_matches(['/', '!']).trim_start().starts_with('|');
+        text.starts_with("//") && !row && line.chars().count() > 100
+    };
+    for source in sources() {
+        let wide: Vec<&str> = source.text.lines().filter(is_wide).collect();
+        assert!(wide.is_empty(), "{}: {wide:#?}", source.path.display());
+    }
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! A name stands for one thing: types, traits and constants of the whole crate, private ones too.
 //!
 //! The sources are read as text. Aliases, associated types and constants, and constants within
-//! functions do not count, and neither do the two forms of a type that a feature switches within one
-//! file.
+//! functions do not count, and neither do the two forms of a type that a feature switches within
+//! one file.
 
 use std::collections::{BTreeMap, BTreeSet};
 

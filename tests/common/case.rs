@@ -57,7 +57,8 @@ impl Line {
         row.within(self.lower * self.scale, self.upper * self.scale)
     }
 
-    /// By how much the row is missed at a point, in the model's (scaled) unit, beyond what it may be.
+    /// By how much the row is missed at a point, in the model's (scaled) unit, beyond what it may
+    /// be.
     pub(crate) fn excess(&self, x: &[f64], tolerance: f64) -> f64 {
         let activity = self.scale * dot(&self.coefficients, x);
         let terms = self.coefficients.iter().zip(x).map(|(a, x)| (self.scale * a * x).abs());
@@ -69,7 +70,8 @@ impl Line {
     }
 }
 
-/// What a statement may be missed by: the tolerance, and the rounding of the point and of plain sums.
+/// What a statement may be missed by: the tolerance, and the rounding of the point and of plain
+/// sums.
 fn allowed(tolerance: f64, size: f64) -> f64 {
     tolerance + 8.0 * f64::EPSILON * size
 }

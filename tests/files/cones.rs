@@ -1,4 +1,5 @@
-//! Random programs with norms, rotated cones and quadratic rows through every format: the same optimum.
+//! Random programs with norms, rotated cones and quadratic rows through every format: the same
+//! optimum.
 
 use carom::model::{cbf, lp, mps, norm};
 use carom::prelude::*;
@@ -8,8 +9,8 @@ use proptest::prelude::*;
 use crate::common::config;
 use crate::there_and_back::through_files;
 
-/// Whether it is rotated, coefficients of two entries and of the head, and the value of the binary under
-/// which it holds.
+/// Whether it is rotated, coefficients of two entries and of the head, and the value of the binary
+/// under which it holds.
 type ConePlan = (bool, [i32; 4], [i32; 4], [i32; 3], Option<bool>);
 
 /// A small program with cones, as numbers: integers `n` within 1 to 4 (cones whose heads

@@ -1,5 +1,5 @@
-//! The files of `tests/corpus`, which are also what fuzzing begins with, and what it has found: nothing
-//! panics, every error has a text, and what is read survives every format.
+//! The files of `tests/corpus`, which are also what fuzzing begins with, and what it has found:
+//! nothing panics, every error has a text, and what is read survives every format.
 
 use std::fs;
 use std::path::Path;

@@ -3,9 +3,9 @@
 use carom::interval::Interval;
 use carom::model::{Model, Variable, VariableRef, cbf, lp, mps};
 
-/// Writes a model as LP, as MPS and as CBF, where these can hold it, and compares what is read back. Norms
-/// become quadratic rows, so then it is the texts that are compared. Files have
-/// no parameters, only fixed variables, no bounds of semi-continuous variables beside those of their
+/// Writes a model as LP, as MPS and as CBF, where these can hold it, and compares what is read
+/// back. Norms become quadratic rows, so then it is the texts that are compared. Files have no
+/// parameters, only fixed variables, no bounds of semi-continuous variables beside those of their
 /// values, and no white space around the model's name.
 #[allow(dead_code)] // not everybody who includes this file wants all of it
 pub(crate) fn through_files(model: &Model) {

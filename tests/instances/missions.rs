@@ -52,7 +52,8 @@ pub(crate) struct Scenario {
     pub(crate) steps: usize,
     start: [f64; 2],
     mission: fn(&Point) -> Mission,
-    /// Weights of the squares of velocities and of inputs in the cost, from which the margin is subtracted.
+    /// Weights of the squares of velocities and of inputs in the cost, from which the margin is
+    /// subtracted.
     weights: Option<[f64; 2]>,
     pub(crate) optimum: f64,
 }
@@ -139,8 +140,9 @@ fn stepping_stones(point: &Point) -> Mission {
     Mission::any((0..6).map(stone)).always(0..) & stone(5).eventually(0..)
 }
 
-/// The optima of the first five are those of the benchmark's files. SCIP 10 finds the last three for programs with a
-/// binary for each part and sample. That of `narrow_passage_q` is this crate's own: no solver at hand proves one.
+/// The optima of the first five are those of the benchmark's files. SCIP 10 finds the last three
+/// for programs with a binary for each part and sample. That of `narrow_passage_q` is this crate's
+/// own: no solver at hand proves one.
 pub(crate) const SCENARIOS: [Scenario; 9] = [
     Scenario {
         name: "reach_avoid_l",

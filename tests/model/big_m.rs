@@ -253,8 +253,8 @@ proptest! {
         prop_assert_eq!(again.model().to_string(), before.model().to_string());
     }
 
-    /// Tenths are no floats, so Ms and limits are rounded: the row of a condition that does not hold
-    /// still lets every corner of the box pass, by exact arithmetic.
+    /// Tenths are no floats, so Ms and limits are rounded: the row of a condition that does not
+    /// hold still lets every corner of the box pass, by exact arithmetic.
     #[test]
     fn rounding_never_cuts_the_box(case in case(), tenths in prop::collection::vec(1..=99, 3)) {
         let scale = |j: usize| 0.1 * f64::from(tenths[j]);

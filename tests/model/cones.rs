@@ -1,4 +1,5 @@
-//! Norms and quadratic rows as statements: text, look-up, checks, files of `serde`, explanations, and solves.
+//! Norms and quadratic rows as statements: text, look-up, checks, files of `serde`, explanations,
+//! and solves.
 
 use carom::ErrorKind;
 use carom::explain::{self, ExplainOptions};

@@ -1,5 +1,6 @@
-//! Norms and quadratic rows under conditions and in disjunctions: the lowered model has exactly the points at
-//! which the statements hold, by each method; the report, texts and errors are what the documentation says.
+//! Norms and quadratic rows under conditions and in disjunctions: the lowered model has exactly the
+//! points at which the statements hold, by each method; the report, texts and errors are what the
+//! documentation says.
 
 use crate::common::config;
 use carom::ErrorKind;

@@ -1,4 +1,5 @@
-//! Rows whose variables have cancelled: those that hold are accepted wherever rows are, and mean nothing.
+//! Rows whose variables have cancelled: those that hold are accepted wherever rows are, and mean
+//! nothing.
 
 use carom::model::{Method, Reformulation, lp, mps};
 use carom::prelude::*;

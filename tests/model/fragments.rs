@@ -1,4 +1,5 @@
-//! The code in the tables and in the prose of the guide, which no doctest compiles: as it stands there.
+//! The code in the tables and in the prose of the guide, which no doctest compiles: as it stands
+//! there.
 
 use carom::model::{PiecewiseAffine, sos1, sos2};
 use carom::prelude::*;

@@ -82,7 +82,8 @@ fn place() -> impl Strategy<Value = (i32, i32, i32)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
-    /// In an objective and as a row: no point of a grid is better, and the value is that of the lengths.
+    /// In an objective and as a row: no point of a grid is better, and the value is that of the
+    /// lengths.
     #[test]
     fn sums_of_distances_against_a_grid(
         places in proptest::collection::vec(place(), 1..4),

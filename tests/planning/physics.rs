@@ -213,7 +213,8 @@ proptest! {
     }
 }
 
-// -- the law at samples ----------------------------------------------------------------------------
+// -- the law at samples
+// ----------------------------------------------------------------------------
 
 /// Runs the reflecting law in plain numbers from a start, in gap and rate, for any inputs.
 fn run(e: f64, dt: f64, start: (f64, f64), inputs: &[f64]) -> (Vec<f64>, Vec<f64>, Vec<bool>) {

@@ -172,8 +172,8 @@ impl Task {
         }
     }
 
-    /// By how much the only run of a plant without inputs keeps the domains up to a sample and is at the goal
-    /// there.
+    /// By how much the only run of a plant without inputs keeps the domains up to a sample and is
+    /// at the goal there.
     fn slack(&self, run: &[Vec<BigRational>], sample: usize) -> BigRational {
         let wide = exact(self.plant.wide);
         let inside = run[..=sample].iter().flatten().map(|x| &wide - x.abs());
@@ -418,7 +418,8 @@ fn plans_of_scenes_have_their_solution() {
     assert!((plan.solution.objective().unwrap() - used).abs() < 1e-5);
 }
 
-/// Each step of the stored plan misses less than a tolerance; all together they carry the body away.
+/// Each step of the stored plan misses less than a tolerance; all together they carry the body
+/// away.
 #[test]
 fn a_stored_plan_of_a_scene_is_followed_from_its_start() {
     let body = Body::new("b", [0.0..=1000.0], 10.0, 1.0).with_start([100.0, 0.0]);

@@ -1,4 +1,5 @@
-//! What is said: of starts outside a domain, tubes, searches, outputs, predictions and ends, word by word.
+//! What is said: of starts outside a domain, tubes, searches, outputs, predictions and ends, word
+//! by word.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -284,7 +285,8 @@ fn an_output_that_nobody_states_is_zero() {
     assert_eq!(cart.robustness(&quiet, &run).unwrap(), 0.5);
 }
 
-/// Two choices about one state: `gear` has a guard on what it predicts, and `brake` changes the same speed.
+/// Two choices about one state: `gear` has a guard on what it predicts, and `brake` changes the
+/// same speed.
 fn two_choices(
     of_brake: impl Fn(State, State) -> Vec<(State, Affine)>,
 ) -> Result<HybridSystem, Error> {
@@ -401,7 +403,8 @@ fn a_corner_that_is_not_planned_is_named() {
     );
     assert!(text.starts_with(begin) && text.ends_with(end), "{text}");
     assert!(plan(&scene.clone().with_corners(true)).is_found());
-    // Who can brake in front of one of them does not move into the corner, and opposite walls make none.
+    // Who can brake in front of one of them does not move into the corner, and opposite walls make
+    // none.
     let mut slow = scene.clone();
     slow.bodies = vec![puck([1.9, 0.4, -0.5, -4.0])];
     let found = slow.shortest_plan(&options.clone().with_max_steps(1), &mut solver()).unwrap();

@@ -1,8 +1,8 @@
-//! Hybrid control programs of the field, as plain rows: a wall, a pendulum beside an elastic wall, a
-//! flight among boxes, a puck between four walls, a cart with a pole between two; and dense random
-//! programs. Statuses and optima were agreed on by other solvers (HiGHS and SCIP, for quadratic
-//! costs CPLEX or Gurobi); here they are found, by turns, with one thread from the model and with two
-//! from its MPS file, and verified row by row.
+//! Hybrid control programs of the field, as plain rows: a wall, a pendulum beside an elastic wall,
+//! a flight among boxes, a puck between four walls, a cart with a pole between two; and dense
+//! random programs. Statuses and optima were agreed on by other solvers (HiGHS and SCIP, for
+//! quadratic costs CPLEX or Gurobi); here they are found, by turns, with one thread from the model
+//! and with two from its MPS file, and verified row by row.
 
 use crate::instances::generators;
 use crate::instances::suite::{Truth, suite};
@@ -105,8 +105,8 @@ fn random_quadratic_programs() {
     check_all("miqp_");
 }
 
-/// Ms that presolve has tightened are for the search: what becomes an answer is solved on the rows as they
-/// were. On the tightened ones this plan came out 3e-7 below its optimum.
+/// Ms that presolve has tightened are for the search: what becomes an answer is solved on the rows
+/// as they were. On the tightened ones this plan came out 3e-7 below its optimum.
 #[test]
 fn answers_do_not_lean_on_tightened_rows() {
     let model = generators::pendulum(40, [-0.05, 1.0], false);

@@ -1,5 +1,5 @@
-//! Programs whose points are points up to rounding only, and systems that amplify rounding: the answer is
-//! the same in every way of solving.
+//! Programs whose points are points up to rounding only, and systems that amplify rounding: the
+//! answer is the same in every way of solving.
 
 use crate::torture::families::Path;
 use carom::model::lp;
@@ -38,8 +38,8 @@ const CORNER: &str = "Maximize
             0 <= x6 <= 100000
         End";
 
-/// Without the dual simplex method, which ends at the corner, wider limits show that the bound is one of an
-/// empty set.
+/// Without the dual simplex method, which ends at the corner, wider limits show that the bound is
+/// one of an empty set.
 #[test]
 fn an_interior_point_method_finds_the_corner_by_wider_limits() {
     let mut options = Options::default().with_presolve(false);
@@ -47,8 +47,8 @@ fn an_interior_point_method_finds_the_corner_by_wider_limits() {
     is_right_with(options, CORNER, -16.2);
 }
 
-/// The only corner misses the row by 1e-15 in doubles. Multipliers of 1e20 proved -115978.4 of the empty
-/// set, and `x6`, which no row holds, stayed where it was.
+/// The only corner misses the row by 1e-15 in doubles. Multipliers of 1e20 proved -115978.4 of the
+/// empty set, and `x6`, which no row holds, stayed where it was.
 #[test]
 fn a_corner_that_is_missed_by_the_last_digit_is_a_point() {
     is_right(CORNER, -16.2);

@@ -1,9 +1,8 @@
 //! Every rule of branching leads to the same answer.
 //!
-//! Random programs are compared with enumeration under each rule. Horizons are random
-//! chains of up to twelve steps, whose exact answer is a recursion over their states:
-//! all their numbers are whole, and differences of neighbours are limited, so a whole trajectory is as
-//! good as any.
+//! Random programs are compared with enumeration under each rule. Horizons are random chains of up
+//! to twelve steps, whose exact answer is a recursion over their states: all their numbers are
+//! whole, and differences of neighbours are limited, so a whole trajectory is as good as any.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! Objectives that are not convex, over binaries and integers with two values, alone or with continuous
-//! columns: the optimum is that of enumeration.
+//! Objectives that are not convex, over binaries and integers with two values, alone or with
+//! continuous columns: the optimum is that of enumeration.
 
 use std::fs;
 use std::path::PathBuf;
@@ -13,7 +13,8 @@ use proptest::prelude::*;
 
 use crate::common::config;
 
-/// A program over columns with two values, and continuous ones that products tie to these and to nothing else.
+/// A program over columns with two values, and continuous ones that products tie to these and to
+/// nothing else.
 #[derive(Debug, Clone)]
 struct Curved {
     maximize: bool,
@@ -73,7 +74,8 @@ impl Curved {
         (model, two, free)
     }
 
-    /// The optimum of each assignment of the columns with two values that satisfies the rows, the best first.
+    /// The optimum of each assignment of the columns with two values that satisfies the rows, the
+    /// best first.
     fn optima(&self) -> Vec<f64> {
         let sign = if self.maximize { -1.0 } else { 1.0 };
         let n = self.lower.len();
@@ -202,8 +204,8 @@ proptest! {
     }
 }
 
-/// Nearly convex objectives: solved where the loss of a convex form is within the gap, else refused with the
-/// direction.
+/// Nearly convex objectives: solved where the loss of a convex form is within the gap, else refused
+/// with the direction.
 #[test]
 fn a_slight_curvature_is_a_part_of_the_gap() {
     let text = "Minimize\n obj: - x - y + [ x ^ 2 + 2.0004 x * y + y ^ 2 ] / 2\nSubject To\n r: x + y <= 4\n\

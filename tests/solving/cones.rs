@@ -1,5 +1,5 @@
-//! Programs with cones under every construct: against enumeration, in other coordinates, between polygons,
-//! and in all ways of solving.
+//! Programs with cones under every construct: against enumeration, in other coordinates, between
+//! polygons, and in all ways of solving.
 
 use std::time::Duration;
 
@@ -64,9 +64,9 @@ fn no_wrong_answer_in_unusual_ways() {
     }
 }
 
-/// Points whose expressions in cones had other values than the rows say contradicted what was derived from
-/// the rows (1469, 1684, 2268, 5026, 5984, 8588). Without a slight M, a cone held where it should not
-/// (20009255). A tail that is slight and constant was held at 0 (893006635).
+/// Points whose expressions in cones had other values than the rows say contradicted what was
+/// derived from the rows (1469, 1684, 2268, 5026, 5984, 8588). Without a slight M, a cone held
+/// where it should not (20009255). A tail that is slight and constant was held at 0 (893006635).
 #[test]
 fn known_programs_are_not_answered_wrongly() {
     for seed in [
@@ -95,8 +95,8 @@ fn known_programs_are_not_answered_wrongly() {
     assert!(!verdicts.iter().any(is_wrong), "{verdicts:?}");
 }
 
-/// Quadratic rows with large numbers beside a factor of 1 (1403, 1472), and bounds that only the best point
-/// gives to the columns of a cone (1438, 2485), led to stalls.
+/// Quadratic rows with large numbers beside a factor of 1 (1403, 1472), and bounds that only the
+/// best point gives to the columns of a cone (1438, 2485), led to stalls.
 #[test]
 fn known_programs_do_not_stall() {
     for seed in [1403, 1472, 1438, 2382, 2485] {

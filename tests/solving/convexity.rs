@@ -23,8 +23,8 @@ fn solved(text: &str) -> Result<Solution, Error> {
     BranchAndBound::default().solve(&lp::read(text)?.model)
 }
 
-/// `[ 2 x^2 + 4 x y + 1.999999998 y^2 ] / 2` is -1000 at `(1e6, -1e6)`, and a curvature of -1 beside one of
-/// 2e9 is no rounding.
+/// `[ 2 x^2 + 4 x y + 1.999999998 y^2 ] / 2` is -1000 at `(1e6, -1e6)`, and a curvature of -1
+/// beside one of 2e9 is no rounding.
 #[test]
 fn a_slight_negative_curvature_is_refused() {
     let scaled = "Minimize\n obj: [ 2 x ^2 + 4 x * y + 1.999999998 y ^2 ] / 2\nSubject To\n \
@@ -86,8 +86,8 @@ fn sums_of_squares_are_accepted_without_bounds() {
     assert!((solution.objective().unwrap() - 5.0).abs() < 1e-5);
 }
 
-/// The weights of a portfolio lie between 0 and 1 because they sum up to 1, and the covariances are known to
-/// twelve digits.
+/// The weights of a portfolio lie between 0 and 1 because they sum up to 1, and the covariances are
+/// known to twelve digits.
 #[test]
 fn bounds_that_rows_imply_decide() {
     let portfolio = |budget: &str| {

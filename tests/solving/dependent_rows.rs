@@ -1,5 +1,5 @@
-//! Equalities that follow from each other. Where presolve puts one into the others, only rounding is left of
-//! their difference, and a small coefficient multiplies it.
+//! Equalities that follow from each other. Where presolve puts one into the others, only rounding
+//! is left of their difference, and a small coefficient multiplies it.
 
 use crate::common::config;
 use carom::model::lp;
@@ -17,8 +17,8 @@ fn assert_solved(text: &str, objective: f64) {
     }
 }
 
-/// The third row is the sum of the second one and twice the first one. Presolve leaves two rows in which
-/// `w` has a coefficient of 4e-5, and whose limits differ by 1e-11.
+/// The third row is the sum of the second one and twice the first one. Presolve leaves two rows in
+/// which `w` has a coefficient of 4e-5, and whose limits differ by 1e-11.
 #[test]
 fn a_row_that_is_a_combination_of_two_others() {
     assert_solved(
@@ -37,8 +37,8 @@ fn one_of(values: &'static [f64]) -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(config(400, "tests/regressions/dependent_rows.txt"))]
 
-    /// A point satisfies all rows exactly, so the program has one; with and without presolve, the optima
-    /// agree.
+    /// A point satisfies all rows exactly, so the program has one; with and without presolve, the
+    /// optima agree.
     #[test]
     fn a_program_with_a_point_is_not_infeasible(
         binaries in prop::collection::vec((any::<bool>(), -100_i32..=100, one_of(&[32.0, 0.375, -7.0, 5.0])), 1..4),

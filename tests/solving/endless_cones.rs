@@ -76,7 +76,8 @@ fn a_fall_along_a_parabola() {
     }
 }
 
-/// An integer that nothing holds was once set to 1.6e13 by a heuristic, and that was called optimal.
+/// An integer that nothing holds was once set to 1.6e13 by a heuristic, and that was called
+/// optimal.
 #[test]
 fn an_integer_far_out_is_no_optimum() {
     let text = "Minimize\n obj: - 2.2 z + [ 0.5 x ^2 ] / 2\nSubject To\n a: x + 7 u <= 1.75\n\
@@ -121,8 +122,8 @@ fn squares(forms: &[Vec<i32>]) -> String {
 proptest! {
     #![proptest_config(config(40, REGRESSIONS))]
 
-    /// A direction is drawn first; squares do not change along it, sums do not grow. The same with a limit
-    /// of the objective has an optimum.
+    /// A direction is drawn first; squares do not change along it, sums do not grow. The same with
+    /// a limit of the objective has an optimum.
     #[test]
     fn falls_are_found(
         direction in prop::collection::vec(-2..=2_i32, 4),

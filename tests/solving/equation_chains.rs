@@ -1,5 +1,5 @@
-//! Chains of equations `x+ = A x + B u` as plain models: each multiplies what is missed in the ones before,
-//! so answers are compared with runs in rational numbers.
+//! Chains of equations `x+ = A x + B u` as plain models: each multiplies what is missed in the ones
+//! before, so answers are compared with runs in rational numbers.
 
 #![expect(clippy::needless_range_loop, reason = "matrices and samples share their indices")]
 
@@ -11,8 +11,8 @@ use num_rational::BigRational;
 
 type Rational = BigRational;
 
-/// How far an accepted point may be from the run that follows from its start, absolute and relative: equations
-/// that multiply errors by less than 100 in all keep the tolerances of methods.
+/// How far an accepted point may be from the run that follows from its start, absolute and
+/// relative: equations that multiply errors by less than 100 in all keep the tolerances of methods.
 const CLOSE: [f64; 2] = [1e-7, 1e-9];
 
 fn exact(value: f64) -> Rational {
@@ -176,7 +176,8 @@ impl Free {
         Chain { model, x }
     }
 
-    /// The largest violation of bounds and the goal by the run, relative; negative if there is none.
+    /// The largest violation of bounds and the goal by the run, relative; negative if there is
+    /// none.
     fn excess(&self, run: &[Vec<Rational>]) -> f64 {
         let given = if self.backward { self.steps } else { 0 };
         let mut worst = -1.0_f64;
@@ -252,7 +253,8 @@ pub(crate) fn judge_free(seed: u64) -> Result<bool, String> {
             is_solved &= solution.is_infeasible();
             continue;
         }
-        // Beyond this a search without bounds does not look; and between, a point within the tolerance is one.
+        // Beyond this a search without bounds does not look; and between, a point within the
+        // tolerance is one.
         if largest > 1e9 || excess > 0.0 {
             continue;
         }

@@ -18,7 +18,8 @@ fn close(found: f64, wanted: f64) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
-    /// Curvature ends the fall of an objective, however slight it is, and then proofs need no radius.
+    /// Curvature ends the fall of an objective, however slight it is, and then proofs need no
+    /// radius.
     #[test]
     fn slight_curvature_is_curvature(
         exponents in prop::collection::vec(-13_i32..8, 1..4),
@@ -74,8 +75,8 @@ proptest! {
         }
     }
 
-    /// Beside an objective of 1e16, a fall of 1e9 is within the gap. What falls for ever has no optimum all the
-    /// same.
+    /// Beside an objective of 1e16, a fall of 1e9 is within the gap. What falls for ever has no
+    /// optimum all the same.
     #[test]
     fn a_fall_without_end_is_no_optimum_beside_large_values(
         exponent in 3_i32..18,

@@ -30,8 +30,8 @@ fn orders(n: usize) -> Vec<Vec<usize>> {
     shorter.into_iter().flat_map(places).collect()
 }
 
-/// A tour through cities 0, 1, ..: arcs, and potentials of all cities but the first, which grow by 1
-/// along each arc (Miller, Tucker, Zemlin), in a given range.
+/// A tour through cities 0, 1, ..: arcs, and potentials of all cities but the first, which grow by
+/// 1 along each arc (Miller, Tucker, Zemlin), in a given range.
 fn tour(lengths: &[Vec<f64>], lower: f64, upper: f64) -> Model {
     let n = lengths.len();
     let mut model = Model::new("tour");
@@ -70,9 +70,9 @@ fn shortest_tour(lengths: &[Vec<f64>]) -> f64 {
     orders(n - 1).into_iter().map(length).fold(INF, f64::min)
 }
 
-/// Jobs on one machine, one after the other with some time between; the time from the first start to
-/// the last end is minimised, and what each order of two jobs costs. Start times may be anything in
-/// a range.
+/// Jobs on one machine, one after the other with some time between; the time from the first start
+/// to the last end is minimised, and what each order of two jobs costs. Start times may be anything
+/// in a range.
 fn schedule(times: &[f64], changes: &[Vec<f64>], lower: f64, upper: f64) -> Model {
     let n = times.len();
     let mut model = Model::new("schedule");
@@ -163,9 +163,9 @@ proptest! {
         prop_assert!((found - least).abs() <= 1e-5 * least.max(1.0), "{found}, not {least}");
     }
 
-    /// Columns `u = x + f s` for the columns `x` of a program, with factors `f` and a shift `s` that
-    /// only these columns see; rows tie each two of them together. However they are bounded, the
-    /// answer is that of the program.
+    /// Columns `u = x + f s` for the columns `x` of a program, with factors `f` and a shift `s`
+    /// that only these columns see; rows tie each two of them together. However they are bounded,
+    /// the answer is that of the program.
     #[test]
     fn random_programs(
         case in case(Shape::BOUNDED),
@@ -254,7 +254,8 @@ fn integers_are_compared_exactly() {
     assert!(holds([huge, huge - 256.0, 256.0]));
 }
 
-/// Rows of continuous variables may be missed by the tolerance and a few last digits of their terms.
+/// Rows of continuous variables may be missed by the tolerance and a few last digits of their
+/// terms.
 #[test]
 fn rounding_is_forgiven() {
     let mut model = Model::new("sum");

@@ -100,8 +100,8 @@ proptest! {
         }
     }
 
-    /// Networks in which flow may circulate, with indicators that limit sums of flows: the answer is
-    /// that of the network with capacities that no plan needs.
+    /// Networks in which flow may circulate, with indicators that limit sums of flows: the answer
+    /// is that of the network with capacities that no plan needs.
     #[test]
     fn circulations_are_not_needed(
         arcs in prop::collection::vec((0usize..5, 0usize..5, 0i32..3), 3..10),

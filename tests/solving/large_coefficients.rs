@@ -1,5 +1,5 @@
-//! Rows whose coefficients are far apart, and equalities over integers of wide ranges: a value within the
-//! integrality tolerance does not hide which whole numbers a row leaves.
+//! Rows whose coefficients are far apart, and equalities over integers of wide ranges: a value
+//! within the integrality tolerance does not hide which whole numbers a row leaves.
 
 use carom::model::lp;
 use carom::prelude::*;
@@ -65,7 +65,8 @@ fn a_binary_near_0_that_has_to_be_1() {
     );
 }
 
-/// Presolve puts a continuous column in terms of terms of 1e10, whose rounding is not that of its bounds.
+/// Presolve puts a continuous column in terms of terms of 1e10, whose rounding is not that of its
+/// bounds.
 #[test]
 fn an_equality_over_wide_integers() {
     assert_optimal(

@@ -67,7 +67,8 @@ fn misses(row: &Row, point: &Point) -> bool {
     value < row.lower() - 1e-6 || value > row.upper() + 1e-6
 }
 
-/// Compares a pool with the best points of a program without continuous columns beyond finite bounds.
+/// Compares a pool with the best points of a program without continuous columns beyond finite
+/// bounds.
 ///
 /// # Arguments
 ///
@@ -147,8 +148,8 @@ proptest! {
         }
     }
 
-    /// Cuts that follow from the rows change no answer; a row that excludes the optimum is found, or
-    /// was never needed.
+    /// Cuts that follow from the rows change no answer; a row that excludes the optimum is found,
+    /// or was never needed.
     #[test]
     fn cuts_change_no_answer(
         case in prop_oneof![case(Shape::BOUNDED), case(Shape::FEASIBILITY)],

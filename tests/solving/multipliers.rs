@@ -33,8 +33,8 @@ fn continuous(mut case: Case) -> Case {
 proptest! {
     #![proptest_config(config(200, "tests/regressions/multipliers.txt"))]
 
-    /// The optimum is a convex function of limits and bounds (of a minimisation), and multipliers are
-    /// a slope of it: wherever limits and bounds move, the new optimum is not below the line.
+    /// The optimum is a convex function of limits and bounds (of a minimisation), and multipliers
+    /// are a slope of it: wherever limits and bounds move, the new optimum is not below the line.
     #[test]
     fn they_are_a_slope_of_the_optimum(
         case in case(Shape::QUADRATIC),
@@ -71,8 +71,8 @@ proptest! {
 proptest! {
     #![proptest_config(config(100, "tests/regressions/multipliers.txt"))]
 
-    /// The relaxation is a bound, and its multipliers are a slope of its optimum: wherever the limits
-    /// of the model's own rows move, the new optimum is not below the line.
+    /// The relaxation is a bound, and its multipliers are a slope of its optimum: wherever the
+    /// limits of the model's own rows move, the new optimum is not below the line.
     #[test]
     fn those_of_relaxations_are_a_slope(
         case in case(Shape::BOUNDED),
@@ -236,7 +236,8 @@ fn programs_with_norms_have_multipliers() {
     for variable in [x, y, length] {
         assert!(solution.reduced_cost(variable).unwrap().abs() < 1e-5);
     }
-    // A bound that presses: less of `x` makes it longer, by 16 * 4 / sqrt(3^2 + 16^2) less 9 / sqrt(...).
+    // A bound that presses: less of `x` makes it longer, by 16 * 4 / sqrt(3^2 + 16^2) less 9 /
+    // sqrt(...).
     model.set_bounds(x, -9.0, 1.0).unwrap();
     let solution = BranchAndBound::default().solve(&model).unwrap();
     let root = 265_f64.sqrt();

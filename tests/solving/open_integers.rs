@@ -35,8 +35,8 @@ proptest! {
         prop_assert_eq!(verdict, Verdict::Right, "seed {}: {:?}", seed, solution.termination());
     }
 
-    /// Whole numbers between -1e15 and 1e20 with a point near 0: no bound refutes it, and what is found is a
-    /// point.
+    /// Whole numbers between -1e15 and 1e20 with a point near 0: no bound refutes it, and what is
+    /// found is a point.
     #[test]
     fn far_bounds_refute_no_point(
         columns in prop::collection::vec((0..5usize, 0..4usize, -5..=5i32), 2..=5),
@@ -71,7 +71,8 @@ proptest! {
     }
 }
 
-/// A quarter counted as rounding between numbers of 1e14, so that a row became an equality without a solution.
+/// A quarter counted as rounding between numbers of 1e14, so that a row became an equality without
+/// a solution.
 #[test]
 fn a_quarter_beside_large_numbers() {
     for upper in [2, 5] {

@@ -1,5 +1,5 @@
-//! Semi-continuous variables without an upper bound, which the cost of a point bounds: against all cases, each
-//! a linear program.
+//! Semi-continuous variables without an upper bound, which the cost of a point bounds: against all
+//! cases, each a linear program.
 
 use carom::ErrorKind;
 use carom::model::{Affine, lp};

@@ -245,8 +245,8 @@ fn enumerated(model: &Model) -> Option<f64> {
     values.reduce(f64::min)
 }
 
-/// Nodes closed by multipliers of the solve before: the bound stays one, whatever the parameters are
-/// now and whether the horizon has moved.
+/// Nodes closed by multipliers of the solve before: the bound stays one, whatever the parameters
+/// are now and whether the horizon has moved.
 #[test]
 fn bounds_with_proofs_of_earlier_solves_are_bounds() {
     let (mut model, parameters) = horizon(6, [1.0, 0.7], [1.0, 0.2, 0.05]).unwrap();
@@ -404,8 +404,8 @@ fn norms_have_parameters() {
     }
 }
 
-/// The cuts of cones hold for all values of the parameters: only the first solve needs the conic program of
-/// the root.
+/// The cuts of cones hold for all values of the parameters: only the first solve needs the conic
+/// program of the root.
 #[test]
 fn cuts_of_cones_are_kept() {
     let mut model = Model::new("hover");

@@ -1,5 +1,6 @@
-//! Cones without an inside: heads that integers hold at the length of a tail, or at 0. No method has an inside to
-//! start from, and the root of what a point may miss is far more than the tolerance.
+//! Cones without an inside: heads that integers hold at the length of a tail, or at 0. No method
+//! has an inside to start from, and the root of what a point may miss is far more than the
+//! tolerance.
 
 use crate::common::config;
 use crate::torture::cones::oracle::{judge, truth};
@@ -15,7 +16,8 @@ const REGRESSIONS: &str = "tests/regressions/thin_cones.txt";
 /// Most nodes of a tiny program.
 const NODES: u64 = 500;
 
-/// Three whole numbers, a whole head, a whole number that may be large, and two real ones `w` and `v`.
+/// Three whole numbers, a whole head, a whole number that may be large, and two real ones `w` and
+/// `v`.
 #[derive(Debug, Clone)]
 struct Case {
     /// Lower bounds and widths.

@@ -32,9 +32,9 @@ proptest! {
     }
 }
 
-/// Open and huge bounds beside binaries, coefficients of up to 1e8, corners that rounding decides about,
-/// amplified rounding; without presolve, with a pool, with kept leaves, with another branching rule, without
-/// cuts.
+/// Open and huge bounds beside binaries, coefficients of up to 1e8, corners that rounding decides
+/// about, amplified rounding; without presolve, with a pool, with kept leaves, with another
+/// branching rule, without cuts.
 #[test]
 fn no_wrong_answer_in_unusual_ways() {
     for family in [Family::BigM, Family::Open, Family::Borderline, Family::Chain, Family::AtRest] {
@@ -65,8 +65,8 @@ proptest! {
     }
 }
 
-/// Rows that were missed forced their columns and were dropped (1757, 2280, 2311, 2849, 3489), and the
-/// rounding of whole numbers was charged (4791), or widened a row (22000927, 66004271).
+/// Rows that were missed forced their columns and were dropped (1757, 2280, 2311, 2849, 3489), and
+/// the rounding of whole numbers was charged (4791), or widened a row (22000927, 66004271).
 #[test]
 fn big_ms_do_not_stall() {
     for seed in [1757, 2280, 2311, 2849, 3489, 4791, 22_000_927, 66_004_271] {
@@ -86,14 +86,15 @@ fn no_wrong_answer_to_large_numbers() {
 
 /// What was once answered wrongly. Objectives of 1e10 that cancel down to 1 lost their last digits
 /// (8008789, 8008916), and so did constants of presolve (40007442). Rows that nearly cancel left
-/// coefficients without digits in presolve and cuts (60008521), and limits (90009665). A row that could
-/// be missed by 4e-14 was tightened, and then forced its columns (130006971). A direction of descent was
-/// measured by the costs of columns that it does not move (300001862), or next to not (940001462). Ms
-/// from the rows beside them ran away at impossible values (910005529), and became so small that what a
-/// row is known to decided about a binary (910009422, 920002141). A row of 1e-12 forced
-/// a column without an upper bound to its lower one (950008166). The bound of a root that was relaxed for
-/// its cuts was not rounded up to what the objective can be (5000961, 150000043), and the room of a row
-/// that forced its columns was taken for rounding of all others (88001453).
+/// coefficients without digits in presolve and cuts (60008521), and limits (90009665). A row that
+/// could be missed by 4e-14 was tightened, and then forced its columns (130006971). A direction of
+/// descent was measured by the costs of columns that it does not move (300001862), or next to not
+/// (940001462). Ms from the rows beside them ran away at impossible values (910005529), and became
+/// so small that what a row is known to decided about a binary (910009422, 920002141). A row of
+/// 1e-12 forced a column without an upper bound to its lower one (950008166). The bound of a root
+/// that was relaxed for its cuts was not rounded up to what the objective can be (5000961,
+/// 150000043), and the room of a row that forced its columns was taken for rounding of all others
+/// (88001453).
 #[test]
 fn what_was_wrong_is_right() {
     for seed in [
@@ -118,8 +119,8 @@ fn what_was_wrong_is_right() {
     }
 }
 
-/// Along a direction that nothing notices, a column at the radius was replaced by one that was 6,144 times
-/// as far out there, and the bound held within the radius of that one only (7300667).
+/// Along a direction that nothing notices, a column at the radius was replaced by one that was
+/// 6,144 times as far out there, and the bound held within the radius of that one only (7300667).
 #[test]
 fn shifted_columns_may_be_further_out() {
     let verdict = verdict(7_300_667);
@@ -155,9 +156,9 @@ fn stalls_have_reasons() {
     assert!(stalled > 0);
 }
 
-/// Rows whose limits of 6e9 were all but used up were missed by the rounding of those, which was taken
-/// for a proof that there is no point (1771262, 5000328, 771001150). A billionth of the terms of a row
-/// was taken for rounding: it was 9, and a binary seemed to be held by the row (91000256).
+/// Rows whose limits of 6e9 were all but used up were missed by the rounding of those, which was
+/// taken for a proof that there is no point (1771262, 5000328, 771001150). A billionth of the terms
+/// of a row was taken for rounding: it was 9, and a binary seemed to be held by the row (91000256).
 #[test]
 fn limits_keep_the_rounding_of_what_they_were() {
     for seed in [1_771_262, 5_000_328, 91_000_256, 771_001_150] {
@@ -166,10 +167,11 @@ fn limits_keep_the_rounding_of_what_they_were() {
     }
 }
 
-/// Constants of 1e8 that replaced parts of columns were rounded, and the objective with them (78428,
-/// 88002793). A row with terms of 4e9 was missed by half a millionth at its only point, where columns
-/// were held, and the others could not make up for it (95001504). An excluded case of a disjunction
-/// decided for another one, whose own bounds were then left out of the hull (91100351).
+/// Constants of 1e8 that replaced parts of columns were rounded, and the objective with them
+/// (78428, 88002793). A row with terms of 4e9 was missed by half a millionth at its only point,
+/// where columns were held, and the others could not make up for it (95001504). An excluded case of
+/// a disjunction decided for another one, whose own bounds were then left out of the hull
+/// (91100351).
 #[test]
 fn large_constants_that_cancel_leave_room_for_their_rounding() {
     for seed in [78_428, 88_002_793, 91_100_351, 95_001_504] {
@@ -178,16 +180,16 @@ fn large_constants_that_cancel_leave_room_for_their_rounding() {
     }
 }
 
-/// Rounding of 2e-10 in a column that rows fix is 1e-6 in the objective. A bound that knew only of the
-/// rounding of constants was beyond the optimum.
+/// Rounding of 2e-10 in a column that rows fix is 1e-6 in the objective. A bound that knew only of
+/// the rounding of constants was beyond the optimum.
 #[test]
 fn a_fixed_column_blurs_the_bound() {
     let verdict = verdict(2_223_458_160);
     assert!(matches!(verdict, Verdict::Right | Verdict::Stalled(_)), "{verdict:?}");
 }
 
-/// Their only points are far away: at 5e11, and the program was called infeasible (70195); at 2e10, and a
-/// bound was proved of nearer points (1210000154).
+/// Their only points are far away: at 5e11, and the program was called infeasible (70195); at 2e10,
+/// and a bound was proved of nearer points (1210000154).
 #[test]
 fn points_far_away_are_points() {
     for seed in [70_195, 1_210_000_154] {

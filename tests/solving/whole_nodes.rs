@@ -1,5 +1,5 @@
-//! Nodes whose integers are whole are solved, not split: softened boxes, whose slacks the root's cuts
-//! and tightened rows price a little below their true cost.
+//! Nodes whose integers are whole are solved, not split: softened boxes, whose slacks the root's
+//! cuts and tightened rows price a little below their true cost.
 
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -11,8 +11,8 @@ const BOXES: [[f64; 4]; 3] =
 /// Largest thrust in each of eight directions (m/s²).
 const MOST_THRUST: f64 = 1.8477590650225735;
 
-/// A controller over some steps of 0.2 s: a mass in the plane goes to (5.5, 3.5), stays outside boxes
-/// at both ends of each step, or pays 500 a metre.
+/// A controller over some steps of 0.2 s: a mass in the plane goes to (5.5, 3.5), stays outside
+/// boxes at both ends of each step, or pays 500 a metre.
 fn controller(steps: usize, [px, py, pvx, pvy]: [f64; 4]) -> Model {
     let mut model = Model::new("soft boxes");
     let [x, y] = [("x", 7.0), ("y", 5.0)]
@@ -83,9 +83,9 @@ fn a_controller_with_softened_boxes_ends() {
     assert!((solution.objective().unwrap() - 144.20202263).abs() < 1e-5);
 }
 
-/// The largest position (m) of a full brake along x, which is the smallest over all plans. The other
-/// starts of the property below leave room enough on all other sides, whatever that brake leaves of the
-/// thrust.
+/// The largest position (m) of a full brake along x, which is the smallest over all plans. The
+/// other starts of the property below leave room enough on all other sides, whatever that brake
+/// leaves of the thrust.
 fn farthest_of_a_full_brake(steps: usize, mut x: f64, mut vx: f64) -> f64 {
     let mut farthest = x;
     for _ in 0..steps {

@@ -3,8 +3,8 @@
 use carom::prelude::*;
 use proptest::prelude::*;
 
-/// Market splitting: several sums over the same binaries have to be exact. Splits tell little, so the
-/// tree is large for its size.
+/// Market splitting: several sums over the same binaries have to be exact. Splits tell little, so
+/// the tree is large for its size.
 fn market_split(weights: &[Vec<u8>], targets: &[u32]) -> (Model, Vec<Variable>) {
     let mut model = Model::new("market split");
     let x = model.binary_family("x", weights[0].len()).unwrap();
@@ -81,8 +81,8 @@ fn a_limit_of_nodes_counts_all_turns() {
     }
 }
 
-/// Who plays whom in which round, each once: any table will do, or one in which nobody plays on the first court
-/// twice in a row, which costs. A local search finds one before the first relaxation.
+/// Who plays whom in which round, each once: any table will do, or one in which nobody plays on the
+/// first court twice in a row, which costs. A local search finds one before the first relaxation.
 #[test]
 fn a_timetable_needs_no_relaxation() {
     const TEAMS: usize = 10;

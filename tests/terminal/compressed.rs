@@ -29,7 +29,8 @@ fn compressed_files_are_read_and_written() {
         let said = solve(&["-"], bytes);
         assert_eq!((said.code, said.figure("objective")), (Some(0), "13"), "{said:?}");
     }
-    // By its contents, whatever its name; the format by the extension before `.gz`, or the contents.
+    // By its contents, whatever its name; the format by the extension before `.gz`, or the
+    // contents.
     for name in ["a.lp.gz", "a.gz", "a.lp"] {
         let path = file(name, &whole);
         let said = solve(&[path.to_str().unwrap()], b"");

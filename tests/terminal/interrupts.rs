@@ -1,5 +1,5 @@
-//! Ctrl-C: the first one ends a search within a second and keeps what was found, the second one ends the
-//! process.
+//! Ctrl-C: the first one ends a search within a second and keeps what was found, the second one
+//! ends the process.
 
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Read};
@@ -17,8 +17,8 @@ const INTERRUPTED: i32 = 3;
 const COLUMNS: usize = 100;
 const ROWS: usize = 10;
 
-/// A knapsack with ten rows, which takes hours: weights from 1 to 1000, room for half of everything, and
-/// values that go along with the weights.
+/// A knapsack with ten rows, which takes hours: weights from 1 to 1000, room for half of
+/// everything, and values that go along with the weights.
 struct Knapsack {
     value: Vec<u64>,
     weight: Vec<Vec<u64>>,

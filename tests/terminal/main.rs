@@ -1,5 +1,5 @@
-//! The examples as programs: what `solve` reads and prints, and what Ctrl-C does. Cargo builds examples
-//! before it runs the tests.
+//! The examples as programs: what `solve` reads and prints, and what Ctrl-C does. Cargo builds
+//! examples before it runs the tests.
 
 mod compressed;
 #[cfg(unix)]

@@ -1,8 +1,9 @@
-//! Random programs with coefficients of 1e4 to 1e8 beside small ones: rows that binaries switch, bounds of
-//! integers that only a large coefficient tells, and equalities over integers of wide ranges.
+//! Random programs with coefficients of 1e4 to 1e8 beside small ones: rows that binaries switch,
+//! bounds of integers that only a large coefficient tells, and equalities over integers of wide
+//! ranges.
 //!
-//! What is switched on or off is missed by little: by less than the integrality of a relaxed binary is
-//! worth in its row.
+//! What is switched on or off is missed by little: by less than the integrality of a relaxed binary
+//! is worth in its row.
 
 use carom::prelude::VariableKind;
 
@@ -143,7 +144,8 @@ fn activity(coefficients: &[f64], x: &[f64]) -> f64 {
 /// An equality for an integer of a wide range, over integers with whole coefficients.
 fn equality(r: &mut Random, shape: &Columns, columns: &[Column], anchor: &[f64], k: usize) -> Line {
     let mut coefficients = coefficients(r, shape, 0.5);
-    // The exact answer tries every value that is left: few, where at most one column moves continuously.
+    // The exact answer tries every value that is left: few, where at most one column moves
+    // continuously.
     let mut room = usize::from(k == 0 && r.chance(0.3));
     for j in shape.count() - shape.continuous..shape.count() {
         let bounded = (columns[j].upper - columns[j].lower).is_finite();

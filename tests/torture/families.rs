@@ -154,8 +154,8 @@ impl Path {
     }
 }
 
-/// By how much a point of a strict family may be better than the exact optimum, relative: points are
-/// accepted within 1e-6, and steps multiply some of that.
+/// By how much a point of a strict family may be better than the exact optimum, relative: points
+/// are accepted within 1e-6, and steps multiply some of that.
 const AMPLIFIED: f64 = 1e-3;
 
 fn sign(r: &mut Random) -> f64 {
@@ -252,9 +252,9 @@ fn around(r: &mut Random, coefficients: Vec<f64>, anchor: &[f64]) -> Line {
     Line { coefficients, lower, upper, scale: 1.0 }
 }
 
-/// The answer to a borderline program in decimals: the row leaves its columns the corner, and the others
-/// have their cheapest bounds. Rounding decides whether the corner is a point, so the value is known to a
-/// millionth only.
+/// The answer to a borderline program in decimals: the row leaves its columns the corner, and the
+/// others have their cheapest bounds. Rounding decides whether the corner is a point, so the value
+/// is known to a millionth only.
 fn at_the_corner(case: &Case) -> Truth {
     let row = &case.lines[0];
     let below = row.upper.is_finite();
@@ -309,8 +309,8 @@ fn borderline(seed: u64) -> Case {
     Case { columns, lines, switches, squares, linear, constant: 0.0, maximize }
 }
 
-/// `x+ = g x + b u` from a start that bounds or rows fix or limit, to an end with a limit; inputs are
-/// continuous or small integers.
+/// `x+ = g x + b u` from a start that bounds or rows fix or limit, to an end with a limit; inputs
+/// are continuous or small integers.
 fn chain(seed: u64) -> Case {
     let r = &mut Random::new(seed);
     let steps = 3 + r.below(6);
@@ -361,8 +361,8 @@ fn chain(seed: u64) -> Case {
     Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: r.chance(0.3) }
 }
 
-/// `x+ = A x + b z` from 0 with a binary `z` in one step or none, and an end with a limit; columns in any
-/// order, rows in units of their own.
+/// `x+ = A x + b z` from 0 with a binary `z` in one step or none, and an end with a limit; columns
+/// in any order, rows in units of their own.
 fn at_rest(seed: u64) -> Case {
     let r = &mut Random::new(seed);
     let (states, steps) = (1 + r.below(2), 3 + r.below(8));

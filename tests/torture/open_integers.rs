@@ -1,8 +1,9 @@
 //! Equalities over whole numbers with integers without bounds, and their exact answers.
 //!
-//! The open integers can all grow together along one direction that no equality notices. So their bounds below
-//! and rows that ask for much of them exclude nothing, and for each value of the others the question is whether
-//! the equalities have a solution in whole numbers: by elimination, exactly.
+//! The open integers can all grow together along one direction that no equality notices. So their
+//! bounds below and rows that ask for much of them exclude nothing, and for each value of the
+//! others the question is whether the equalities have a solution in whole numbers: by elimination,
+//! exactly.
 
 use carom::prelude::VariableKind;
 
@@ -117,8 +118,8 @@ pub(super) fn truth(case: &Case) -> Truth {
     best.map_or(Truth::Infeasible, |(value, point)| Truth::Least { value, point })
 }
 
-/// Whether whole numbers satisfy `a'y = b` for all rows: columns are combined until each row has one
-/// coefficient left, which must divide what is to be reached.
+/// Whether whole numbers satisfy `a'y = b` for all rows: columns are combined until each row has
+/// one coefficient left, which must divide what is to be reached.
 fn has_whole_solution(mut rows: Vec<(Vec<i128>, i128)>) -> bool {
     let n = rows.first().map_or(0, |row| row.0.len());
     let mut first = 0;

@@ -13,12 +13,12 @@
 //! counts the latter).
 //!
 //! The crate proves its bounds for points within [`FREE_RADIUS`] where nothing bounds a variable.
-//! Where the exact answer lies beyond, a solve may end unfinished with a bound that holds within, or
-//! may call a program unbounded whose objective turns only there ([`Verdict::Beyond`]); it may not
-//! call such a program solved.
+//! Where the exact answer lies beyond, a solve may end unfinished with a bound that holds within,
+//! or may call a program unbounded whose objective turns only there ([`Verdict::Beyond`]); it may
+//! not call such a program solved.
 //!
-//! Columns are floats, and a bound of one at 1e8 may be off by 1e-8: by as much as that makes of the
-//! objective, answers may differ.
+//! Columns are floats, and a bound of one at 1e8 may be off by 1e-8: by as much as that makes of
+//! the objective, answers may differ.
 //!
 //! Nothing else is forgiven: no claim of infeasibility where an exact point exists, no bound beyond
 //! the exact optimum, no objective worse than it by more than the gap.
@@ -239,7 +239,8 @@ impl<'a> Continuous<'a> {
         Some(rows)
     }
 
-    /// The objective times one power of two: curvature, then cost, then the constant; and the power.
+    /// The objective times one power of two: curvature, then cost, then the constant; and the
+    /// power.
     fn objective(&self) -> (Vec<i128>, i32) {
         let count = self.count;
         let (mut constant, mut cost) = self.expand(&self.case.linear, self.case.constant);

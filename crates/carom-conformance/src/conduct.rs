@@ -97,8 +97,8 @@ pub(super) fn gaps(solver: &mut dyn Solver, complaints: &mut Complaints) {
     usable(solver, &Interrupt::new(), complaints);
 }
 
-/// Checks that a stopped solve has a valid bound, and a verified point if any, and that a finished one
-/// is right.
+/// Checks that a stopped solve has a valid bound, and a verified point if any, and that a finished
+/// one is right.
 fn stopped(
     solver: &dyn Solver,
     case: &Case,

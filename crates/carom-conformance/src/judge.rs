@@ -132,8 +132,8 @@ pub(super) fn judge(
     }
 }
 
-/// Checks what holds for every solution: a point is verified, a bound is never beyond the optimum, and
-/// the figures are consistent.
+/// Checks what holds for every solution: a point is verified, a bound is never beyond the optimum,
+/// and the figures are consistent.
 pub(super) fn sound(
     model: &Model,
     solution: &Solution,

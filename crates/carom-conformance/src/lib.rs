@@ -1,9 +1,9 @@
 //! A conformance suite for implementations of [`Solver`].
 //!
 //! The suite checks the contract of [`Solver`] on small programs with known answers: statuses,
-//! points, objectives, bounds and gaps, limits and interrupts, progress events, rejected options, and
-//! that a solver can be reused after any outcome. It uses backends only through the trait. It does
-//! not panic: a [`Report`] says in words what failed, and a test asserts that it
+//! points, objectives, bounds and gaps, limits and interrupts, progress events, rejected options,
+//! and that a solver can be reused after any outcome. It uses backends only through the trait. It
+//! does not panic: a [`Report`] says in words what failed, and a test asserts that it
 //! [passed](Report::assert_passed):
 //!
 //! ```
@@ -32,7 +32,8 @@ pub use report::{CaseOutcome, Report};
 
 #[doc(hidden)]
 pub mod internals {
-    //! Parts of this crate that tests of the workspace use beside its public interface. They may change in any release.
+    //! Parts of this crate that tests of the workspace use beside its public interface. They may
+    //! change in any release.
 
     pub use crate::answer::{Case, Truth};
     pub use crate::programs::answers;
@@ -96,14 +97,15 @@ impl Suite {
     /// Runs every case that the backend has the capabilities for, and restores its options after
     /// each.
     ///
-    /// If the options have no time limit, the suite sets one minute. A backend that lacks time limits
-    /// and does not end hangs the run.
+    /// If the options have no time limit, the suite sets one minute. A backend that lacks time
+    /// limits and does not end hangs the run.
     pub fn run(&self, solver: &mut dyn Solver) -> Report {
         let mut report = Report::new(solver.name());
         let original = solver.options().clone();
         match answers() {
             Ok(cases) => {
-                // Again in reverse order, to see that no state is left from one program to the next.
+                // Again in reverse order, to see that no state is left from one program to the
+                // next.
                 for case in cases.iter().chain(cases.iter().rev()) {
                     let check = |solver: &mut dyn Solver, complaints: &mut Complaints| {
                         judge::solve(solver, case, complaints);

@@ -1,5 +1,5 @@
-//! Parts that tests and the other crates of the workspace use beside the public interface. They may change in
-//! any release.
+//! Parts that tests and the other crates of the workspace use beside the public interface. They may
+//! change in any release.
 
 pub use crate::hybrid::rows::SystemVariables;
 pub use crate::hybrid::scene::samples::{Samples, advance_line, replay_line};

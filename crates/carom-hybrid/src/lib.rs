@@ -1,7 +1,8 @@
-//! Hybrid systems, contact, reach sets and controllers as mixed-integer programs, for the crate `carom`.
+//! Hybrid systems, contact, reach sets and controllers as mixed-integer programs, for the crate
+//! `carom`.
 //!
-//! Users take them from `carom`, which has the guide. Programs are solved through the trait of solvers: this
-//! crate knows no solver.
+//! Users take them from `carom`, which has the guide. Programs are solved through the trait of
+//! solvers: this crate knows no solver.
 
 pub mod collision_tolerant;
 pub mod graph_of_sets;

@@ -1,5 +1,5 @@
-//! Parts that the other crates of the workspace use beside the public interface. They may change in any
-//! release.
+//! Parts that the other crates of the workspace use beside the public interface. They may change in
+//! any release.
 
 pub mod error {
     pub use crate::error::checks::{check_finite, check_length};

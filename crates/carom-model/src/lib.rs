@@ -1,7 +1,8 @@
 //! Mixed-integer programs as models, for the crate `carom`.
 //!
-//! Variables, statements and files ([`model`]), solutions and their verification ([`solution`]), and the trait
-//! of solvers with its options ([`solver`]). Users take them from `carom`, which has the guide.
+//! Variables, statements and files ([`model`]), solutions and their verification ([`solution`]),
+//! and the trait of solvers with its options ([`solver`]). Users take them from `carom`, which has
+//! the guide.
 
 pub mod error;
 #[doc(hidden)]

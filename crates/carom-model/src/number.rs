@@ -8,7 +8,8 @@ const SMALL: f64 = 1e-6;
 /// Rounded numbers of at least this magnitude are shown with an exponent (no unit).
 const LARGE: f64 = 1e15;
 
-/// Significant digits of numbers in tables: all that a solve can have right, without the noise behind.
+/// Significant digits of numbers in tables: all that a solve can have right, without the noise
+/// behind.
 pub const DIGITS: usize = 12;
 
 /// A number in full: its shortest exact text, with an exponent if it is small. A zero has no sign.
@@ -38,8 +39,8 @@ pub fn rounded(value: f64, digits: usize) -> String {
     }
 }
 
-/// The numbers of a column of a table, where what is below the last digit of the largest one is 0, and so is a
-/// column of nothing but such numbers: a solve leaves such remainders of 0.
+/// The numbers of a column of a table, where what is below the last digit of the largest one is 0,
+/// and so is a column of nothing but such numbers: a solve leaves such remainders of 0.
 #[derive(Debug, Clone, Copy)]
 pub struct TableColumn {
     noise: f64,
@@ -59,7 +60,8 @@ impl TableColumn {
     }
 }
 
-/// A share as a percentage with four digits after the point. Infinite and senseless ones are a dash.
+/// A share as a percentage with four digits after the point. Infinite and senseless ones are a
+/// dash.
 pub fn percent(share: f64) -> String {
     match 100.0 * share {
         0.0 => "0.0000".into(),

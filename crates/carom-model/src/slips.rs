@@ -1,8 +1,8 @@
-//! Slips of the past that tests bring back, to try what must notice them: the comparison of strengthened
-//! programs with accepted points, and the checker of proofs.
+//! Slips of the past that tests bring back, to try what must notice them: the comparison of
+//! strengthened programs with accepted points, and the checker of proofs.
 //!
-//! A slip is brought back for a thread and the time of a call, in builds with debug assertions. Other
-//! builds know none.
+//! A slip is brought back for a thread and the time of a call, in builds with debug assertions.
+//! Other builds know none.
 
 use std::cell::Cell;
 

@@ -77,7 +77,8 @@ pub trait Solver {
     ///
     /// # Errors
     ///
-    /// Errors of lowering ([`ErrorKind::UnboundedIndicator`](crate::error::ErrorKind::UnboundedIndicator),
+    /// Errors of lowering
+    /// ([`ErrorKind::UnboundedIndicator`](crate::error::ErrorKind::UnboundedIndicator),
     /// [`ErrorKind::UnboundedFunction`](crate::error::ErrorKind::UnboundedFunction),
     /// [`ErrorKind::UnsafeBigM`](crate::error::ErrorKind::UnsafeBigM)), of options
     /// ([`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange)) and of the backend

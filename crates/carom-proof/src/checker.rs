@@ -1,10 +1,11 @@
-//! The commands of a proof; those that open and close contexts are in `cases`, declarations in `moves`.
+//! The commands of a proof; those that open and close contexts are in `cases`, declarations in
+//! `moves`.
 //!
-//! Context 0 assumes a point of the program, with an objective less than b if that is the bound of the
-//! claim; most rules only use that it is at most b.
-//! A context holds bounds of columns, and facts: rows that the point satisfies. Every command derives
-//! one more of them, opens a context with one more assumption, or closes the one it stands in by a
-//! contradiction. Once context 0 is closed, there is no such point.
+//! Context 0 assumes a point of the program, with an objective less than b if that is the bound of
+//! the claim; most rules only use that it is at most b. A context holds bounds of columns, and
+//! facts: rows that the point satisfies. Every command derives one more of them, opens a context
+//! with one more assumption, or closes the one it stands in by a contradiction. Once context 0 is
+//! closed, there is no such point.
 
 use crate::bounds::{Bounds, Side};
 use crate::cases::{Context, Kind};
@@ -115,7 +116,8 @@ impl Checker {
         Ok(steps)
     }
 
-    /// A point may stand at any place, also behind the proof, as long as the whole program is known.
+    /// A point may stand at any place, also behind the proof, as long as the whole program is
+    /// known.
     pub(crate) fn count_point(&mut self) -> Result<(), Refusal> {
         self.steps += 1;
         if self.has_forgotten {
@@ -198,7 +200,8 @@ impl Checker {
         Ok(())
     }
 
-    /// Products of which one factor is 0 if a binary is off, by the bounds that follow, and the other if not.
+    /// Products of which one factor is 0 if a binary is off, by the bounds that follow, and the
+    /// other if not.
     fn zero_products(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         if !self.is_root() || self.objective.deficits().is_some() {
             return rejected("`e` must stand in context 0, before `p`");

@@ -1,9 +1,10 @@
 //! The rule for bounds that follow from the curvature of the objective.
 //!
 //! With `P + diag(d)` positive semidefinite, at every point
-//! `objective(x) >= objective(p) + sum_j term_j(x_j)`, `term_j(x_j) = g_j (x_j - p_j) - d_j / 2 (x_j - p_j)^2`,
-//! `g` the gradient at `p`. Where `d_j < 0`, a term is at least `-g_j^2 / (-2 d_j)`; else it is bounded by the
-//! bounds of its column. A column for which one term alone exceeds what the others leave is out of reach.
+//! `objective(x) >= objective(p) + sum_j term_j(x_j)`,
+//! `term_j(x_j) = g_j (x_j - p_j) - d_j / 2 (x_j - p_j)^2`, `g` the gradient at `p`. Where
+//! `d_j < 0`, a term is at least `-g_j^2 / (-2 d_j)`; else it is bounded by the bounds of its
+//! column. A column for which one term alone exceeds what the others leave is out of reach.
 
 use crate::bounds::{Bounds, Side};
 use crate::exact::{Dyadic, Number};
@@ -24,7 +25,8 @@ pub(crate) struct Around {
 }
 
 impl Quadratic {
-    /// The least of the objective around a point, by the falls that the terms of steep columns have.
+    /// The least of the objective around a point, by the falls that the terms of steep columns
+    /// have.
     pub(crate) fn around(
         &self,
         point: Entries,

@@ -1,7 +1,7 @@
 //! Exact arithmetic: numbers `mantissa * 2^exponent`, and sums of products of such numbers.
 //!
-//! A float is such a number, and so are sums and products of them. No rule divides, so nothing is ever
-//! rounded. The limit on exponents is there so that no text can ask for gigabytes.
+//! A float is such a number, and so are sums and products of them. No rule divides, so nothing is
+//! ever rounded. The limit on exponents is there so that no text can ask for gigabytes.
 
 use num_bigint::{BigInt, BigUint, Sign};
 use std::cmp::Ordering;
@@ -66,7 +66,8 @@ impl Dyadic {
         Dyadic { mantissa: BigInt::ZERO, exponent: 0 }
     }
 
-    /// The number that a float is; zero for infinities and NaN, which the reader of numbers keeps out.
+    /// The number that a float is; zero for infinities and NaN, which the reader of numbers keeps
+    /// out.
     #[must_use]
     pub fn from_f64(value: f64) -> Self {
         let Some((negative, mantissa, exponent)) = parts(value) else { return Self::zero() };
@@ -168,7 +169,8 @@ fn parts(value: f64) -> Option<(bool, u64, i32)> {
     Some((bits >> 63 == 1, mantissa, exponent))
 }
 
-/// A sum of products, kept as one long number in fixed point: adding a product touches a few digits.
+/// A sum of products, kept as one long number in fixed point: adding a product touches a few
+/// digits.
 #[derive(Debug)]
 pub struct Sum {
     digits: Vec<i64>,
@@ -262,8 +264,8 @@ impl Sum {
         }
     }
 
-    /// Brings all digits but the last one between 0 and 2^32; the last one has the sign of the sum, or
-    /// is 0 if the sum is not negative.
+    /// Brings all digits but the last one between 0 and 2^32; the last one has the sign of the sum,
+    /// or is 0 if the sum is not negative.
     fn carry(&mut self) {
         self.pending = 0;
         if self.used.0 >= self.used.1 {

@@ -1,12 +1,12 @@
 //! Checks the proofs that `carom` writes, in exact arithmetic and without a line of carom.
 //!
-//! A log states a program, claims a bound of its objective or that it has no point, and proves that in
-//! small steps. Rules and format are on the page "Proofs" of carom's guide (`docs/proofs.md`).
+//! A log states a program, claims a bound of its objective or that it has no point, and proves that
+//! in small steps. Rules and format are on the page "Proofs" of carom's guide (`docs/proofs.md`).
 //!
-//! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations), `linear_rules`,
-//! `quadratic_rules`, `curvature` and `moves` (each rule with its reason), `bounds`, `cases` (contexts), `checker`
-//! (commands); `text`, `program` and `point` read and judge what is beside the proof. [`compare`] is
-//! another tool, which none of these knows.
+//! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations),
+//! `linear_rules`, `quadratic_rules`, `curvature` and `moves` (each rule with its reason),
+//! `bounds`, `cases` (contexts), `checker` (commands); `text`, `program` and `point` read and judge
+//! what is beside the proof. [`compare`] is another tool, which none of these knows.
 
 mod bounds;
 mod cases;

@@ -18,8 +18,8 @@ pub(crate) struct Sums {
 /// That `row` and the bounds of its other columns imply a bound of `column`.
 ///
 /// If the column were beyond the bound, its term would exceed what the side of the row leaves to it
-/// when all other terms are as small as they can be. A value that is only integral is beyond the bound
-/// from the next whole number on.
+/// when all other terms are as small as they can be. A value that is only integral is beyond the
+/// bound from the next whole number on.
 pub(crate) fn bound(
     row: &Row,
     (column, side, value): (usize, Side, f64),

@@ -1,5 +1,5 @@
-//! `carom-proof check LOG...`: one line a log that says what is proved, or which line of it fails and why.
-//! `carom-proof compare MODEL LOG`: whether the log is about the model.
+//! `carom-proof check LOG...`: one line a log that says what is proved, or which line of it fails
+//! and why. `carom-proof compare MODEL LOG`: whether the log is about the model.
 
 use carom_proof::compare::{Comparison, Format};
 use flate2::bufread::MultiGzDecoder;

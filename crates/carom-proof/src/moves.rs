@@ -1,9 +1,11 @@
-//! The rules for what holds without loss of optimality, and for columns that are whole because others are.
+//! The rules for what holds without loss of optimality, and for columns that are whole because
+//! others are.
 //!
-//! Let S be the points that context 0 assumes, with all that was declared so far. Its bounds and facts hold at
-//! every point of S. A declaration narrows S: from any point of S, a move leads to one that has what is declared.
-//! That point is in S again if it satisfies the program, its objective is no larger, and it keeps what was
-//! declared before; bounds and facts then hold at it, so none of them has to be looked at.
+//! Let S be the points that context 0 assumes, with all that was declared so far. Its bounds and
+//! facts hold at every point of S. A declaration narrows S: from any point of S, a move leads to
+//! one that has what is declared. That point is in S again if it satisfies the program, its
+//! objective is no larger, and it keeps what was declared before; bounds and facts then hold at it,
+//! so none of them has to be looked at.
 
 use crate::bounds::Side;
 use crate::cases::Kind;
@@ -20,7 +22,8 @@ use std::collections::HashSet;
 pub(crate) struct Moves {
     /// Columns that take whole numbers at every point of S.
     pub(crate) whole: HashSet<usize>,
-    /// Columns in a cone or in a quadratic term, and those that were declared to be 0: they must not move.
+    /// Columns in a cone or in a quadratic term, and those that were declared to be 0: they must
+    /// not move.
     held: HashSet<usize>,
     /// By column, the rows of the program that it is in.
     rows: Vec<Vec<usize>>,
@@ -49,9 +52,9 @@ impl Moves {
 impl Checker {
     /// Declares that a column takes whole numbers: it may move to the next one on a side.
     ///
-    /// Its bound there is whole, so the bound is not passed. A row that keeps the column from moving on is, divided
-    /// by the column's coefficient, one of whole numbers: the value at which it holds the column is whole, so this
-    /// is not passed either.
+    /// Its bound there is whole, so the bound is not passed. A row that keeps the column from
+    /// moving on is, divided by the column's coefficient, one of whole numbers: the value at which
+    /// it holds the column is whole, so this is not passed either.
     pub(crate) fn round(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let column = words.index("column", self.bounds.len())?;
         let side = side(words)?;
@@ -90,9 +93,10 @@ impl Checker {
         Ok(())
     }
 
-    /// Declares that a column is 0: all points may be moved along a direction, once the program has forgotten the
-    /// bounds of its columns and the rows that it changes. Nothing may be derived from these before. The objective
-    /// does not change. Where there are integral columns, the steps are whole.
+    /// Declares that a column is 0: all points may be moved along a direction, once the program has
+    /// forgotten the bounds of its columns and the rows that it changes. Nothing may be derived
+    /// from these before. The objective does not change. Where there are integral columns, the
+    /// steps are whole.
     pub(crate) fn shift(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let first = words.index("column", self.bounds.len())?;
         let direction = words.entries(self.bounds.len())?;
@@ -140,7 +144,8 @@ impl Checker {
         Ok(())
     }
 
-    /// Opens a context in which a column is at no whole number; when it is closed, the column is integral.
+    /// Opens a context in which a column is at no whole number; when it is closed, the column is
+    /// integral.
     pub(crate) fn imply(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
         let column = words.index("column", self.bounds.len())?;
         if !self.is_root() {

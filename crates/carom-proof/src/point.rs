@@ -7,8 +7,8 @@ use crate::text::{Refusal, rejected};
 use std::cmp::Ordering;
 use std::fmt;
 
-/// The largest violation of a bound, a row or integrality with which a point is one of the program: the
-/// largest tolerance that a search can be asked for, and the rounding of its terms.
+/// The largest violation of a bound, a row or integrality with which a point is one of the program:
+/// the largest tolerance that a search can be asked for, and the rounding of its terms.
 const TOLERANCE: f64 = 1e-3;
 const ROUNDING: f64 = 1e-12;
 
@@ -29,7 +29,8 @@ impl fmt::Display for Point {
 }
 
 impl Point {
-    /// Judges a point, whose entries are sorted by column. `rows` is how many facts are rows of the program.
+    /// Judges a point, whose entries are sorted by column. `rows` is how many facts are rows of the
+    /// program.
     pub(crate) fn judge(
         entries: &[(u32, f64)],
         rows: usize,

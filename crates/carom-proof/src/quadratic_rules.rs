@@ -22,8 +22,9 @@ pub(crate) struct Quadratic {
     deficits: Option<Entries>,
 }
 
-/// `factor (x_column - value) z`, or `factor (x_column - value) (1 - z)` if it is off at 0: a product that
-/// is 0 at every point, because the binary `z` is either off, with `x_column = value`, or not.
+/// `factor (x_column - value) z`, or `factor (x_column - value) (1 - z)` if it is off at 0: a
+/// product that is 0 at every point, because the binary `z` is either off, with `x_column = value`,
+/// or not.
 #[derive(Debug)]
 pub(crate) struct ZeroProduct {
     pub(crate) column: u32,
@@ -75,8 +76,8 @@ impl Quadratic {
 
     /// Accepts deficits `d`: `P + diag(d) - LL'` must be diagonally dominant.
     ///
-    /// A diagonally dominant matrix with a diagonal that is not negative is positive semidefinite, and
-    /// so is `LL'`.
+    /// A diagonally dominant matrix with a diagonal that is not negative is positive semidefinite,
+    /// and so is `LL'`.
     pub(crate) fn prove(
         &mut self,
         deficits: Entries,
@@ -178,7 +179,8 @@ impl Quadratic {
         Ok(())
     }
 
-    /// The row that `objective <= limit` implies at every point, by the tangent of the objective at `point`:
+    /// The row that `objective <= limit` implies at every point, by the tangent of the objective at
+    /// `point`:
     ///
     /// `gradient x <= limit - objective(point) + gradient point + slack`,
     /// `slack = 1/2 sum d_j max(|lower_j - point_j|, |upper_j - point_j|)^2`.
@@ -246,7 +248,8 @@ pub(crate) fn farthest_square(
 /// `p head - w tail >= 0`, which holds in a cone if `|w| <= p`; of a rotated one
 /// `p head + q second - 2 w tail >= 0`, which holds if `|w|^2 <= p q`.
 ///
-/// Because `w tail <= |w| |tail|`, and `2 |w| |tail| <= 2 sqrt(p q head second) <= p head + q second`.
+/// Because `w tail <= |w| |tail|`, and
+/// `2 |w| |tail| <= 2 sqrt(p q head second) <= p head + q second`.
 pub(crate) fn cone_tangent(
     cone: &Cone,
     (p, q): (f64, f64),

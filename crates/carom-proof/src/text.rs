@@ -194,7 +194,8 @@ impl<'a> Words<'a> {
         rejected(format!("there is no {what} {index}; their number is {many}"))
     }
 
-    /// A count of entries, and the entries: a column below `many` and a number each, no column twice.
+    /// A count of entries, and the entries: a column below `many` and a number each, no column
+    /// twice.
     pub(crate) fn entries(&mut self, many: usize) -> Result<Vec<(u32, f64)>, Refusal> {
         let count = self.count("the number of entries")?;
         let mut entries = Vec::new();

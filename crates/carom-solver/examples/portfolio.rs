@@ -1,4 +1,5 @@
-//! A portfolio: at most three of five assets, each at least a tenth of it, with a limit on the risk.
+//! A portfolio: at most three of five assets, each at least a tenth of it, with a limit on the
+//! risk.
 //!
 //! `cargo run --release -p carom-solver --example portfolio`
 

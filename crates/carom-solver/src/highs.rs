@@ -1,14 +1,15 @@
 //! HiGHS as a library, for mixed-integer linear programs: the feature `highs`.
 //!
 //! [`HighsSolver`] is a [`Solver`] over the crate `highs`, which compiles HiGHS from C++ and needs
-//! cmake, a C++ compiler and libclang (Debian: `apt-get install cmake g++ libclang-dev`). If HiGHS is
-//! installed as a program, [`external`](crate::external) needs none of this.
+//! cmake, a C++ compiler and libclang (Debian: `apt-get install cmake g++ libclang-dev`). If HiGHS
+//! is installed as a program, [`external`](crate::external) needs none of this.
 //!
 //! Models are [lowered](crate::reformulate::lower) first, so it solves any model with a linear
-//! objective and without cones. A quadratic objective and cones are errors, [`ErrorKind::Unsupported`]. Points are never
-//! trusted: the integers are rounded, [`BranchAndBound`](crate::BranchAndBound) solves the rest
-//! again, and the meaning of every statement is checked ([`certify`](crate::solver::certify)).
-//! Bounds and claims of infeasibility are those of HiGHS, up to its tolerances.
+//! objective and without cones. A quadratic objective and cones are errors,
+//! [`ErrorKind::Unsupported`]. Points are never trusted: the integers are rounded,
+//! [`BranchAndBound`](crate::BranchAndBound) solves the rest again, and the meaning of every
+//! statement is checked ([`certify`](crate::solver::certify)). Bounds and claims of infeasibility
+//! are those of HiGHS, up to its tolerances.
 //!
 //! # Options and limits
 //!
@@ -23,8 +24,8 @@
 //!
 //! The crate `highs` offers no callback. An [`Interrupt`](crate::solver::Interrupt) therefore takes
 //! effect only before and after HiGHS runs, so set a time limit for long solves, and there is one
-//! progress event, for the returned point. HiGHS checks its clock between the steps of its algorithm,
-//! so it can exceed a time limit by one step.
+//! progress event, for the returned point. HiGHS checks its clock between the steps of its
+//! algorithm, so it can exceed a time limit by one step.
 //!
 //! ```
 //! use carom::highs::HighsSolver;
@@ -93,7 +94,8 @@ impl Solver for HighsSolver {
 
     /// # Errors
     ///
-    /// Besides those of every solver, [`ErrorKind::Unsupported`] for a quadratic objective and for cones.
+    /// Besides those of every solver, [`ErrorKind::Unsupported`] for a quadratic objective and for
+    /// cones.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
         control.refuse_lazy_constraints("HiGHS")?;

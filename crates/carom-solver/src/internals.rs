@@ -1,5 +1,5 @@
-//! Parts that tests and the other crates of the workspace use beside the public interface. They may change in
-//! any release.
+//! Parts that tests and the other crates of the workspace use beside the public interface. They may
+//! change in any release.
 
 pub mod branch_and_bound {
     use crate::search::{SearchResult, SolveTask};

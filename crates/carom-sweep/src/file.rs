@@ -25,8 +25,8 @@ enum Line {
 }
 
 impl SweepFile {
-    /// Opens the file of a sweep, if it has one, and reads what is known already. A last line that was
-    /// written by half is cut off.
+    /// Opens the file of a sweep, if it has one, and reads what is known already. A last line that
+    /// was written by half is cut off.
     pub(super) fn open(sweep: &Sweep) -> Result<Self, Error> {
         let mut results = SweepResults::new(sweep);
         let Some(path) = sweep.path.clone() else {

@@ -1,9 +1,9 @@
 //! Sweeps: one question for many cases, with results that outlive the process.
 //!
 //! A [`Sweep`] is a list or a grid of cases. It calls a function for each case, on all threads, and
-//! appends what the function returns to a file, a line of JSON a case. A sweep that finds its file goes
-//! on where it was stopped, however that was. With shards, several processes or machines share the cases;
-//! their files are merged by concatenation.
+//! appends what the function returns to a file, a line of JSON a case. A sweep that finds its file
+//! goes on where it was stopped, however that was. With shards, several processes or machines share
+//! the cases; their files are merged by concatenation.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -100,7 +100,8 @@ impl Sweep {
     ///
     /// # Errors
     ///
-    /// As for [`grid`](Self::grid), and [`ErrorKind::Sweep`] for a case with too few or too many values.
+    /// As for [`grid`](Self::grid), and [`ErrorKind::Sweep`] for a case with too few or too many
+    /// values.
     pub fn list<N: Into<String>>(
         title: &str,
         names: impl IntoIterator<Item = N>,
@@ -198,14 +199,16 @@ impl Sweep {
         SweepFile::open(self)
     }
 
-    /// Calls the function for each case of this shard that is not in the file, and appends its record.
-    /// A case for which it returns `None`, because it was interrupted, is left for the next run. A stopped
-    /// process loses at most the cases that were running. The results contain all that the file holds.
+    /// Calls the function for each case of this shard that is not in the file, and appends its
+    /// record. A case for which it returns `None`, because it was interrupted, is left for the next
+    /// run. A stopped process loses at most the cases that were running. The results contain all
+    /// that the file holds.
     ///
     /// # Errors
     ///
-    /// The first error of the function; the cases before it are kept. [`ErrorKind::Io`] if the file cannot
-    /// be opened or written; [`ErrorKind::Sweep`] if it holds lines of another sweep, or no records.
+    /// The first error of the function; the cases before it are kept. [`ErrorKind::Io`] if the file
+    /// cannot be opened or written; [`ErrorKind::Sweep`] if it holds lines of another sweep, or no
+    /// records.
     pub fn run(
         &self,
         answer: impl Fn(SweepCase<'_>) -> Result<Option<SweepRecord>, Error> + Sync,

@@ -14,16 +14,18 @@ use crate::task::{Task, round};
 
 /// The most samples of which sets are told.
 const SAMPLES: usize = 60;
-/// The longest horizon that is shown, in steps: of many that are refuted, a shorter one tells as much.
+/// The longest horizon that is shown, in steps: of many that are refuted, a shorter one tells as
+/// much.
 const MOST_STEPS: usize = 600;
-/// Position and velocity of the vehicle beside the wall, and the place of the first body of a scene.
+/// Position and velocity of the vehicle beside the wall, and the place of the first body of a
+/// scene.
 const PLANE: [usize; 2] = [0, 1];
 
 /// Corners of a set in a plane of two states.
 type Outline = Vec<[f64; 2]>;
 
-/// For some samples of a horizon that sets refute: where the body can be after so many steps, and from
-/// where its goal can be reached in the steps that are left. No state is in both.
+/// For some samples of a horizon that sets refute: where the body can be after so many steps, and
+/// from where its goal can be reached in the steps that are left. No state is in both.
 #[derive(Debug, Serialize)]
 pub struct Less {
     /// `free` or `tolerant`.

@@ -1,9 +1,9 @@
 //! Planners for a web page: tasks and answers are JSON.
 //!
-//! [`plan`] finds the paper's shortest plans with and without collisions, and [`plan_scene`] those of
-//! a scene in the plane; both say how that was proved, tell how far they are, and give the task as a
-//! Rust program. [`explain`] and [`explain_scene`] say in words why one step less is not enough; the
-//! page asks for it once the plans are drawn.
+//! [`plan`] finds the paper's shortest plans with and without collisions, and [`plan_scene`] those
+//! of a scene in the plane; both say how that was proved, tell how far they are, and give the task
+//! as a Rust program. [`explain`] and [`explain_scene`] say in words why one step less is not
+//! enough; the page asks for it once the plans are drawn.
 
 mod answer;
 mod code;
@@ -45,7 +45,8 @@ const QUICK: Duration = Duration::from_millis(100);
 ///
 /// # Arguments
 ///
-/// * `tell`: is called with news as JSON: the `side`, how many steps are `refuted`, and what is `found`.
+/// * `tell`: is called with news as JSON: the `side`, how many steps are `refuted`, and what is
+///   `found`.
 #[wasm_bindgen]
 pub fn plan(task: &str, tell: Option<js_sys::Function>) -> String {
     plan_with(task, &mut telling(tell))

@@ -11,8 +11,8 @@ const LATENCY: f64 = 5e-6;
 const HANDLING: f64 = 10e-6;
 const PER_NODE: f64 = 1e-6;
 
-/// The protocol of the crate: the time between two statuses of a rank is at least this, and this share a
-/// rank, in s; most nodes in a message.
+/// The protocol of the crate: the time between two statuses of a rank is at least this, and this
+/// share a rank, in s; most nodes in a message.
 const STATUS: f64 = 10e-3;
 const STATUS_SHARE: f64 = 50e-6;
 const BATCH: usize = 16;

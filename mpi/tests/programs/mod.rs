@@ -9,7 +9,8 @@ pub(crate) mod instances;
 use carom::prelude::*;
 use instances::generators::boxes;
 
-/// Selections whose sums are to be half of everything, in each row: with `slack`, as near as can be.
+/// Selections whose sums are to be half of everything, in each row: with `slack`, as near as can
+/// be.
 pub(crate) fn market(rows: usize, columns: usize, slack: bool) -> Model {
     let mut state = 20_261_126_u64;
     let mut number = || {

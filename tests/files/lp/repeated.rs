@@ -180,7 +180,8 @@ fn semicontinuous_columns_with_crossed_bounds_are_0() {
     );
 }
 
-/// Names of rows with the same label: underscores first, then numbers, so that many of them stay short.
+/// Names of rows with the same label: underscores first, then numbers, so that many of them stay
+/// short.
 #[test]
 fn many_rows_may_share_a_label() {
     let text = |rows: usize| {

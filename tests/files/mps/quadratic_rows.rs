@@ -5,8 +5,8 @@ use carom::prelude::*;
 
 use super::{error, read};
 
-/// A file with the columns `x`, `y`, `t` and `z` (a binary), which maximises x + y, and whose rows `r` (of
-/// a kind) and `s` (G) have right-hand sides.
+/// A file with the columns `x`, `y`, `t` and `z` (a binary), which maximises x + y, and whose rows
+/// `r` (of a kind) and `s` (G) have right-hand sides.
 fn with(kind: &str, right: &str, sections: &str) -> String {
     format!(
         "NAME q\nOBJSENSE MAX\nROWS\n N cost\n {kind} r\n G s\nCOLUMNS\n x cost 1 s 1\n y cost 1\n t r -1\n\

@@ -70,7 +70,8 @@ proptest! {
 
 #[test]
 fn regions_may_ask_for_modes() {
-    // Heat rises by 2 when on, and falls by 1 when off; a switch keeps the flow of the mode it leaves.
+    // Heat rises by 2 when on, and falls by 1 when off; a switch keeps the flow of the mode it
+    // leaves.
     let mut system = HybridSystem::new(1.0);
     let t = system.state("T", 0.0, 30.0).unwrap();
     let [off, on] = system.modes("heater", ["off", "on"]).unwrap();

@@ -6,8 +6,8 @@ use carom::hybrid::{HybridProgram, HybridSystem, Move, MoveSource, RecedingHoriz
 use carom::prelude::*;
 use carom::solver::Prepared;
 
-/// Three rows over binaries with one point each for most values of the parameter: hard to find, easy
-/// to complete.
+/// Three rows over binaries with one point each for most values of the parameter: hard to find,
+/// easy to complete.
 fn needle() -> (Model, Variable) {
     let mut model = Model::new("needle");
     let z = model.binary_family("z", 22).unwrap();

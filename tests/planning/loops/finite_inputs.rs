@@ -1,4 +1,5 @@
-//! Inputs that take some values only: in programs, simulations, certificates, loops, files and feedbacks.
+//! Inputs that take some values only: in programs, simulations, certificates, loops, files and
+//! feedbacks.
 
 use carom::ErrorKind;
 use carom::hybrid::{Feedback, Lqr, MoveSource, TerminalOptions, TerminalSet};

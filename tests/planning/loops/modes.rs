@@ -1,4 +1,5 @@
-//! Loops whose plans choose transitions and modes: the plant is told, and what has elapsed is carried.
+//! Loops whose plans choose transitions and modes: the plant is told, and what has elapsed is
+//! carried.
 
 use std::error::Error as _;
 use std::time::Duration;
@@ -127,7 +128,8 @@ fn the_rest_of_a_plan_is_replayed_with_its_own_modes() {
         let expected = [7.0, 6.0, 5.0, 4.0, 3.0];
         assert!(states.iter().zip(expected).all(|(x, at)| (x - at).abs() < 1e-6), "{states:?}");
         assert_eq!((states.len(), next.transition("valve")), (6, Some("open")));
-        // From a state from which its valve cannot be open to the end, it is open as long as it can.
+        // From a state from which its valve cannot be open to the end, it is open as long as it
+        // can.
         let next = controller.step(&[3.5]).unwrap();
         assert_eq!((next.source, next.is_admissible), (MoveSource::LastPlan, Some(true)));
         let [(_, valve)] = &next.transitions[..] else { panic!() };

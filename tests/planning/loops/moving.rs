@@ -11,7 +11,8 @@ use carom_hybrid::internals::{Halfspace, Transition};
 
 const H: f64 = 0.5;
 
-/// A cart on a line, within a gate and with a place where it wants to be, which may depend on the step.
+/// A cart on a line, within a gate and with a place where it wants to be, which may depend on the
+/// step.
 struct Cart {
     system: HybridSystem,
     x: State,

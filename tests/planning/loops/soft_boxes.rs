@@ -1,5 +1,5 @@
-//! A controller among boxes that may be entered at a price, with noise and hardly any nodes, from a cold
-//! start.
+//! A controller among boxes that may be entered at a price, with noise and hardly any nodes, from a
+//! cold start.
 
 use carom::hybrid::{Disturbance, Move, RecedingHorizon};
 use carom::interval::Interval;

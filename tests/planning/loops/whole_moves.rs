@@ -1,5 +1,5 @@
-//! Random systems in loops, with plants that share no code with the crate: they know the numbers of the
-//! statement, take the move as it says, and watch guards, dwell times and events themselves.
+//! Random systems in loops, with plants that share no code with the crate: they know the numbers of
+//! the statement, take the move as it says, and watch guards, dwell times and events themselves.
 //!
 //! `CAROM_LOOPS` sets the number of systems, `CAROM_SEED` the first seed.
 

@@ -1,5 +1,5 @@
-//! Random missions on systems with a free input, compared with a linear program for each sequence of modes and
-//! each choice of what makes the mission true.
+//! Random missions on systems with a free input, compared with a linear program for each sequence
+//! of modes and each choice of what makes the mission true.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,8 @@ use crate::common::config;
 const MOST_TERMS: usize = 40;
 const LEAST: f64 = -90.0;
 
-/// Half of a row at a sample: the quantity, whether it is the lower end, its double, and whether it holds.
+/// Half of a row at a sample: the quantity, whether it is the lower end, its double, and whether it
+/// holds.
 type Atom = (usize, u8, bool, i32, bool);
 type Term = BTreeSet<Atom>;
 

@@ -1,4 +1,5 @@
-//! Missions before they have a system, and what they mean, by their definition: it shares nothing with the crate.
+//! Missions before they have a system, and what they mean, by their definition: it shares nothing
+//! with the crate.
 
 use carom::hybrid::Mission;
 use carom::prelude::*;
@@ -168,7 +169,8 @@ impl SketchWindow {
         })
     }
 
-    /// The samples of the window at a sample of a run, and whether there is more of it after the last one.
+    /// The samples of the window at a sample of a run, and whether there is more of it after the
+    /// last one.
     pub(super) fn samples(
         self,
         k: usize,
@@ -276,8 +278,9 @@ impl Sketch {
         }
     }
 
-    /// By how much the mission, or its negation, is true at a sample; what is beyond the end is not true. If
-    /// `strict`, 1 where it is true, where a negated row must fail by itself, and less where it is not.
+    /// By how much the mission, or its negation, is true at a sample; what is beyond the end is not
+    /// true. If `strict`, 1 where it is true, where a negated row must fail by itself, and less
+    /// where it is not.
     pub(super) fn value(&self, run: &[Sample], k: usize, positive: bool, strict: bool) -> f64 {
         let Some(here) = run.get(k) else { return NEVER };
         let pick = |all: bool, values: &mut dyn Iterator<Item = f64>| match all {

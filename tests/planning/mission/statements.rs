@@ -1,4 +1,5 @@
-//! What missions say: texts, windows, errors, the shortest horizon, reasons, scenes and plain models.
+//! What missions say: texts, windows, errors, the shortest horizon, reasons, scenes and plain
+//! models.
 
 use carom::hybrid::Mission;
 use carom::prelude::*;
@@ -123,7 +124,8 @@ fn a_mission_and_its_negation_never_both_hold_where_rows_touch() -> Result<(), E
     Ok(())
 }
 
-/// The window of the release has no sample, and only what comes after the sample at which it is read counts.
+/// The window of the release has no sample, and only what comes after the sample at which it is
+/// read counts.
 #[test]
 fn a_release_looks_at_no_earlier_sample() -> Result<(), Error> {
     let (cart, x, _) = cart()?;
@@ -151,7 +153,8 @@ fn shortest_horizons() -> Result<(), Error> {
         Ok::<_, Error>(found.steps)
     };
     assert_eq!(shortest(far.clone().eventually(0..))?, Some(2));
-    // A second at the place is two steps more; a window in seconds that lasts longer than the run is no reason.
+    // A second at the place is two steps more; a window in seconds that lasts longer than the run
+    // is no reason.
     assert_eq!(shortest(near.clone().always(0.0..=1.0).eventually(0.0..=9.0))?, Some(3));
     assert_eq!(shortest((far.clone().eventually(0..)) & near.clone().eventually(0..))?, Some(4));
     assert_eq!(shortest((!far.clone()).always(0..=7))?, Some(7));

@@ -1,4 +1,5 @@
-//! Random systems without a free number: a run is a sequence of transitions, and all of them can be listed.
+//! Random systems without a free number: a run is a sequence of transitions, and all of them can be
+//! listed.
 
 use carom::prelude::*;
 use proptest::prelude::{Just, Strategy, any, prop_oneof};

@@ -1,4 +1,5 @@
-//! Attempts to break tubes: other kinds of systems, with the statements of the programs checked on each run.
+//! Attempts to break tubes: other kinds of systems, with the statements of the programs checked on
+//! each run.
 
 use std::collections::BTreeSet;
 use std::error::Error as _;
@@ -41,7 +42,8 @@ fn no_disturbed_run_of_any_kind_leaves_its_plan() -> Result<(), Error> {
     Ok(())
 }
 
-/// A certificate fails as soon as ranges grow beyond what the plan has room for, and never later than a run.
+/// A certificate fails as soon as ranges grow beyond what the plan has room for, and never later
+/// than a run.
 #[test]
 fn certificates_fail_before_runs_do() -> Result<(), Error> {
     let mut failed = 0;

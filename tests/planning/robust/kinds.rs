@@ -1,12 +1,14 @@
-//! Random systems and scenes of kinds that could break a tube: feedbacks that do not stabilise, ranges without 0,
-//! modes that last, resets that mix states, functions of states, pairs of bodies, friction, obstacles that move.
+//! Random systems and scenes of kinds that could break a tube: feedbacks that do not stabilise,
+//! ranges without 0, modes that last, resets that mix states, functions of states, pairs of bodies,
+//! friction, obstacles that move.
 
 use carom::hybrid::{Feedback, HybridRun, Restitution};
 use carom::prelude::*;
 
 use super::Draw;
 
-/// A program with its feedback, and by how much a run misses what the program requires besides its system.
+/// A program with its feedback, and by how much a run misses what the program requires besides its
+/// system.
 pub(crate) type Kind = (HybridProgram, Feedback, Box<dyn Fn(&HybridRun) -> f64>);
 
 pub(crate) const KINDS: u64 = 9;
@@ -228,7 +230,8 @@ fn moving(draw: &mut Draw, factor: f64) -> Result<Kind, Error> {
     Ok((program.into(), feedback, Box::new(miss)))
 }
 
-/// A plane that turns, where boxes along no direction shrink, with a mode on each side of a slanted line.
+/// A plane that turns, where boxes along no direction shrink, with a mode on each side of a slanted
+/// line.
 fn turning(draw: &mut Draw, factor: f64) -> Result<Kind, Error> {
     let mut plane = HybridSystem::new(1.0);
     let x = plane.state("x", -6.0, 6.0)?;

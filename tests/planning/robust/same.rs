@@ -75,7 +75,8 @@ fn a_promise_has_a_price_and_words() -> Result<(), Error> {
     Ok(())
 }
 
-/// The certificate is tight: for larger ranges it fails, and then some disturbance does what it says.
+/// The certificate is tight: for larger ranges it fails, and then some disturbance does what it
+/// says.
 #[test]
 fn a_certificate_fails_where_a_run_does() -> Result<(), Error> {
     let (cart, x, v, _) = cart(0.05)?;
@@ -145,7 +146,8 @@ fn a_mode_is_taken_only_if_every_run_takes_it() -> Result<(), Error> {
     Ok(())
 }
 
-/// A controller that plans robustly leaves room for the next push; one that plans nominally does not.
+/// A controller that plans robustly leaves room for the next push; one that plans nominally does
+/// not.
 #[test]
 fn a_controller_leaves_room_for_the_next_push() -> Result<(), Error> {
     let (mut cart, x, v, _) = cart(0.05)?;

@@ -47,7 +47,8 @@ fn one_case_is_the_nominal_program() -> Result<(), Error> {
     Ok(())
 }
 
-/// The longer inputs are shared, the more a tree costs; and it never costs less than knowing the case.
+/// The longer inputs are shared, the more a tree costs; and it never costs less than knowing the
+/// case.
 #[test]
 fn a_tree_costs_more_the_later_it_branches() -> Result<(), Error> {
     let mut solver = BranchAndBound::default();

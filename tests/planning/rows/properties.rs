@@ -1,5 +1,5 @@
-//! Random systems: runs satisfy the rows, integer points replay, and every method has the optimum of
-//! an enumeration over transitions.
+//! Random systems: runs satisfy the rows, integer points replay, and every method has the optimum
+//! of an enumeration over transitions.
 
 use carom::hybrid::HybridRun;
 use carom::model::Method;
@@ -275,8 +275,8 @@ proptest! {
     }
 }
 
-/// Three transitions, one of which has its next state from a reset and its input from a guard: the guard must
-/// stay, although the change of the state in it is the same as in the others.
+/// Three transitions, one of which has its next state from a reset and its input from a guard: the
+/// guard must stay, although the change of the state in it is the same as in the others.
 #[test]
 fn a_guard_from_which_a_change_follows_is_stated() -> Result<(), Error> {
     let mut system = HybridSystem::new(1.0);

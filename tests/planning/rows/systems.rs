@@ -132,8 +132,8 @@ impl Plain {
         sum
     }
 
-    /// The ranges in which the first input must lie: those of the choices that set one, or the usual
-    /// one if none does.
+    /// The ranges in which the first input must lie: those of the choices that set one, or the
+    /// usual one if none does.
     pub(crate) fn ranges(&self, taken: &[usize]) -> Vec<(f64, f64)> {
         let sets = |choice: &&Ways| choice.ways.iter().any(|way| way.range.is_some());
         let none = !self.choices.iter().any(|choice| sets(&choice));

@@ -33,8 +33,8 @@ fn general(e: f64, steps: usize) -> (Model, SystemVariables) {
     (model, program)
 }
 
-/// A step beside a wall at 0 m, free above, by hand: the penetration `h` and the impact speed `f` are
-/// switched, and `x⁺ = p + (1+e) h`, `v⁺ = w + (1+e) f` hold in both modes.
+/// A step beside a wall at 0 m, free above, by hand: the penetration `h` and the impact speed `f`
+/// are switched, and `x⁺ = p + (1+e) h`, `v⁺ = w + (1+e) f` hold in both modes.
 pub(crate) fn add_by_hand(
     model: &mut Model,
     e: f64,

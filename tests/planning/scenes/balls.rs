@@ -141,8 +141,9 @@ fn replays_refuse_what_only_the_box_allows() {
 
 #[test]
 fn bodies_stick_within_the_true_cone() {
-    // A ball that falls on a floor with the friction 0.5 and no rebound at 4 m/s, and slides at some
-    // share of what 2 m/s of impulse stop. Four directions: their pyramid has 0.71 of the cone.
+    // A ball that falls on a floor with the friction 0.5 and no rebound at 4 m/s, and slides at
+    // some share of what 2 m/s of impulse stop. Four directions: their pyramid has 0.71 of the
+    // cone.
     let floor = Surface::bounce(Restitution::new(0.0).unwrap()).with_friction_along(0.5, 4);
     let end = |angle: f64, share: f64| -> Result<f64, Error> {
         let (sin, cos) = angle.sin_cos();

@@ -31,8 +31,8 @@ fn cross(a: &[f64], b: &[f64]) -> Vec<f64> {
     vec![of(1, 2), of(2, 0), of(0, 1)]
 }
 
-/// The directions of friction at a wall: the first one in the plane of the normal and the axis that is
-/// least along it, the others turned about the normal.
+/// The directions of friction at a wall: the first one in the plane of the normal and the axis that
+/// is least along it, the others turned about the normal.
 fn directions(wall: &Wall) -> Vec<Vec<f64>> {
     let n = &wall.normal;
     let size = n.iter().map(|a| a.abs()).fold(f64::INFINITY, f64::min);

@@ -58,8 +58,8 @@ impl Case {
         self.start.iter().zip(end).map(|(a, b)| a + part * (b - a)).collect()
     }
 
-    /// How far the step is in front of the other face while it is behind this one, before it is inside
-    /// for the first time.
+    /// How far the step is in front of the other face while it is behind this one, before it is
+    /// inside for the first time.
     fn passes_by(&self, face: usize) -> f64 {
         let mut most = 0.0_f64;
         for k in 0..=4000 {

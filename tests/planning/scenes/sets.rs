@@ -225,7 +225,8 @@ fn no_plan_is_lost_where_all_is_avoided() {
     assert!(feasible > 2 && refuted > 2, "{feasible} feasible, {refuted} refuted");
 }
 
-/// Slanted faces couple axes, but what they leave to each axis, and how far one comes in time, do not.
+/// Slanted faces couple axes, but what they leave to each axis, and how far one comes in time, do
+/// not.
 #[test]
 fn slanted_faces_leave_sets_of_each_axis() {
     let room = [Interval::new(0.0, 6.0), Interval::new(0.0, 4.0)];

@@ -68,13 +68,14 @@ impl Along {
         }
     }
 
-    /// The impulses along the normal and along the normal turned left, integrated in small parts of the
-    /// normal impulse: in each part the touching points slide, and rub against each other, or stick.
+    /// The impulses along the normal and along the normal turned left, integrated in small parts of
+    /// the normal impulse: in each part the touching points slide, and rub against each other, or
+    /// stick.
     ///
     /// # Arguments
     ///
-    /// * `f`, `u`: approach and sliding speed of the touching points; `ease`: by how much an impulse along
-    ///   the normal and one along the surface change them, in 1/kg.
+    /// * `f`, `u`: approach and sliding speed of the touching points; `ease`: by how much an
+    ///   impulse along the normal and one along the surface change them, in 1/kg.
     fn impulses(self, e: f64, f: f64, u: f64, ease: [f64; 2]) -> [f64; 2] {
         let normal = (1.0 + e) * f / ease[0];
         let along = match self {
@@ -108,8 +109,8 @@ fn dot(a: [f64; 2], b: &[f64]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Discs before a face, and behind it after the step: their approach, how their centres slide, velocities
-/// and spins, and the state.
+/// Discs before a face, and behind it after the step: their approach, how their centres slide,
+/// velocities and spins, and the state.
 fn thrown(
     numbers: &mut Numbers,
     bodies: usize,
@@ -415,7 +416,8 @@ fn spins_that_cannot_be_are_refused() {
     assert!(matches!(found, Some(SceneError::Axes { found: 5, expected: 4, .. })));
     let goal = disc().with_goal(Region::point([0.5, 0.5, 0.0, 0.0]));
     assert!(spinning(goal).hybrid_system().is_ok());
-    // Maps that add energy: a spin makes room for more along the surface, not for more than there is.
+    // Maps that add energy: a spin makes room for more along the surface, not for more than there
+    // is.
     let with = |body: Body, keep: f64, from_normal: f64| {
         let surface = bounce(0.6).with_linear_map(keep, from_normal);
         scene(body).with_obstacle(Solid::halfspace("wall", [1.0, 0.0], -1.0, surface))

@@ -3,9 +3,9 @@
 //! Once it is said which steps have an impact, the reflecting law is linear: every state is an
 //! affine function of a(0), ..., a(τ-1), and a plan is a point that satisfies linear inequalities.
 //! All sets of impacts are tried, whatever their number, since no small number of impacts is enough
-//! in general: a vehicle that is pushed towards the wall may have to bounce in every second step. The
-//! one shortcut is that a set whose first steps alone are impossible is dropped together with all
-//! sets that begin like it: their rows are among the rows of every longer set.
+//! in general: a vehicle that is pushed towards the wall may have to bounce in every second step.
+//! The one shortcut is that a set whose first steps alone are impossible is dropped together with
+//! all sets that begin like it: their rows are among the rows of every longer set.
 
 use carom::collision_tolerant::{Collisions, Scenario};
 

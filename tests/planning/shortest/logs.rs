@@ -1,4 +1,5 @@
-//! Logs of refuted horizons and of the plan, judged by a checker that shares no code with the crate.
+//! Logs of refuted horizons and of the plan, judged by a checker that shares no code with the
+//! crate.
 
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -29,8 +30,8 @@ fn logging(folder: &Path) -> BranchAndBound {
     BranchAndBound::new(Options::default().with_proof(folder))
 }
 
-/// Checks that there is a log for every horizon of the outcome, that each is accepted, and that each claims what
-/// the outcome says. Returns the point of the plan by column.
+/// Checks that there is a log for every horizon of the outcome, that each is accepted, and that
+/// each claims what the outcome says. Returns the point of the plan by column.
 fn is_proved<P>(found: &Shortest<P>, folder: &Path) -> HashMap<String, f64> {
     assert_eq!(found.unlogged().collect::<Vec<_>>(), [0; 0]);
     let refuted = found.refuted_steps.unwrap_or(0);
@@ -83,8 +84,8 @@ fn stated(log: &str) -> &str {
     log.split("\nclaim ").next().unwrap()
 }
 
-/// Both laws of the paper, with and without collisions, and with a limit on the damage; every program is the one
-/// that the scenario states, without what sets say.
+/// Both laws of the paper, with and without collisions, and with a limit on the damage; every
+/// program is the one that the scenario states, without what sets say.
 #[test]
 fn the_paper_is_logged() -> Result<(), Error> {
     let paper = Scenario::paper().with_time_step(0.1).with_restitution(0.5)?;

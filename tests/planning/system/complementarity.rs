@@ -1,5 +1,5 @@
-//! Linear complementarity systems: plans against the two lines of their definition, and the statement by
-//! matrices against that by handles.
+//! Linear complementarity systems: plans against the two lines of their definition, and the
+//! statement by matrices against that by handles.
 
 use crate::common::config;
 use carom::hybrid::{LinearComplementarity, Matrix};

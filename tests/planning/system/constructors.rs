@@ -55,7 +55,8 @@ fn free_auxiliaries_become_inputs() {
 
 #[test]
 fn outputs_have_names() {
-    // y = 2 x + u + 3 δ - z + 1 with z = x where δ, and a second output that is the same everywhere.
+    // y = 2 x + u + 3 δ - z + 1 with z = x where δ, and a second output that is the same
+    // everywhere.
     let outputs = |mld: MixedLogicalDynamical| {
         let d = [[1.0, 3.0, -1.0], [0.5, 0.0, 0.0]];
         mld.with_outputs(["y", "twice"], [[2.0], [2.0]], d, [1.0, 0.0])

@@ -222,7 +222,8 @@ fn a_run_is_a_table() {
     assert_eq!(run.to_string().lines().count(), 4);
 }
 
-/// Twelve digits, exponents for what is small, no sign before a zero, and 0 for what a solve leaves of it.
+/// Twelve digits, exponents for what is small, no sign before a zero, and 0 for what a solve leaves
+/// of it.
 #[test]
 fn numbers_of_a_table_are_readable() {
     let run = wall().simulate(&[1.0 / 3.0, -0.0], &[[1.4997e-11], [-0.0], [0.0], [1e-25]]).unwrap();

@@ -73,7 +73,8 @@ fn sets_say_the_same_in_the_units_of_the_statement() {
         let own = sets(units);
         assert!(own.0 && ordinary.0);
         for (a, b) in [(own.1, ordinary.1), (own.2, ordinary.2), (own.3, ordinary.3)] {
-            // Sets hold a margin, which is up to 1e-4 of a domain for the smallest of ordinary ones.
+            // Sets hold a margin, which is up to 1e-4 of a domain for the smallest of ordinary
+            // ones.
             assert!((a - b).abs() < 2e-3, "{units:?}: {own:?} instead of {ordinary:?}");
         }
     }

@@ -1,7 +1,8 @@
-//! A change of the units of length and time, or of the origin, changes nothing: the same steps and hits, the same
-//! loops, the same price, and an error where the digits of a float do not suffice.
+//! A change of the units of length and time, or of the origin, changes nothing: the same steps and
+//! hits, the same loops, the same price, and an error where the digits of a float do not suffice.
 //!
-//! The numbers that are compared come from the same statement in ordinary units; runs are simulated here once more.
+//! The numbers that are compared come from the same statement in ordinary units; runs are simulated
+//! here once more.
 
 mod cases;
 mod random;

@@ -43,7 +43,8 @@ fn rows_that_give_bound_less() {
     assert!((relaxed.cost().unwrap() - 1.5).abs() < 1e-5, "{relaxed}");
 }
 
-/// Without the goal, which lies in the obstacle, nothing bounds what the obstacle's indicators need.
+/// Without the goal, which lies in the obstacle, nothing bounds what the obstacle's indicators
+/// need.
 #[test]
 fn parts_without_bounds_are_searched_all_the_same() {
     let model = walk([1.6, 1.7]);

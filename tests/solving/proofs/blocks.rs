@@ -18,7 +18,8 @@ impl Numbers {
     }
 }
 
-/// A random program of blocks; with `is_linked`, a fixed column and a row that cannot fail are in all of them.
+/// A random program of blocks; with `is_linked`, a fixed column and a row that cannot fail are in
+/// all of them.
 fn blocks(numbers: &mut Numbers, is_linked: bool, has_point: bool) -> Result<Model, Error> {
     let mut model = Model::new("blocks");
     let count = 2 + numbers.below(3) as usize;

@@ -50,8 +50,9 @@ fn cones_over_bounded_columns_are_proved() -> Result<(), Error> {
     Ok(())
 }
 
-/// Random programs that place things on a line, with distances that no bound limits and squares: multipliers that
-/// should be 0 are not quite, and the tangent's point is at bounds. Each log is complete.
+/// Random programs that place things on a line, with distances that no bound limits and squares:
+/// multipliers that should be 0 are not quite, and the tangent's point is at bounds. Each log is
+/// complete.
 #[test]
 fn distances_without_bounds_are_proved() -> Result<(), Error> {
     let mut numbers = Numbers(8);

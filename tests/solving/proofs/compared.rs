@@ -1,5 +1,6 @@
-//! Model files against the headers of logs that solves of them write: the same program; and another one once a row is
-//! added to the log, or left out, a coefficient or a bound changed, a column marked as integral.
+//! Model files against the headers of logs that solves of them write: the same program; and another
+//! one once a row is added to the log, or left out, a coefficient or a bound changed, a column
+//! marked as integral.
 
 use std::time::Duration;
 
@@ -38,12 +39,13 @@ fn read(kind: usize, seed: u64) -> Option<(String, Model, Format)> {
     read.ok().map(|read| (text, read.model, format))
 }
 
-/// A log with a change that makes it another program; `None` if there is nothing to change, or if the change might be
-/// none: of rows that bound a column, of one of two rows over the same columns.
+/// A log with a change that makes it another program; `None` if there is nothing to change, or if
+/// the change might be none: of rows that bound a column, of one of two rows over the same columns.
 ///
 /// # Arguments
 ///
-/// * `has_switches`: whether some rows are switched off by binaries, which may do so by more than they must.
+/// * `has_switches`: whether some rows are switched off by binaries, which may do so by more than
+///   they must.
 fn changed(header: &str, has_switches: bool, r: &mut Random) -> Option<(&'static str, String)> {
     let mut lines: Vec<String> = header.lines().map(ToOwned::to_owned).collect();
     let places = |letter: &str| -> Vec<usize> {
@@ -99,7 +101,8 @@ fn changed(header: &str, has_switches: bool, r: &mut Random) -> Option<(&'static
                 lines[place].split_ascii_whitespace().map(ToOwned::to_owned).collect();
             let entries: usize = words[3].parse().ok()?;
             let k = 5 + 2 * r.below(entries.max(1));
-            // A multiple of a column as the entry of a cone: of that column alone, another one may say the same.
+            // A multiple of a column as the entry of a cone: of that column alone, another one may
+            // say the same.
             let is_multiple = entries == 2 && words[1..3] == ["0", "0"];
             if entries == 0 || is_multiple || words[1..3] == ["-inf", "inf"] {
                 return None;

@@ -1,5 +1,6 @@
-//! Logs that were damaged: a number, a reference, a sign, a missing case, a doubled step, a file that ends
-//! early. The count of steps at the end is made right again, so that it does not give the damage away.
+//! Logs that were damaged: a number, a reference, a sign, a missing case, a doubled step, a file
+//! that ends early. The count of steps at the end is made right again, so that it does not give the
+//! damage away.
 
 use carom_proof::{Claim, check};
 
@@ -29,8 +30,8 @@ const KINDS: [Damage; 7] = [
     Damage::Truncation,
 ];
 
-/// A thousand damaged logs. The truth is found by trying all points in exact arithmetic: what the checker
-/// accepts is true, and with a claim beyond the truth it accepts none of them.
+/// A thousand damaged logs. The truth is found by trying all points in exact arithmetic: what the
+/// checker accepts is true, and with a claim beyond the truth it accepts none of them.
 #[test]
 fn damaged_logs_prove_nothing_false() {
     let mut random = Random::new(7);
@@ -72,7 +73,8 @@ fn damaged_logs_prove_nothing_false() {
     assert!(accepted < 500, "{accepted} of 1000");
 }
 
-/// The lines of a log with some damage at or behind its claim; `None` if the damage changes nothing.
+/// The lines of a log with some damage at or behind its claim; `None` if the damage changes
+/// nothing.
 fn damage(lines: &[&str], claim: usize, kind: Damage, random: &mut Random) -> Option<Vec<String>> {
     let mut all: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
     let last = all.len() - 1;

@@ -1,5 +1,6 @@
-//! Programs of which a search uses more than their rows imply: truth values that are continuous, columns with a
-//! code of binaries, and columns that can be shifted together. Their logs declare it.
+//! Programs of which a search uses more than their rows imply: truth values that are continuous,
+//! columns with a code of binaries, and columns that can be shifted together. Their logs declare
+//! it.
 
 use carom::model::Model;
 use carom::prelude::*;
@@ -21,8 +22,8 @@ fn count(model: &Model, name: &str, commands: [&str; 3]) -> Result<[usize; 3], E
     Ok(commands.map(|command| text.lines().filter(|line| line.starts_with(command)).count()))
 }
 
-/// A formula over binaries, true at any point: conjunctions and disjunctions of what is below them, as continuous
-/// columns, and a choice of one of four by two binaries.
+/// A formula over binaries, true at any point: conjunctions and disjunctions of what is below them,
+/// as continuous columns, and a choice of one of four by two binaries.
 fn formula(random: &mut Random) -> Result<Model, Error> {
     let mut model = Model::new("formula");
     let mut nodes: Vec<Variable> =

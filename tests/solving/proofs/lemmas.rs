@@ -1,5 +1,5 @@
-//! Programs whose trees are small because big-Ms are smaller, bounds hold in all cases, or cuts are added: their
-//! logs begin with lemmas, and are small as well.
+//! Programs whose trees are small because big-Ms are smaller, bounds hold in all cases, or cuts are
+//! added: their logs begin with lemmas, and are small as well.
 
 use super::is_proved;
 use crate::instances::suite::suite;

@@ -58,8 +58,8 @@ fn is_proved(model: &Model, name: &str) -> Solution {
     solution
 }
 
-/// Random programs with exact answers: each complete log is accepted and true, each other one is rejected,
-/// and hardly any is incomplete.
+/// Random programs with exact answers: each complete log is accepted and true, each other one is
+/// rejected, and hardly any is incomplete.
 #[test]
 fn logs_of_random_programs_are_accepted() {
     let (mut logs, mut incomplete) = (0, 0);
@@ -85,8 +85,8 @@ fn logs_of_random_programs_are_accepted() {
     assert!(logs > 50 && 10 * incomplete <= logs, "{incomplete} of {logs} are incomplete");
 }
 
-/// A program with an integer that rounding decides about, one with a quadratic cost without bounds, one with
-/// a cone, one without a point, one that is maximised.
+/// A program with an integer that rounding decides about, one with a quadratic cost without bounds,
+/// one with a cone, one without a point, one that is maximised.
 #[test]
 fn logs_of_each_kind_of_program_are_accepted() -> Result<(), Error> {
     let mut model = Model::new("knapsack");
@@ -135,8 +135,8 @@ fn logs_of_each_kind_of_program_are_accepted() -> Result<(), Error> {
     Ok(())
 }
 
-/// A linear program whose multipliers cancel exactly where a column has no bound, although those of its
-/// relaxation leave rounding there.
+/// A linear program whose multipliers cancel exactly where a column has no bound, although those of
+/// its relaxation leave rounding there.
 #[test]
 fn sums_without_bounds_cancel_exactly() -> Result<(), Error> {
     let mut model = Model::new("without bounds");
@@ -159,8 +159,9 @@ fn sums_without_bounds_cancel_exactly() -> Result<(), Error> {
     Ok(())
 }
 
-/// Linear programs over columns without upper bounds, most of which have no point: each log is complete, although
-/// the multipliers of a relaxation are rounded and no bound makes up for a coefficient of the wrong sign.
+/// Linear programs over columns without upper bounds, most of which have no point: each log is
+/// complete, although the multipliers of a relaxation are rounded and no bound makes up for a
+/// coefficient of the wrong sign.
 #[test]
 fn signs_that_rounding_has_turned_are_turned_back() -> Result<(), Error> {
     let mut state = 7_u64;
@@ -203,9 +204,9 @@ fn signs_that_rounding_has_turned_are_turned_back() -> Result<(), Error> {
     Ok(())
 }
 
-/// A temporal formula in which a few binaries decide about many continuous truth values: always beside a box,
-/// and at some time in one of two others. The search splits truth values, and the proof the binaries behind
-/// them, so that it is not larger than the tree by much.
+/// A temporal formula in which a few binaries decide about many continuous truth values: always
+/// beside a box, and at some time in one of two others. The search splits truth values, and the
+/// proof the binaries behind them, so that it is not larger than the tree by much.
 #[test]
 fn truth_values_are_split_by_the_binaries_behind_them() -> Result<(), Error> {
     for (k, goals) in [[(8, 5), (5, 0)], [(5, -6), (5, 3)], [(6, 1), (5, 4)]].iter().enumerate() {
@@ -226,8 +227,8 @@ struct Formula {
 }
 
 impl Formula {
-    /// A point that moves by at most 3 a step, and comes into a unit square at the corner of one of `goals`,
-    /// around a square.
+    /// A point that moves by at most 3 a step, and comes into a unit square at the corner of one of
+    /// `goals`, around a square.
     fn of(goals: &[(i32, i32)], steps: usize) -> Model {
         let mut formula = Formula::default();
         let top = formula.truth();
@@ -281,7 +282,8 @@ impl Formula {
         }
     }
 
-    /// A truth value of which one part holds if it does; binaries are the code of the part, 0 for none.
+    /// A truth value of which one part holds if it does; binaries are the code of the part, 0 for
+    /// none.
     fn one_holds(&mut self, truth: &str, parts: &[String]) {
         self.rows.push(format!("{} - {truth} = 0", parts.join(" + ")));
         let bits = usize::BITS - parts.len().leading_zeros();
@@ -322,7 +324,8 @@ impl Formula {
     }
 }
 
-/// A claim that is a little too good has no proof: the log ends, and the checker rejects a step of it.
+/// A claim that is a little too good has no proof: the log ends, and the checker rejects a step of
+/// it.
 #[test]
 fn false_claims_have_no_proof() {
     for seed in 0..60 {

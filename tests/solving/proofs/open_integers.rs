@@ -1,4 +1,5 @@
-//! Programs of all kinds with integers that have no bounds: a log that is called complete is accepted.
+//! Programs of all kinds with integers that have no bounds: a log that is called complete is
+//! accepted.
 
 use std::time::Duration;
 
@@ -19,8 +20,8 @@ fn solved(model: &Model, name: &str) -> Result<(Solution, Vec<u8>), Error> {
     Ok((solution, log))
 }
 
-/// Checks that a log that is called complete is accepted, and an incomplete one is not, and that no point is better
-/// than what is proved. Returns whether there is a complete log.
+/// Checks that a log that is called complete is accepted, and an incomplete one is not, and that no
+/// point is better than what is proved. Returns whether there is a complete log.
 fn is_as_it_says(model: &Model, name: &str, text: &str) -> Result<bool, TestCaseError> {
     // Refused, with a reason: an indicator without an M, squares that are not convex.
     let Ok((solution, log)) = solved(model, name) else { return Ok(false) };
@@ -97,8 +98,8 @@ fn bounds_of_integers_may_be_any() {
     }
 }
 
-/// A square form that is singular, with a factor that is no float, over a column without a bound: it is made steep
-/// there at the cost of the column that has bounds.
+/// A square form that is singular, with a factor that is no float, over a column without a bound:
+/// it is made steep there at the cost of the column that has bounds.
 #[test]
 fn singular_squares_beside_open_columns_have_proofs() {
     let two = "18 x ^ 2 - 84 x * y + 98 y ^ 2";

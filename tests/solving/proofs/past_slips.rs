@@ -1,8 +1,8 @@
-//! Three optima that an earlier version took for proved, each from a slip of its own: a tolerance that grew
-//! with the terms of a row, an excluded case of a hull, a square without bounds.
+//! Three optima that an earlier version took for proved, each from a slip of its own: a tolerance
+//! that grew with the terms of a row, an excluded case of a hull, a square without bounds.
 //!
-//! With a slip brought back, the answer is wrong and called optimal, and its log says where; or the search
-//! notices by itself.
+//! With a slip brought back, the answer is wrong and called optimal, and its log says where; or the
+//! search notices by itself.
 
 // Other builds have no slips.
 #![cfg_attr(not(debug_assertions), allow(unused_imports, dead_code))]
@@ -18,12 +18,12 @@ use super::{file, is_proved};
 use crate::torture::generator;
 use crate::torture::oracle::{Truth, truth};
 
-/// Programs with free columns and terms of 1e6 to 1e10, of which a tolerance that grows with the terms makes
-/// false optima.
+/// Programs with free columns and terms of 1e6 to 1e10, of which a tolerance that grows with the
+/// terms makes false optima.
 const LARGE: [u64; 5] = [776, 1432, 1623, 2042, 3018];
 
-/// Solves a program without heuristics and without rules that make it smaller. Returns the solution and the
-/// log.
+/// Solves a program without heuristics and without rules that make it smaller. Returns the solution
+/// and the log.
 fn solved(model: &Model, start: Option<&MipStart>, name: &str) -> (Solution, String) {
     let path = file(name);
     let options = Options::default().with_heuristics(Heuristics::none()).with_reductions(false);
@@ -145,8 +145,8 @@ fn a_case_left_out_of_a_hull_is_rejected_where_it_has_a_point() -> Result<(), Er
     Ok(())
 }
 
-/// An accepted point that a slip excludes, or makes dearer, ends it: the answer is the right one, and the
-/// contradiction is counted.
+/// An accepted point that a slip excludes, or makes dearer, ends it: the answer is the right one,
+/// and the contradiction is counted.
 #[test]
 #[cfg(debug_assertions)]
 fn accepted_points_contradict_the_slips() -> Result<(), Error> {

@@ -1,4 +1,5 @@
-//! Squares that binaries switch off: the logs of programs with them are made tighter by products that are 0.
+//! Squares that binaries switch off: the logs of programs with them are made tighter by products
+//! that are 0.
 
 use carom::model::Model;
 use carom::prelude::*;
@@ -7,8 +8,9 @@ use carom_proof::check;
 use super::solved;
 use crate::torture::generator::Random;
 
-/// Units that are on or off in some periods, with quadratic costs, limits while they are on, costs of starts and
-/// a demand. `at` is the value of a unit while it is off; binaries may be turned round or shared by two units.
+/// Units that are on or off in some periods, with quadratic costs, limits while they are on, costs
+/// of starts and a demand. `at` is the value of a unit while it is off; binaries may be turned
+/// round or shared by two units.
 fn units(random: &mut Random) -> Result<Model, Error> {
     let mut model = Model::new("units");
     let (many, periods) = (2 + random.below(3), 1 + random.below(3));
@@ -66,7 +68,8 @@ fn units(random: &mut Random) -> Result<Model, Error> {
     Ok(model)
 }
 
-/// Each log is complete and accepted, and claims the answer of a solve without a log. Most have products.
+/// Each log is complete and accepted, and claims the answer of a solve without a log. Most have
+/// products.
 #[test]
 fn logs_of_switched_squares_are_accepted() -> Result<(), Error> {
     let mut random = Random::new(5);

@@ -1,5 +1,5 @@
-//! Random model files with what readers and proofs find hard: integers without bounds, bounds that are not whole,
-//! squares, quadratic rows, cones, indicators, odd names, repeated entries.
+//! Random model files with what readers and proofs find hard: integers without bounds, bounds that
+//! are not whole, squares, quadratic rows, cones, indicators, odd names, repeated entries.
 
 use std::fmt::Write as _;
 
@@ -14,7 +14,8 @@ fn term(coefficient: i32, name: &str) -> String {
     }
 }
 
-/// Products of a sum of squares of random forms, each at least 0: `row <= column`, in whole numbers.
+/// Products of a sum of squares of random forms, each at least 0: `row <= column`, in whole
+/// numbers.
 fn squares(r: &mut Random, columns: usize) -> Vec<(usize, usize, i32)> {
     let mut matrix = vec![0; columns * columns];
     for _ in 0..1 + r.below(2) {

@@ -1,4 +1,5 @@
-//! Proofs of solves in every way: no way of solving leaves an answer without its log, or without a word.
+//! Proofs of solves in every way: no way of solving leaves an answer without its log, or without a
+//! word.
 
 use carom::model::Model;
 use carom::prelude::*;
@@ -96,8 +97,8 @@ fn prepared_solves_have_logs() -> Result<(), Error> {
     Ok(())
 }
 
-/// Lazy constraints and user cuts that were found are rows of the program in the log, which is written
-/// once.
+/// Lazy constraints and user cuts that were found are rows of the program in the log, which is
+/// written once.
 #[test]
 fn rows_that_are_found_are_rows_of_the_log() -> Result<(), Error> {
     let (model, x, _) = knapsack()?;

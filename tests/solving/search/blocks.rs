@@ -1,4 +1,5 @@
-//! Programs that fall apart: block by block or as a whole, the answer is that of all parts together.
+//! Programs that fall apart: block by block or as a whole, the answer is that of all parts
+//! together.
 
 use carom::prelude::*;
 use proptest::prelude::*;

@@ -35,8 +35,8 @@ fn incumbents_are_reported_with_their_points() {
     }
 }
 
-/// What presolve has left, the relaxed root and the root, in this order and once each, with bounds that get
-/// tighter.
+/// What presolve has left, the relaxed root and the root, in this order and once each, with bounds
+/// that get tighter.
 #[test]
 fn the_phases_before_the_tree_are_told() {
     for threads in [1, 2] {
@@ -86,7 +86,8 @@ fn blocks_have_one_presolve_and_no_bound_of_a_part() {
     }
 }
 
-/// An interrupt while the root is cut keeps the bound that is proved by then, and the point of a start.
+/// An interrupt while the root is cut keeps the bound that is proved by then, and the point of a
+/// start.
 #[test]
 fn an_interrupt_before_the_tree_keeps_the_bound_and_the_start() {
     let model = knapsack(18, 4);

@@ -1,5 +1,5 @@
-//! Heuristics on and off: the answer never changes, each of them finds points, and limits hold inside
-//! their small searches.
+//! Heuristics on and off: the answer never changes, each of them finds points, and limits hold
+//! inside their small searches.
 
 use carom::prelude::*;
 use carom::solution::Heuristic;
@@ -112,8 +112,8 @@ fn each_heuristic_finds_points_on_its_own() {
     }
 }
 
-/// The relaxation of a pendulum beside a wall leans on the wall without touching it; its inputs carried
-/// out run into it. Rounding alone finds the plan that stays away, eight times as dear.
+/// The relaxation of a pendulum beside a wall leans on the wall without touching it; its inputs
+/// carried out run into it. Rounding alone finds the plan that stays away, eight times as dear.
 #[test]
 fn rolling_out_finds_the_contact() {
     let model = pendulum(40, [-0.05, 1.0], false);

@@ -133,8 +133,9 @@ fn sizes_out_of_range_are_refused() {
     }
 }
 
-/// A commitment of units with piecewise costs over some steps: most integers of its lowered form are
-/// auxiliary, and may take either value where nothing flows. With the binaries that are the user's.
+/// A commitment of units with piecewise costs over some steps: most integers of its lowered form
+/// are auxiliary, and may take either value where nothing flows. With the binaries that are the
+/// user's.
 fn commitment(demand: &[u8], prices: &[u8]) -> (Model, Vec<Variable>) {
     let mut model = Model::new("commitment");
     let (mut cost, mut switches) = (Affine::zero(), Vec::new());
@@ -202,8 +203,8 @@ proptest! {
     }
 }
 
-/// Auxiliary binaries that may take either value would each double the leaves; splitting at them, or
-/// leaving out cuts, takes thousands of nodes.
+/// Auxiliary binaries that may take either value would each double the leaves; splitting at them,
+/// or leaving out cuts, takes thousands of nodes.
 #[test]
 fn a_pool_of_a_commitment_takes_few_nodes() {
     let (model, _) = commitment(&[3, 9, 8, 4, 1, 7, 2, 0, 0, 6, 3, 5], &[2, 5, 7, 8]);

@@ -50,7 +50,8 @@ impl TreeExchange for Part<'_> {
                 }
                 (_, own) => store.best = own,
             }
-            // Nodes go wherever they are taken: a part with nodes gives some, a part without takes one.
+            // Nodes go wherever they are taken: a part with nodes gives some, a part without takes
+            // one.
             if is_idle && part.state().open == 0 {
                 let node = store.nodes.pop();
                 store.moved += usize::from(node.is_some());
@@ -86,7 +87,8 @@ impl TreeExchange for Part<'_> {
     }
 }
 
-/// Solves a model in so many parts; returns the answer of the first one and how many nodes have moved.
+/// Solves a model in so many parts; returns the answer of the first one and how many nodes have
+/// moved.
 fn solve(model: &Model, parts: usize) -> (Solution, usize) {
     let store = Store {
         // The root is the first part's.

@@ -144,8 +144,8 @@ fn a_start_without_a_point_is_rejected_in_words() {
     }
 }
 
-/// Presolve takes most of the columns out and decides some; a start from the optimum is accepted all the
-/// same, and so is one over other integers than are left.
+/// Presolve takes most of the columns out and decides some; a start from the optimum is accepted
+/// all the same, and so is one over other integers than are left.
 #[test]
 fn starts_go_through_presolve() {
     let mut model = Model::new("m");

@@ -68,7 +68,8 @@ proptest! {
     }
 }
 
-/// The dual simplex method is counted for linear relaxations, and the active-set method for curved ones.
+/// The dual simplex method is counted for linear relaxations, and the active-set method for curved
+/// ones.
 #[test]
 fn each_method_is_counted_under_its_own_name() {
     let counts = |curved: bool| {

@@ -95,7 +95,8 @@ impl Shape {
         }
     }
 
-    /// By how much the cone is missed at a point, in the unit of its row, and the size of its terms.
+    /// By how much the cone is missed at a point, in the unit of its row, and the size of its
+    /// terms.
     pub(crate) fn miss(&self, x: &[f64]) -> (f64, f64) {
         let size = |tail: &[Form]| tail.iter().map(|form| form.magnitude(x)).sum::<f64>();
         match self {

@@ -1,5 +1,5 @@
-//! The best point of a program with cones for fixed integers: Clarabel, and a translation that shares no
-//! code with the crate.
+//! The best point of a program with cones for fixed integers: Clarabel, and a translation that
+//! shares no code with the crate.
 //!
 //! Columns are divided by their units, and rows and cones by their largest coefficients.
 

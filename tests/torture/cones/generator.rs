@@ -1,9 +1,9 @@
 //! Random programs with cones: under no condition, under binaries with and without a given M, in
-//! disjunctions, as costs; with whole numbers, parameters, equalities, open columns, tangent and empty
-//! insides, repeated and constant entries, and units from 1e-4 to 1e4.
+//! disjunctions, as costs; with whole numbers, parameters, equalities, open columns, tangent and
+//! empty insides, repeated and constant entries, and units from 1e-4 to 1e4.
 //!
-//! A program is a function of its seed. It is made around a point that keeps it, mostly, in numbers that are
-//! small whole numbers times powers of two, with lengths that are whole.
+//! A program is a function of its seed. It is made around a point that keeps it, mostly, in numbers
+//! that are small whole numbers times powers of two, with lengths that are whole.
 
 use carom::ErrorKind;
 use carom::model::Method;
@@ -369,8 +369,8 @@ impl ConicCase {
         !self.build().is_err_and(refused)
     }
 
-    /// Drops the cones that models refuse: without variables, or with a head of unknown sign. Norms whose
-    /// head may be negative are not written with squares, which would say something else.
+    /// Drops the cones that models refuse: without variables, or with a head of unknown sign. Norms
+    /// whose head may be negative are not written with squares, which would say something else.
     pub(super) fn drop_refused(&mut self) {
         let columns = &self.base.columns;
         let choices = self.choices.iter_mut().flat_map(|choice| &mut choice.terms);

@@ -1,5 +1,5 @@
-//! The same program in other coordinates: continuous columns are shifted, scaled and turned, by numbers
-//! that do not round.
+//! The same program in other coordinates: continuous columns are shifted, scaled and turned, by
+//! numbers that do not round.
 
 use super::case::{ConicCase, Form, Shape};
 use crate::common::case::{Column, Line};
@@ -87,8 +87,8 @@ impl ConicCase {
         moved
     }
 
-    /// Turns two columns whose signs no cone needs, if there are two; adds a row for each column, one without
-    /// terms where its bounds stay bounds.
+    /// Turns two columns whose signs no cone needs, if there are two; adds a row for each column,
+    /// one without terms where its bounds stay bounds.
     fn turn(&mut self, free: &[usize], turn: &mut [Vec<f64>], r: &mut Random) {
         let n = self.base.columns.len();
         let mut is_needed = vec![false; n];

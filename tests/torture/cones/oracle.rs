@@ -1,10 +1,11 @@
-//! The answer to a random program with cones by enumeration of its integers, and the verdict on a solver's.
+//! The answer to a random program with cones by enumeration of its integers, and the verdict on a
+//! solver's.
 //!
-//! Optima of cones are no fractions, so they are known up to the digits of Clarabel. Where an answer differs
-//! by more than those, the program with every row and cone a little tighter decides: a bound beyond *its*
-//! optimum, or a point that is worse, is wrong, and what lies between the two is a matter of digits
-//! ([`Verdict::Borderline`]). Programs know a point that is feasible without any tolerance, mostly, and that
-//! is asked first.
+//! Optima of cones are no fractions, so they are known up to the digits of Clarabel. Where an
+//! answer differs by more than those, the program with every row and cone a little tighter decides:
+//! a bound beyond *its* optimum, or a point that is worse, is wrong, and what lies between the two
+//! is a matter of digits ([`Verdict::Borderline`]). Programs know a point that is feasible without
+//! any tolerance, mostly, and that is asked first.
 
 use carom::prelude::*;
 
@@ -205,9 +206,9 @@ fn checked(
     Ok(if borderline { Verdict::Borderline } else { Verdict::Right })
 }
 
-/// Whether a program has no answer within the digits of doubles: cones that only touch have no multipliers,
-/// so that a bound near the optimum has no proof, and what is feasible or best there depends on the last
-/// digits of every row.
+/// Whether a program has no answer within the digits of doubles: cones that only touch have no
+/// multipliers, so that a bound near the optimum has no proof, and what is feasible or best there
+/// depends on the last digits of every row.
 pub(crate) fn is_ill_posed(case: &ConicCase, truth: &ConicTruth) -> bool {
     let (Some((value, point)), false) = (&truth.least, truth.unknown) else { return true };
     let tight = self::truth(case, TIGHTER);

@@ -1,7 +1,8 @@
-//! Random programs whose cones whole numbers make thin: heads at 0, and heads that are as long as a tail.
+//! Random programs whose cones whole numbers make thin: heads at 0, and heads that are as long as a
+//! tail.
 //!
-//! All but two columns are whole, and rows and bounds leave them few values, so that a node often fixes a head and
-//! entries of its tail that take up all of it.
+//! All but two columns are whole, and rows and bounds leave them few values, so that a node often
+//! fixes a head and entries of its tail that take up all of it.
 
 use carom::prelude::VariableKind;
 

@@ -10,9 +10,9 @@ use crate::model::{Affine, Row};
 
 impl Scenario {
     /// The program of the scenario over a horizon for explanations: start, goal and limits are
-    /// named statements over wider domains, so that `explain` can name them.
-    /// Everything else is background. The plans are the same as those of [`program`](Scenario::program), which
-    /// is much faster to solve. Only a limit on a sum of energies may be stricter, because the chords that
+    /// named statements over wider domains, so that `explain` can name them. Everything else is
+    /// background. The plans are the same as those of [`program`](Scenario::program), which is much
+    /// faster to solve. Only a limit on a sum of energies may be stricter, because the chords that
     /// bound an energy are longer over wider domains. There is no objective.
     ///
     /// | statement | meaning | paper |

@@ -25,16 +25,16 @@ pub struct PlanCertificate {
     /// The check of every step against the [scenario's system](Scenario::hybrid_system): limits,
     /// guards and next states.
     pub run: RunCertificate,
-    /// The replay through the scenario's scene, step by step and from the first
-    /// sample alone, which agrees with the plan within [`tolerance::REPLAY`], and with impacts where
-    /// they happen, which measures the discretisation error. Scenes do not have the literal law; its
-    /// residual and drift are those of `run`.
+    /// The replay through the scenario's scene, step by step and from the first sample alone, which
+    /// agrees with the plan within [`tolerance::REPLAY`], and with impacts where they happen, which
+    /// measures the discretisation error. Scenes do not have the literal law; its residual and
+    /// drift are those of `run`.
     pub replay: SceneCertificate,
 }
 
 /// A certified plan. It is nominal: [pushes](Scenario::with_pushes) and the
-/// [spread](Scenario::with_spread) of the restitution are left out; plans that hold under them are made by
-/// [`HybridProgram::robust`](crate::hybrid::HybridProgram::robust).
+/// [spread](Scenario::with_spread) of the restitution are left out; plans that hold under them are
+/// made by [`HybridProgram::robust`](crate::hybrid::HybridProgram::robust).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -54,12 +54,13 @@ pub struct Plan {
     pub termination: Termination,
     /// Counts and time of the solve.
     pub statistics: Statistics,
-    /// Whether it is proved that no plan of so many steps has fewer impacts (with prices of damage: a
-    /// smaller sum of impacts and prices). Only [`Scenario::shortest_plan`] looks for the fewest.
+    /// Whether it is proved that no plan of so many steps has fewer impacts (with prices of damage:
+    /// a smaller sum of impacts and prices). Only [`Scenario::shortest_plan`] looks for the fewest.
     pub fewest_impacts: bool,
     /// The solves that minimised the impacts.
     pub refinements: Vec<Statistics>,
-    /// The plans of the [cases](PlanningProgram::add_case), by name, each certified against its own scenario.
+    /// The plans of the [cases](PlanningProgram::add_case), by name, each certified against its own
+    /// scenario.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "BTreeMap::is_empty"))]
     pub cases: BTreeMap<String, Plan>,
 }
@@ -67,8 +68,8 @@ pub struct Plan {
 impl Scenario {
     /// Plans over a fixed horizon.
     ///
-    /// Reach sets come first. They may prove that there is no plan, and they fix contacts and tighten
-    /// bounds of the [program](Scenario::program) before it is solved.
+    /// Reach sets come first. They may prove that there is no plan, and they fix contacts and
+    /// tighten bounds of the [program](Scenario::program) before it is solved.
     ///
     /// ```
     /// use carom::collision_tolerant::{Objective, Scenario};
@@ -109,19 +110,20 @@ impl Scenario {
 
 impl PlanningProgram {
     /// Solves the program. The plan is certified: limits, start and goal are checked against the
-    /// scenario, its accelerations are replayed twice by code that shares nothing with the rows, and the
-    /// solution is verified against all rows of the program.
+    /// scenario, its accelerations are replayed twice by code that shares nothing with the rows,
+    /// and the solution is verified against all rows of the program.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because it was
-    /// stopped; errors of the solver; [`RunError`](crate::hybrid::RunError) and [`SceneError`] for a plan
-    /// that is not what the scenario says.
+    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because
+    /// it was stopped; errors of the solver; [`RunError`](crate::hybrid::RunError) and
+    /// [`SceneError`] for a plan that is not what the scenario says.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<Plan, Error> {
         self.solve_with(solver, &mut Control::default())
     }
 
-    /// Solves the program with events, warm starts and limits, as [`solve`](PlanningProgram::solve).
+    /// Solves the program with events, warm starts and limits, as
+    /// [`solve`](PlanningProgram::solve).
     ///
     /// # Errors
     ///
@@ -135,8 +137,8 @@ impl PlanningProgram {
         self.read(&*self.program.settled(&solution, Some(solver))?)
     }
 
-    /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for those who
-    /// solve it themselves.
+    /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for
+    /// those who solve it themselves.
     ///
     /// # Errors
     ///
@@ -180,9 +182,9 @@ fn no_point(termination: Termination) -> Error {
 }
 
 impl Plan {
-    /// A plan with the same contacts and steps whose accelerations are extreme: all but a few are at
-    /// the ends of their range, where they are only near in a plan from the middle of many. Bound
-    /// and objective stay those of this plan. The plan itself if there is nothing to choose.
+    /// A plan with the same contacts and steps whose accelerations are extreme: all but a few are
+    /// at the ends of their range, where they are only near in a plan from the middle of many.
+    /// Bound and objective stay those of this plan. The plan itself if there is nothing to choose.
     ///
     /// # Arguments
     ///

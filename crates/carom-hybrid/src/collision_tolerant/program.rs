@@ -15,7 +15,8 @@ use crate::model::{Affine, Family, Model, Quadratic};
 
 /// The objective of a plan over a fixed horizon.
 ///
-/// The prices of the scenario's damage are added, except with [`Feasibility`](Objective::Feasibility).
+/// The prices of the scenario's damage are added, except with
+/// [`Feasibility`](Objective::Feasibility).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -40,8 +41,8 @@ pub(super) enum Ends {
 
 /// The program of one horizon: a [`HybridProgram`], and the paper's variables in it by step.
 ///
-/// It may be extended by rows and costs of your own. What the scenario says is then checked against the
-/// scenario itself.
+/// It may be extended by rows and costs of your own. What the scenario says is then checked against
+/// the scenario itself.
 ///
 /// ```
 /// use carom::collision_tolerant::{Objective, Scenario};
@@ -75,8 +76,8 @@ pub struct PlanningProgram {
     pub contact: Option<Family>,
     /// Impact speed of each step, in m/s, valid if ζ(t) = 1; empty if collisions are forbidden.
     pub impact_speed: Vec<Affine>,
-    /// D(0), ..., D(τ-1), in the unit of the scenario's rule, at least the damage of the step; empty
-    /// if the rule has neither a total nor a price.
+    /// D(0), ..., D(τ-1), in the unit of the scenario's rule, at least the damage of the step;
+    /// empty if the rule has neither a total nor a price.
     pub damage: Vec<Affine>,
     /// The impact speeds that count as damage, in m/s, if the model has them.
     pub(super) counted_speed: Option<Family>,
@@ -87,8 +88,8 @@ pub struct PlanningProgram {
 owns_program!(PlanningProgram);
 
 impl Scenario {
-    /// The program of the scenario over a horizon, row by row. [`plan`](Scenario::plan) tightens it by reach
-    /// sets before it is solved.
+    /// The program of the scenario over a horizon, row by row. [`plan`](Scenario::plan) tightens it
+    /// by reach sets before it is solved.
     ///
     /// # Arguments
     ///
@@ -96,8 +97,8 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// Those of [`Scenario::check`]; [`ErrorKind::OutOfRange`] for a number of steps that is not from 1 to
-    /// [`MAX_STEPS`](crate::tolerance::MAX_STEPS).
+    /// Those of [`Scenario::check`]; [`ErrorKind::OutOfRange`] for a number of steps that is not
+    /// from 1 to [`MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn program(&self, steps: usize, objective: Objective) -> Result<PlanningProgram, Error> {
         self.check()?;
         PlanningProgram::write(self, steps, objective, Ends::Fixed)
@@ -177,9 +178,9 @@ impl PlanningProgram {
         Ok((program, cost))
     }
 
-    /// Adds a case: another scenario, such as one with another restitution or another goal. In the steps before
-    /// `until` it has the accelerations of the program's scenario; from then on the cases can be told apart.
-    /// [Plans](super::Plan::cases) have those of the cases.
+    /// Adds a case: another scenario, such as one with another restitution or another goal. In the
+    /// steps before `until` it has the accelerations of the program's scenario; from then on the
+    /// cases can be told apart. [Plans](super::Plan::cases) have those of the cases.
     ///
     /// The objective stays as it is: add the returned cost with weights, or limit both by
     /// [`worst`](HybridProgram::worst).
@@ -191,7 +192,8 @@ impl PlanningProgram {
     /// // The wall rebounds by 0.2 or by 0.5, which is known after 20 steps.
     /// let goal = Region::from([0.1..=0.6, -0.4..=0.4]);
     /// let scenario = Scenario::paper().with_time_step(0.1).with_goal_region(goal);
-    /// let (soft, hard) = (scenario.clone().with_restitution(0.2)?, scenario.with_restitution(0.5)?);
+    /// let soft = scenario.clone().with_restitution(0.2)?;
+    /// let hard = scenario.with_restitution(0.5)?;
     /// let mut program = soft.program(28, Objective::Effort)?;
     /// let soft_cost = program.model().objective().clone();
     /// let hard_cost = program.add_case("hard", &hard, 20, Objective::Effort)?;
@@ -208,8 +210,9 @@ impl PlanningProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`Scenario::program`] for the case; [`ErrorKind::OutOfRange`] for steps beyond the horizon
-    /// and another time step; [`ErrorKind::DuplicateName`]. The program then stays as it was.
+    /// Those of [`Scenario::program`] for the case; [`ErrorKind::OutOfRange`] for steps beyond the
+    /// horizon and another time step; [`ErrorKind::DuplicateName`]. The program then stays as it
+    /// was.
     pub fn add_case(
         &mut self,
         name: &str,

@@ -79,8 +79,8 @@ impl Scenario {
         })
     }
 
-    /// The scenario under the reflecting law as a [scene](crate::hybrid::scene) on a line: one body,
-    /// one wall.
+    /// The scenario under the reflecting law as a [scene](crate::hybrid::scene) on a line: one
+    /// body, one wall.
     pub(super) fn scene(&self, horizon: &Horizon) -> Scene {
         let surface = match self.collisions {
             Collisions::Tolerated => {

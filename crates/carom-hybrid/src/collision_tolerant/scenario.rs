@@ -74,7 +74,8 @@ pub struct Scenario {
     /// Where it ends; equation (2).
     pub goal: Endpoint,
     /// Where it may end, if that is not only the position and the velocity of `goal`: a region of
-    /// position (m) and velocity (m/s), without modes. Only its part on the wall's free side counts.
+    /// position (m) and velocity (m/s), without modes. Only its part on the wall's free side
+    /// counts.
     pub goal_region: Option<Region>,
     /// Smallest and largest acceleration of free flight, in m/s²; equations (5), (6).
     pub acceleration: Interval,
@@ -91,8 +92,8 @@ pub struct Scenario {
     /// Which speed counts as the impact speed under the reflecting law; default
     /// [`ImpactEstimate::EndOfStep`], as in the paper.
     pub estimate: ImpactEstimate,
-    /// By how much pushes may change the velocity in each step, in m/s; default 0. Robust programs plan for all
-    /// of them, and others for none.
+    /// By how much pushes may change the velocity in each step, in m/s; default 0. Robust programs
+    /// plan for all of them, and others for none.
     #[cfg_attr(feature = "serde", serde(default = "still"))]
     pub pushes: Interval,
     /// Allowed positions, in m. If `None`, they extend as far as the vehicle can go and still reach
@@ -170,8 +171,8 @@ impl Scenario {
         self.with_goal(goal)
     }
 
-    /// Lets the plan end anywhere in a region of position (m) and velocity (m/s): a point or a range for
-    /// each. The acceleration of the goal stays as it is.
+    /// Lets the plan end anywhere in a region of position (m) and velocity (m/s): a point or a
+    /// range for each. The acceleration of the goal stays as it is.
     #[must_use]
     pub fn with_goal_region(mut self, region: impl Into<Region>) -> Self {
         self.goal_region = Some(region.into());
@@ -187,9 +188,11 @@ impl Scenario {
     /// // At most 0.5 m from the wall, and slow enough: |v| <= 2 x.
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let parked = scenario.with_goal_where(|x, v| [x.le(0.5), v.le(2.0 * x), v.ge(-2.0 * x)])?;
-    /// let found = parked.shortest_plan(&PlanningOptions::default(), &mut BranchAndBound::default())?;
+    /// let (options, mut solver) = (PlanningOptions::default(), BranchAndBound::default());
+    /// let found = parked.shortest_plan(&options, &mut solver)?;
     /// let trajectory = found.plan.expect("there is one").trajectory;
-    /// let (x, v) = (trajectory.position[trajectory.steps()], trajectory.velocity[trajectory.steps()]);
+    /// let last = trajectory.steps();
+    /// let (x, v) = (trajectory.position[last], trajectory.velocity[last]);
     /// assert!(x < 0.5 + 1e-6 && v.abs() < 2.0 * x + 1e-6);
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -247,8 +250,9 @@ impl Scenario {
     /// use carom::hybrid::Feedback;
     /// use carom::prelude::*;
     ///
-    /// // The paper's vehicle with a coarser step, beside a wall with a restitution from 0.2 to 0.4.
-    /// let scenario = Scenario::paper().with_time_step(0.1).with_restitution(0.3)?.with_spread(0.1);
+    /// // The paper's vehicle with a coarser step; the wall has a restitution from 0.2 to 0.4.
+    /// let scenario = Scenario::paper().with_time_step(0.1);
+    /// let scenario = scenario.with_restitution(0.3)?.with_spread(0.1);
     /// let goal = Region::from([0.2..=0.6, -0.4..=0.4]);
     /// let scenario = scenario.with_goal_region(goal).with_pushes(-0.02..=0.02);
     /// let program = scenario.program(30, Objective::Effort)?;
@@ -318,7 +322,8 @@ impl Scenario {
         scene.checked_as_stated().map(drop)
     }
 
-    /// The positions at which a plan may end, in m: on the wall's free side, if there are any there.
+    /// The positions at which a plan may end, in m: on the wall's free side, if there are any
+    /// there.
     fn goal_positions(&self) -> Interval {
         let Some(region) = &self.goal_region else { return Interval::point(self.goal.position) };
         let (all, at) = (range(region, 0), self.contact.wall.position());
@@ -354,9 +359,10 @@ impl Scenario {
     /// Whether waiting is free, so that the shortest horizon may be found by bisection.
     ///
     /// The vehicle can wait at the start if it is at rest there, zero acceleration is admissible
-    /// and the first acceleration is free or 0. It can wait at the goal if it is always at rest there
-    /// and zero acceleration is admissible (a(τ) is never applied, so its value does not matter).
-    /// Limits, wall and damage do not depend on the step, and the search has no running cost.
+    /// and the first acceleration is free or 0. It can wait at the goal if it is always at rest
+    /// there and zero acceleration is admissible (a(τ) is never applied, so its value does not
+    /// matter). Limits, wall and damage do not depend on the step, and the search has no running
+    /// cost.
     pub fn waiting(&self) -> Waiting {
         let coasting = self.acceleration.contains(0.0);
         if !coasting {

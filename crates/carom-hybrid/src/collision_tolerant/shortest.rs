@@ -74,7 +74,8 @@ impl Scenario {
         self.shortest_plan_with(options, solver, &mut |_| {})
     }
 
-    /// Same as [`shortest_plan`](Scenario::shortest_plan), with progress events on the calling thread.
+    /// Same as [`shortest_plan`](Scenario::shortest_plan), with progress events on the calling
+    /// thread.
     ///
     /// # Errors
     ///
@@ -122,8 +123,8 @@ impl Scenario {
         Ok(found)
     }
 
-    /// Solves the program of a plan as the scenario states it, and writes its log. The plan is then the point
-    /// in the log.
+    /// Solves the program of a plan as the scenario states it, and writes its log. The plan is then
+    /// the point in the log.
     fn log_plan(
         &self,
         objective: Objective,
@@ -144,10 +145,10 @@ impl Scenario {
         Ok(())
     }
 
-    /// The smallest number of steps for which a plan brings all disturbed runs to the goal, if the feedback
-    /// corrects the accelerations: as
-    /// [`HybridSystem::shortest_robust`](crate::hybrid::HybridSystem::shortest_robust). The number of impacts
-    /// is not minimised. The goal has to be a [region](Scenario::with_goal_region).
+    /// The smallest number of steps for which a plan brings all disturbed runs to the goal, if the
+    /// feedback corrects the accelerations: as
+    /// [`HybridSystem::shortest_robust`](crate::hybrid::HybridSystem::shortest_robust). The number
+    /// of impacts is not minimised. The goal has to be a [region](Scenario::with_goal_region).
     ///
     /// # Errors
     ///
@@ -164,8 +165,9 @@ impl Scenario {
         shortest_robust(&programs, &self.hybrid_system()?, feedback, options, solver)
     }
 
-    /// Finds the shortest plans without and with collisions. The first is a hint for the second. Logs of the
-    /// two, if the solver is asked for them, go to the folders `free` and `tolerant` in the folder.
+    /// Finds the shortest plans without and with collisions. The first is a hint for the second.
+    /// Logs of the two, if the solver is asked for them, go to the folders `free` and `tolerant` in
+    /// the folder.
     ///
     /// # Errors
     ///

@@ -75,7 +75,8 @@ impl Trajectory {
         })
     }
 
-    /// Adds an impact of a step: its time (s), its speed, and the speed that counts as damage (m/s).
+    /// Adds an impact of a step: its time (s), its speed, and the speed that counts as damage
+    /// (m/s).
     pub(super) fn add_impact(&mut self, step: usize, time: f64, [speed, damage]: [f64; 2], e: f64) {
         self.damage[step] = damage;
         let speed_after = e * speed;

@@ -1,9 +1,9 @@
 //! The search over beginnings of paths, the most promising one first.
 //!
-//! The cost of every path that begins in one way is at least the least cost of that beginning, less the
-//! potential of its last vertex at its point, plus the least sum of prices from there to the end: a convex
-//! program over the points of the beginning. Where a beginning is the whole path, the program is that of
-//! the path itself.
+//! The cost of every path that begins in one way is at least the least cost of that beginning, less
+//! the potential of its last vertex at its point, plus the least sum of prices from there to the
+//! end: a convex program over the points of the beginning. Where a beginning is the whole path, the
+//! program is that of the path itself.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -43,7 +43,8 @@ impl PartialOrd for Beginning {
 }
 
 impl Ord for Beginning {
-    /// The largest one in a heap has the least bound; of several the longest, so that some end early.
+    /// The largest one in a heap has the least bound; of several the longest, so that some end
+    /// early.
     fn cmp(&self, other: &Self) -> Ordering {
         let by_bound = other.bound.total_cmp(&self.bound);
         let by_length = || self.edges.len().cmp(&other.edges.len());
@@ -81,7 +82,8 @@ impl<'a> Beginnings<'a> {
         Beginnings { graph, potentials, prices, leave, edges_left }
     }
 
-    /// The best path, from a known one and the bound of the relaxation; `None` if there are too many beginnings or a program is not solved.
+    /// The best path, from a known one and the bound of the relaxation; `None` if there are too
+    /// many beginnings or a program is not solved.
     pub(super) fn search<S: Solver + ?Sized>(
         &self,
         known: ShortestPath,
@@ -155,7 +157,8 @@ impl<'a> Beginnings<'a> {
     fn program(&self, edges: &[usize]) -> Result<BeginningProgram, Error> {
         let graph = self.graph;
         let mut model = Model::new("beginning");
-        // A program with integers, if fixed ones, is solved without multipliers, which nobody asks for.
+        // A program with integers, if fixed ones, is solved without multipliers, which nobody asks
+        // for.
         let flow = model.binary("flow")?;
         model.fix(flow, 1.0)?;
         let (mut shifts, mut cost) = (Vec::new(), Affine::zero());

@@ -64,8 +64,8 @@ impl GraphOfSets {
     /// # Errors
     ///
     /// [`ErrorKind::UnboundedSet`] for an infinite end of a range, [`ErrorKind::CrossedBounds`],
-    /// [`ErrorKind::NotFinite`] for one that is no number, [`ErrorKind::DuplicateName`] for a name of another
-    /// vertex, [`ErrorKind::InvalidName`].
+    /// [`ErrorKind::NotFinite`] for one that is no number, [`ErrorKind::DuplicateName`] for a name
+    /// of another vertex, [`ErrorKind::InvalidName`].
     pub fn vertex(
         &mut self,
         name: impl Into<Name>,
@@ -101,8 +101,8 @@ impl GraphOfSets {
         Ok(GraphVertex { index, tag: self.frame.tag() })
     }
 
-    /// The coordinates of the point of a vertex, for expressions of its statements and costs and of those of
-    /// its edges.
+    /// The coordinates of the point of a vertex, for expressions of its statements and costs and of
+    /// those of its edges.
     ///
     /// # Errors
     ///
@@ -115,8 +115,8 @@ impl GraphOfSets {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::Misplaced`] if both ends are the same, because a path
-    /// visits a vertex once.
+    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::Misplaced`] if both ends are the same, because a
+    /// path visits a vertex once.
     pub fn edge(&mut self, from: GraphVertex, to: GraphVertex) -> Result<GraphEdge, Error> {
         let ends = self.two_ends(from, to, "an edge")?;
         let [from, to] = ends.map(|end| self.vertices[end].name.to_string());
@@ -142,12 +142,13 @@ impl GraphOfSets {
         Ok([self.edge(one, other)?, self.edge(other, one)?])
     }
 
-    /// Adds a convex statement over the coordinates of a vertex, or over those of both ends of an edge.
+    /// Adds a convex statement over the coordinates of a vertex, or over those of both ends of an
+    /// edge.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::Misplaced`] for a coordinate of another vertex; and those of
-    /// [`Model::add`] for a row that says nothing or is not convex.
+    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::Misplaced`] for a coordinate of another vertex;
+    /// and those of [`Model::add`] for a row that says nothing or is not convex.
     pub fn add(
         &mut self,
         place: impl Into<GraphPlace>,
@@ -166,8 +167,8 @@ impl GraphOfSets {
         Ok(())
     }
 
-    /// Adds a convex cost over the coordinates of a vertex, or over those of both ends of an edge, which
-    /// a path pays that visits the vertex or takes the edge. Several costs of a place add up.
+    /// Adds a convex cost over the coordinates of a vertex, or over those of both ends of an edge,
+    /// which a path pays that visits the vertex or takes the edge. Several costs of a place add up.
     ///
     /// # Errors
     ///

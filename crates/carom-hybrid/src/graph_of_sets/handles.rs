@@ -75,8 +75,8 @@ impl From<ConicRow> for ConvexStatement {
     }
 }
 
-/// A convex cost of a place, in the unit of the path's cost: an affine expression, a convex quadratic one
-/// or a norm.
+/// A convex cost of a place, in the unit of the path's cost: an affine expression, a convex
+/// quadratic one or a norm.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ConvexCost {

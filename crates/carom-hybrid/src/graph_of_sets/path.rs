@@ -77,7 +77,8 @@ impl PathProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPlan`] if there is none, or none was found within the limits; and those of the solver.
+    /// [`ErrorKind::NoPlan`] if there is none, or none was found within the limits; and those of
+    /// the solver.
     pub fn solve<S: Solver + ?Sized>(&mut self, solver: &mut S) -> Result<ShortestPath, Error> {
         self.solve_from(None, solver)
     }
@@ -176,8 +177,8 @@ impl PathProgram {
         })
     }
 
-    /// Adds rows that exclude the cycles of these edges: of the edges within a set of vertices, at most as
-    /// many are taken as vertices are visited, less one.
+    /// Adds rows that exclude the cycles of these edges: of the edges within a set of vertices, at
+    /// most as many are taken as vertices are visited, less one.
     fn cut_cycles(&mut self, mut rest: Vec<usize>) -> Result<(), Error> {
         while let Some(first) = rest.pop() {
             let mut cycle = vec![self.graph.edges[first].ends[0]];

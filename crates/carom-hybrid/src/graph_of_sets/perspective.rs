@@ -1,8 +1,9 @@
 //! Statements and costs times a flow: their perspectives.
 //!
-//! A convex statement over a point `x` becomes one over a flow `y` in `[0, 1]` and a copy `z = y x` that
-//! holds for `y = 1` as the statement does and for `y = 0` where `z = 0`: constants are multiplied by `y`.
-//! Norms are positively homogeneous, so they stay; squares become `|w|^2 <= t y`.
+//! A convex statement over a point `x` becomes one over a flow `y` in `[0, 1]` and a copy `z = y x`
+//! that holds for `y = 1` as the statement does and for `y = 0` where `z = 0`: constants are
+//! multiplied by `y`. Norms are positively homogeneous, so they stay; squares become
+//! `|w|^2 <= t y`.
 
 use super::handles::{ConvexCost, ConvexStatement};
 use crate::error::{Error, ErrorKind};
@@ -63,7 +64,8 @@ impl Copies<'_> {
         }
     }
 
-    /// The cost times the flow, as an affine expression with variables of its own where it is not affine.
+    /// The cost times the flow, as an affine expression with variables of its own where it is not
+    /// affine.
     pub(super) fn add_cost(
         &self,
         model: &mut Model,
@@ -101,7 +103,8 @@ impl Copies<'_> {
     }
 }
 
-/// The squares of a convex quadratic expression, `products = |tail|^2 / square`; `None` if it is affine.
+/// The squares of a convex quadratic expression, `products = |tail|^2 / square`; `None` if it is
+/// affine.
 ///
 /// # Errors
 ///

@@ -6,10 +6,11 @@ use super::perspective::Copies;
 use crate::error::Error;
 use crate::model::{Affine, Constraint, Model, Name, Row, Variable, VariableKind};
 
-/// The mixed-integer program of a shortest path through a [`GraphOfSets`], for those who want to add rows.
+/// The mixed-integer program of a shortest path through a [`GraphOfSets`], for those who want to
+/// add rows.
 ///
-/// Each edge has a binary, its flow, and copies of the points at both of its ends, times the flow. A point of
-/// the program is a path, and cycles apart from it, which a shortest path seldom has;
+/// Each edge has a binary, its flow, and copies of the points at both of its ends, times the flow.
+/// A point of the program is a path, and cycles apart from it, which a shortest path seldom has;
 /// [`solve`](Self::solve) excludes those that it meets.
 #[derive(Debug, Clone)]
 pub struct PathProgram {
@@ -30,8 +31,8 @@ pub struct PathProgram {
 #[derive(Debug, Clone)]
 pub(super) struct UsedEdge {
     pub(super) flow: Variable,
-    /// The points of both ends, times the flow and from the lower ends of their ranges; `None` for a
-    /// coordinate that is fixed.
+    /// The points of both ends, times the flow and from the lower ends of their ranges; `None` for
+    /// a coordinate that is fixed.
     pub(super) shifts: [Vec<Option<Variable>>; 2],
     pub(super) cost: Affine,
 }
@@ -61,8 +62,8 @@ impl GraphOfSets {
         self.program_of(ends, &self.usable_edges(ends), VariableKind::Binary)
     }
 
-    /// For each edge, whether a walk between the ends takes it that leaves the first one once and ends at
-    /// the last one.
+    /// For each edge, whether a walk between the ends takes it that leaves the first one once and
+    /// ends at the last one.
     pub(super) fn usable_edges(&self, [from, to]: [usize; 2]) -> Vec<bool> {
         let is_inner = |edge: &[usize; 2]| edge[1] != from && edge[0] != to;
         let reached = |start: usize, [near, far]: [usize; 2]| {
@@ -221,13 +222,14 @@ impl PathProgram {
         Ok(self.visits_of(self.graph.vertex_index(vertex, "a look-up")?))
     }
 
-    /// An expression over the coordinates of both ends of an edge, times its flow: its value if the path
-    /// takes the edge, 0 if not.
+    /// An expression over the coordinates of both ends of an edge, times its flow: its value if the
+    /// path takes the edge, 0 if not.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::ForeignHandle`](crate::error::ErrorKind::ForeignHandle),
-    /// [`ErrorKind::Misplaced`](crate::error::ErrorKind::Misplaced) for a coordinate of another vertex.
+    /// [`ErrorKind::Misplaced`](crate::error::ErrorKind::Misplaced) for a coordinate of another
+    /// vertex.
     pub fn at(&self, edge: GraphEdge, expression: impl Into<Affine>) -> Result<Affine, Error> {
         let expression = expression.into();
         self.graph.check_expression(edge, &expression)?;
@@ -309,7 +311,8 @@ impl PathProgram {
         Ok(())
     }
 
-    /// Adds that an edge and the one back are not both taken: both ends are visited from elsewhere, too.
+    /// Adds that an edge and the one back are not both taken: both ends are visited from elsewhere,
+    /// too.
     fn add_two_cycles(&mut self) -> Result<(), Error> {
         for edge in self.flows(|_| true) {
             let [a, b] = self.graph.edges[edge].ends;

@@ -1,12 +1,12 @@
 //! Edges that no path takes which is better than a known one.
 //!
-//! Multipliers of the balances of a relaxation are potentials: an affine function of the point at each
-//! vertex. Along a path their differences cancel, so its cost is at least the sum of the prices of its edges,
-//! where the price is the least cost of the edge with the potentials of both ends, over all pairs of points.
-//! That holds for any potentials. The multipliers of a relaxation are those for which the least sum of
-//! prices is the bound of the relaxation, and sums that are larger than the cost of a known path exclude
-//! all edges that are only on such paths. The price of each edge is a small convex program, whose bound is
-//! proved.
+//! Multipliers of the balances of a relaxation are potentials: an affine function of the point at
+//! each vertex. Along a path their differences cancel, so its cost is at least the sum of the
+//! prices of its edges, where the price is the least cost of the edge with the potentials of both
+//! ends, over all pairs of points. That holds for any potentials. The multipliers of a relaxation
+//! are those for which the least sum of prices is the bound of the relaxation, and sums that are
+//! larger than the cost of a known path exclude all edges that are only on such paths. The price of
+//! each edge is a small convex program, whose bound is proved.
 
 use super::graph::GraphOfSets;
 use super::program::PathProgram;
@@ -110,7 +110,8 @@ impl GraphOfSets {
     /// The program whose least objective is the price of an edge, without its charge.
     fn price_program(&self, potentials: &Potentials, edge: usize) -> Result<Model, Error> {
         let mut model = Model::new(self.edges[edge].name.to_string());
-        // A program with integers, if fixed ones, is solved without multipliers, which nobody asks for.
+        // A program with integers, if fixed ones, is solved without multipliers, which nobody asks
+        // for.
         let flow = model.binary("flow")?;
         model.fix(flow, 1.0)?;
         let ends = self.edges[edge].ends;

@@ -1,5 +1,5 @@
-//! The search for a shortest path: a relaxation, paths along its flows, and a program over the edges that may
-//! be on a better path.
+//! The search for a shortest path: a relaxation, paths along its flows, and a program over the
+//! edges that may be on a better path.
 
 use std::time::Duration;
 
@@ -26,20 +26,21 @@ const SLIGHT_FLOW: f64 = 1e-6;
 type Known = (Vec<usize>, ShortestPath);
 
 impl GraphOfSets {
-    /// Finds a path of least cost from one vertex to another, which visits each vertex at most once and
-    /// whose points are in the sets of its vertices and satisfy the statements of its edges.
+    /// Finds a path of least cost from one vertex to another, which visits each vertex at most once
+    /// and whose points are in the sets of its vertices and satisfy the statements of its edges.
     ///
     /// The relaxation comes first. Paths along its flows are tried, its multipliers prove for most
-    /// edges that no better path takes them, and beginnings of paths over the others are searched, the most
-    /// promising one first; if there are very many, the program of the others is solved. The time limit of the
-    /// solver is that of all.
+    /// edges that no better path takes them, and beginnings of paths over the others are searched,
+    /// the most promising one first; if there are very many, the program of the others is solved.
+    /// The time limit of the solver is that of all.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPlan`](crate::error::ErrorKind::NoPlan) if there is no path, or none was found within the limits;
+    /// [`ErrorKind::NoPlan`](crate::error::ErrorKind::NoPlan) if there is no path, or none was
+    /// found within the limits;
     /// [`ErrorKind::ForeignHandle`](crate::error::ErrorKind::ForeignHandle);
-    /// [`ErrorKind::Misplaced`](crate::error::ErrorKind::Misplaced) if both ends are the same; and those of the
-    /// solver.
+    /// [`ErrorKind::Misplaced`](crate::error::ErrorKind::Misplaced) if both ends are the same; and
+    /// those of the solver.
     pub fn shortest_path<S: Solver + ?Sized>(
         &self,
         from: GraphVertex,
@@ -134,8 +135,8 @@ impl GraphOfSets {
         Ok(best)
     }
 
-    /// A walk that takes edges with the probabilities of their flows, or, for the number 0, the largest flow;
-    /// `None` if it ends elsewhere.
+    /// A walk that takes edges with the probabilities of their flows, or, for the number 0, the
+    /// largest flow; `None` if it ends elsewhere.
     fn walk(&self, [from, to]: [usize; 2], flows: &[f64], number: u64) -> Option<Vec<usize>> {
         let (mut at, mut path, mut state) = (from, Vec::new(), number);
         let mut is_visited = vec![false; self.vertices.len()];

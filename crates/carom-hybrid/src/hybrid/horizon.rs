@@ -12,7 +12,8 @@ pub struct Horizon {
 }
 
 impl Horizon {
-    /// A checked horizon: from 1 to [`tolerance::MAX_STEPS`] steps of a finite and positive length in s.
+    /// A checked horizon: from 1 to [`tolerance::MAX_STEPS`] steps of a finite and positive length
+    /// in s.
     pub(crate) fn new(steps: usize, time_step: f64) -> Result<Self, Error> {
         check_steps("the number of steps", steps)?;
         check_time_step(time_step)?;

@@ -102,8 +102,8 @@ impl LinearSystem {
         check_time_step(time_step)?;
         let continuous = LinearSystem::new(a, b, c)?;
         let (n, m) = (continuous.states(), continuous.inputs());
-        // Columns of inputs and constants do not grow the norm, so that flows with the same A have the
-        // same discrete one, to the last digit. Powers of two scale exactly.
+        // Columns of inputs and constants do not grow the norm, so that flows with the same A have
+        // the same discrete one, to the last digit. Powers of two scale exactly.
         let entry = |i: usize, j: usize| match j {
             j if j < n => continuous.a[(i, j)],
             j if j < n + m => continuous.b[(i, j - n)],

@@ -6,8 +6,8 @@ use faer::Mat;
 
 use crate::error::{Error, ErrorKind};
 
-/// A dense matrix of numbers, read by `matrix[(row, column)]`. Functions that take a matrix take arrays
-/// of rows too, and, with the feature `nalgebra`, the matrices of that crate.
+/// A dense matrix of numbers, read by `matrix[(row, column)]`. Functions that take a matrix take
+/// arrays of rows too, and, with the feature `nalgebra`, the matrices of that crate.
 ///
 /// ```
 /// use carom::hybrid::{LinearSystem, Matrix};

@@ -1,4 +1,5 @@
-//! The memory of a run, carried from sample to sample beside its state: modes, how long they have lasted, events.
+//! The memory of a run, carried from sample to sample beside its state: modes, how long they have
+//! lasted, events.
 
 use std::collections::BTreeMap;
 
@@ -7,14 +8,15 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 
-/// The memory of a run at a sample: the modes of the choices with memory, how long they have lasted, and the
-/// number of events so far.
+/// The memory of a run at a sample: the modes of the choices with memory, how long they have
+/// lasted, and the number of events so far.
 ///
-/// It is part of what a step begins with, as the state is: dwell times and the limit on events depend on it.
-/// A simulation [ends](crate::hybrid::Simulation::memory) with one, a program
+/// It is part of what a step begins with, as the state is: dwell times and the limit on events
+/// depend on it. A simulation [ends](crate::hybrid::Simulation::memory) with one, a program
 /// [starts](crate::hybrid::HybridProgram::start_from) from one, and a
-/// [controller](crate::hybrid::RecedingHorizon::set_memory) carries one along. What is not named is not known:
-/// the mode of the choice is open, and a mode without a number of samples may have lasted for any time.
+/// [controller](crate::hybrid::RecedingHorizon::set_memory) carries one along. What is not named is
+/// not known: the mode of the choice is open, and a mode without a number of samples may have
+/// lasted for any time.
 ///
 /// ```
 /// use carom::hybrid::Memory;
@@ -61,9 +63,9 @@ struct Held {
 }
 
 impl Memory {
-    /// Sets the mode of a choice, and for how many samples in a row it has lasted, this one included: 1 at the
-    /// sample after the step that entered it. Without a number it may have lasted for any time, so that it can
-    /// be left at once.
+    /// Sets the mode of a choice, and for how many samples in a row it has lasted, this one
+    /// included: 1 at the sample after the step that entered it. Without a number it may have
+    /// lasted for any time, so that it can be left at once.
     #[must_use]
     pub fn with_mode(
         mut self,
@@ -90,14 +92,14 @@ impl Memory {
         self.held(choice).map(|held| held.mode.as_str())
     }
 
-    /// For how many samples in a row the mode of a choice has lasted, this one included; `None` if its mode is
-    /// open, and if it may have lasted longer than it is known.
+    /// For how many samples in a row the mode of a choice has lasted, this one included; `None` if
+    /// its mode is open, and if it may have lasted longer than it is known.
     pub fn samples(&self, choice: &str) -> Option<usize> {
         self.held(choice).filter(|held| !held.at_least).map(|held| held.samples)
     }
 
-    /// For how many samples a mode of a choice must still hold, and for how many more it may; this one is not
-    /// counted.
+    /// For how many samples a mode of a choice must still hold, and for how many more it may; this
+    /// one is not counted.
     pub(crate) fn left(
         &self,
         choice: &str,
@@ -112,8 +114,8 @@ impl Memory {
         (least, most.map(|most| most.saturating_sub(held.samples)))
     }
 
-    /// The samples that a mode has lasted, and whether it may have been longer; of a mode that is open as of
-    /// one in which the run begins.
+    /// The samples that a mode has lasted, and whether it may have been longer; of a mode that is
+    /// open as of one in which the run begins.
     pub(crate) fn lasted(&self, choice: &str) -> (usize, bool) {
         self.held(choice).map_or((1, true), |held| (held.samples, held.at_least))
     }

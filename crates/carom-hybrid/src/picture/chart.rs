@@ -43,11 +43,11 @@ pub(super) struct ChartLabel {
 }
 
 /// A chart with lines, areas, discs, dots and arrows, in SVG. Points are drawn to a hundredth of a
-/// pixel. Names are beside the curves where there is room, and in a legend below otherwise. The picture
-/// is light on light pages and dark on dark ones.
+/// pixel. Names are beside the curves where there is room, and in a legend below otherwise. The
+/// picture is light on light pages and dark on dark ones.
 ///
-/// Colours are those of SVG. Those of [`COLOURS`](super::COLOURS), `black` and `white` are others on
-/// dark pages. Names that are not empty are shown once.
+/// Colours are those of SVG. Those of [`COLOURS`](super::COLOURS), `black` and `white` are others
+/// on dark pages. Names that are not empty are shown once.
 ///
 /// ```
 /// use carom::picture::{COLOURS, Chart};
@@ -118,8 +118,8 @@ impl Chart {
         self
     }
 
-    /// Draws a unit as long along both axes, as for places. The plane then is as large as fits into its
-    /// size.
+    /// Draws a unit as long along both axes, as for places. The plane then is as large as fits into
+    /// its size.
     #[must_use]
     pub fn with_equal_axes(mut self) -> Chart {
         self.is_equal = true;
@@ -207,8 +207,8 @@ impl Chart {
         self.add(SeriesKind::Discs(radius, opacity), name.into(), colour, points);
     }
 
-    /// Fills rectangles between opposite corners. They are one shape, which is small where there are
-    /// many, as in maps.
+    /// Fills rectangles between opposite corners. They are one shape, which is small where there
+    /// are many, as in maps.
     pub fn rectangles(&mut self, colour: &str, corners: impl IntoIterator<Item = [[f64; 2]; 2]>) {
         self.add(SeriesKind::Rectangles, String::new(), colour, corners.into_iter().flatten());
     }
@@ -263,7 +263,8 @@ impl Chart {
         self.series.push(Series { kind, name, colour: colour.to_owned(), points });
     }
 
-    /// The picture of charts, one below the other, with a title. Further lines of the title are smaller.
+    /// The picture of charts, one below the other, with a title. Further lines of the title are
+    /// smaller.
     pub fn to_svg(charts: &[Chart], title: &str) -> String {
         draw::to_svg(charts, title, "", None)
     }

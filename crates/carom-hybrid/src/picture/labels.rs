@@ -139,7 +139,8 @@ impl Room {
         best
     }
 
-    /// The middle of a label above or below a point, or beside it, moved along the edge that it is over.
+    /// The middle of a label above or below a point, or beside it, moved along the edge that it is
+    /// over.
     fn inside(&self, centre: [f64; 2], half: [f64; 2], side: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| {
             let (low, high) = (self.bounds[i] + half[i] + 2.0, self.bounds[i + 2] - half[i] - 2.0);

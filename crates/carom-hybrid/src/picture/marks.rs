@@ -1,5 +1,5 @@
-//! The marks of a picture, in pixels: paths, polygons, dots, arrows, legends. Coordinates are exact to a
-//! hundredth of a pixel, and all marks are in the current colour.
+//! The marks of a picture, in pixels: paths, polygons, dots, arrows, legends. Coordinates are exact
+//! to a hundredth of a pixel, and all marks are in the current colour.
 
 use std::fmt::Write;
 
@@ -79,9 +79,9 @@ pub(super) fn arrow(svg: &mut String, [x, y]: [f64; 2], [tx, ty]: [f64; 2]) {
     );
 }
 
-/// Entries of a legend, each a mark 26 pixels wide, a colour and a name, in as many lines as they need.
-/// A mark is given by the text that draws it at the origin, in the middle of its left side. Returns the
-/// height.
+/// Entries of a legend, each a mark 26 pixels wide, a colour and a name, in as many lines as they
+/// need. A mark is given by the text that draws it at the origin, in the middle of its left side.
+/// Returns the height.
 pub(super) fn legend(
     svg: &mut String,
     entries: &[(String, String, String)],

@@ -1,5 +1,5 @@
-//! The moving part of a picture. It is shown only where it is played: still pictures show the same without
-//! it.
+//! The moving part of a picture. It is shown only where it is played: still pictures show the same
+//! without it.
 
 use std::fmt::Write;
 
@@ -51,7 +51,8 @@ pub(crate) struct Stopwatch {
     pub(crate) period: f64,
 }
 
-/// The part of the picture that is there only where it is played, and not for those who ask for less motion.
+/// The part of the picture that is there only where it is played, and not for those who ask for
+/// less motion.
 fn live(svg: &mut String, body: &str) {
     let _ = writeln!(
         svg,

@@ -57,8 +57,8 @@ fn rules(body: &str, is_dark: bool) -> String {
     text
 }
 
-/// The whole picture around what is drawn. It says what it is to those who do not see it, follows the
-/// page from light to dark, and shows nothing that moves to those who ask for that.
+/// The whole picture around what is drawn. It says what it is to those who do not see it, follows
+/// the page from light to dark, and shows nothing that moves to those who ask for that.
 pub(super) fn finish([width, height]: [f64; 2], title: &str, about: &str, body: &str) -> String {
     let mut style = String::from(
         ".carom text{fill:currentColor}.carom .h{stroke-width:3px;stroke-linejoin:round;\

@@ -97,8 +97,8 @@ pub enum ErrorKind {
         index: usize,
         /// Where it was used.
         place: String,
-        /// The name of a handle of a system that the model describes, where a variable of the model is
-        /// needed.
+        /// The name of a handle of a system that the model describes, where a variable of the model
+        /// is needed.
         name: Option<String>,
     },
     /// A condition or logic on a variable that is not binary.
@@ -254,8 +254,8 @@ pub enum ErrorKind {
         /// The variables of the direction with their steps, the largest ones first.
         direction: String,
     },
-    /// A quadratic row that is a second-order cone only where an expression is not negative, and the bounds
-    /// do not show that it is.
+    /// A quadratic row that is a second-order cone only where an expression is not negative, and
+    /// the bounds do not show that it is.
     #[error(
         "the quadratic row `{row}` is a cone only where {expression} cannot be negative, and the bounds of \
          its variables do not show that; give them bounds, or make it equal to a variable with the lower \

@@ -32,8 +32,8 @@ pub use kind::ErrorKind;
 /// ```
 #[derive(Clone)]
 pub struct Error {
-    // Shared, because errors of the operating system cannot be cloned; one word wide, because nearly
-    // every function of the crate returns it.
+    // Shared, because errors of the operating system cannot be cloned; one word wide, because
+    // nearly every function of the crate returns it.
     inner: Arc<Inner>,
 }
 

@@ -44,7 +44,8 @@ impl Model {
         Ok(())
     }
 
-    /// Declares a family to be background that describes a system, and that nobody knows by its name.
+    /// Declares a family to be background that describes a system, and that nobody knows by its
+    /// name.
     #[doc(hidden)]
     pub fn set_law(&mut self, family: &str) -> Result<(), Error> {
         self.describe(family, LAWS.to_owned());

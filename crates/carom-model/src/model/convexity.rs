@@ -14,8 +14,8 @@ const NAMED_STEPS: usize = 6;
 /// a part of its coefficient (no unit).
 const UNDECIDED_CURVATURE: f64 = 1e-9;
 
-/// The part of its coefficient that the square of a variable with bounds may lack until a solve compares
-/// the loss of a convex form with its gap (no unit).
+/// The part of its coefficient that the square of a variable with bounds may lack until a solve
+/// compares the loss of a convex form with its gap (no unit).
 const SLIGHT_CURVATURE: f64 = 1e-3;
 
 /// The help of an error about a direction without binaries.
@@ -26,13 +26,14 @@ pub const WRITE_SQUARES: &str = "only convex costs to minimise (concave ones to 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Convexity {
     Proved,
-    /// It is not convex, and has a convex form over binaries and bounds, which may change, or may follow from
-    /// rows: a solve finds it, or returns the error.
+    /// It is not convex, and has a convex form over binaries and bounds, which may change, or may
+    /// follow from rows: a solve finds it, or returns the error.
     WithinBounds,
 }
 
 impl Model {
-    /// Checks an objective that is to be set: that it is convex, or within the tolerance of one that is.
+    /// Checks an objective that is to be set: that it is convex, or within the tolerance of one
+    /// that is.
     pub(super) fn convexity(
         &self,
         sense: Sense,
@@ -71,13 +72,15 @@ impl Model {
         }
     }
 
-    /// The products of the objective, as of one that is minimised, by the numbers of their variables.
+    /// The products of the objective, as of one that is minimised, by the numbers of their
+    /// variables.
     #[doc(hidden)]
     pub fn minimized_products(&self) -> Vec<Product> {
         indexed(self.sense(), &self.objective().products())
     }
 
-    /// A direction along which the objective is not convex, with what is known of bounds before a solve.
+    /// A direction along which the objective is not convex, with what is known of bounds before a
+    /// solve.
     ///
     /// # Arguments
     ///
@@ -97,7 +100,8 @@ impl Model {
         ErrorKind::NotConvex { sense: sense.word(), curvature, name, direction, help }.into()
     }
 
-    /// The variable with the largest step of a direction, and its steps in words, the largest ones first.
+    /// The variable with the largest step of a direction, and its steps in words, the largest ones
+    /// first.
     pub(super) fn direction_text(&self, direction: Direction) -> (String, String) {
         let name = |j: usize| self.stored.variables[j].name.to_string();
         let mut steps = direction.steps;

@@ -17,9 +17,8 @@ use crate::interval::Interval;
 use crate::number::Exact;
 
 impl fmt::Display for Model {
-    /// Objective, rows, norms and quadratic rows, indicators, disjunctions, logic, ordered sets, functions and bounds, with
-    /// names, one
-    /// statement per line.
+    /// Objective, rows, norms and quadratic rows, indicators, disjunctions, logic, ordered sets,
+    /// functions and bounds, with names, one statement per line.
     ///
     /// ```
     /// use carom::prelude::*;

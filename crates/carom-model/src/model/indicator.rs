@@ -68,8 +68,8 @@ macro_rules! consequents {
 
 consequents!(Logic, Literal, Variable);
 
-/// An implication of a [`Row`] or a [`ConicRow`], not yet added to a model; made by [`Literal::implies`] and
-/// [`Logic::implies`].
+/// An implication of a [`Row`] or a [`ConicRow`], not yet added to a model; made by
+/// [`Literal::implies`] and [`Logic::implies`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "an implication does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -79,8 +79,8 @@ pub struct Implication<R = Row> {
     pub(crate) big_m: BigM,
 }
 
-/// One condition and several rows, or several conic rows, not yet added to a model; made by [`Literal::implies_all`] and
-/// [`Logic::implies_all`].
+/// One condition and several rows, or several conic rows, not yet added to a model; made by
+/// [`Literal::implies_all`] and [`Logic::implies_all`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "implications do nothing until they are given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

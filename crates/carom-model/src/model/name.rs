@@ -6,8 +6,8 @@ use crate::error::{Error, ErrorKind};
 
 /// The name of a variable or statement: `goal`, or `x[17]` for step 17 of the family `x`.
 ///
-/// A family is one or several words with single blanks between them. Made from a `&str`, a `String` or a pair `(family, step)`; the text `"x[17]"` and the pair
-/// `("x", 17)` are the same name.
+/// A family is one or several words with single blanks between them. Made from a `&str`, a `String`
+/// or a pair `(family, step)`; the text `"x[17]"` and the pair `("x", 17)` are the same name.
 ///
 /// ```
 /// use carom::model::Name;
@@ -61,8 +61,8 @@ impl Name {
         Name { family: family.to_owned(), step: None }
     }
 
-    /// The name with a word and an underscore before it; the step stays. White space of the word becomes an
-    /// underscore.
+    /// The name with a word and an underscore before it; the step stays. White space of the word
+    /// becomes an underscore.
     pub(super) fn prefixed(&self, word: &str) -> Name {
         let plain = |c: char| if c.is_whitespace() || c.is_control() { '_' } else { c };
         let word: String = word.chars().map(plain).collect();
@@ -75,8 +75,8 @@ impl Name {
         Name { family: format!("{}{suffix}", self.family), step: self.step }
     }
 
-    /// The name, or one that is not taken: with one to three underscores, then with an underscore and
-    /// a number. Asks for few names even if many are taken.
+    /// The name, or one that is not taken: with one to three underscores, then with an underscore
+    /// and a number. Asks for few names even if many are taken.
     #[doc(hidden)]
     pub fn free(&self, is_taken: impl Fn(&Name) -> bool) -> Name {
         let candidate = |k: usize| match k {

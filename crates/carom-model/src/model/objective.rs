@@ -14,27 +14,28 @@ use crate::error::ErrorKind;
 use crate::sum::Sum;
 
 impl Model {
-    /// Minimises an affine or quadratic expression that is convex or has a convex form, replacing any earlier
-    /// objective. It may have [norms](super::norm) with factors of at least 0, each of which becomes a variable
-    /// `objective_norm[k]` that is [at least the norm](Model::norm).
+    /// Minimises an affine or quadratic expression that is convex or has a convex form, replacing
+    /// any earlier objective. It may have [norms](super::norm) with factors of at least 0, each of
+    /// which becomes a variable `objective_norm[k]` that is [at least the norm](Model::norm).
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NotConvex`] if the quadratic part has negative curvature, which is proved, without a convex
-    /// form; the error names the direction. Products of and with binaries have such a form. Some units in the
-    /// last place of squares are no curvature, because the coefficients of a sum of squares are rounded. Neither
-    /// is so little that the objective is nowhere within the bounds below a tangent by more than
-    /// [`CONVEXITY`](crate::tolerance::CONVEXITY). Where squares within bounds lack up to a thousandth of their
-    /// coefficients, a solve compares what a convex form loses with the gap. So a solve, which looks at the bounds
-    /// of its time and at those that rows imply, may return this error as well.
-    /// [`ErrorKind::NotConicRow`] for a norm with a factor of the wrong sign. Also
+    /// [`ErrorKind::NotConvex`] if the quadratic part has negative curvature, which is proved,
+    /// without a convex form; the error names the direction. Products of and with binaries have
+    /// such a form. Some units in the last place of squares are no curvature, because the
+    /// coefficients of a sum of squares are rounded. Neither is so little that the objective is
+    /// nowhere within the bounds below a tangent by more than
+    /// [`CONVEXITY`](crate::tolerance::CONVEXITY). Where squares within bounds lack up to a
+    /// thousandth of their coefficients, a solve compares what a convex form loses with the gap. So
+    /// a solve, which looks at the bounds of its time and at those that rows imply, may return this
+    /// error as well. [`ErrorKind::NotConicRow`] for a norm with a factor of the wrong sign. Also
     /// [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
     pub fn minimize(&mut self, expression: impl Into<NormSum>) -> Result<(), Error> {
         self.set_objective(Sense::Minimize, expression)
     }
 
-    /// Maximises an affine or quadratic expression whose negative is convex or has a convex form, replacing any
-    /// earlier objective. Factors of norms are at most 0.
+    /// Maximises an affine or quadratic expression whose negative is convex or has a convex form,
+    /// replacing any earlier objective. Factors of norms are at most 0.
     ///
     /// # Errors
     ///
@@ -88,8 +89,8 @@ impl Model {
         Ok(())
     }
 
-    /// The part of the objective that all points have in common: its constant, and what variables with
-    /// equal bounds add, in the objective's unit.
+    /// The part of the objective that all points have in common: its constant, and what variables
+    /// with equal bounds add, in the objective's unit.
     #[doc(hidden)]
     pub fn objective_constant(&self) -> f64 {
         let fixed = |variable: Variable| {

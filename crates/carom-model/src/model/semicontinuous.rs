@@ -17,12 +17,13 @@ use crate::error::ErrorKind;
 use crate::interval::Interval;
 
 impl Model {
-    /// Adds a variable that is 0 or lies within `[lower, upper]`, such as a pump that is off or runs
-    /// at least at half its power.
+    /// Adds a variable that is 0 or lies within `[lower, upper]`, such as a pump that is off or
+    /// runs at least at half its power.
     ///
     /// Its [`bounds`](super::VariableRef::bounds) are `[lower, upper]` extended to 0. Setting other
-    /// bounds narrows both parts. A limit may be infinite (also where 0 does not lie within the limits) if rows
-    /// imply the bound that is missing, or if the cost of any point does: a solve looks for one.
+    /// bounds narrows both parts. A limit may be infinite (also where 0 does not lie within the
+    /// limits) if rows imply the bound that is missing, or if the cost of any point does: a solve
+    /// looks for one.
     ///
     /// ```
     /// use carom::prelude::*;

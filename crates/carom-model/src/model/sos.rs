@@ -21,8 +21,8 @@ pub struct Sos {
     members: Vec<(Variable, f64)>,
 }
 
-/// "At most one of these is other than 0": variables with weights (no unit), whose order is kept for
-/// files.
+/// "At most one of these is other than 0": variables with weights (no unit), whose order is kept
+/// for files.
 ///
 /// To solve a model, each member needs finite bounds, unless it is a binary.
 ///

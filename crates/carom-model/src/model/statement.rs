@@ -8,10 +8,10 @@ use super::store::Model;
 use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind};
 
-/// Something [`Model::add`] accepts: a [`Row`], a [`ConicRow`](super::ConicRow), an [`Implication`](super::Implication) or several, a
-/// [`Reification`](super::Reification), a disjunction ([`Either`](super::Either)), a
-/// [`Logic`](super::Logic) formula, a [`Literal`](super::Literal) or a special ordered set
-/// ([`Sos`](super::Sos)). Sealed.
+/// Something [`Model::add`] accepts: a [`Row`], a [`ConicRow`](super::ConicRow), an
+/// [`Implication`](super::Implication) or several, a [`Reification`](super::Reification), a
+/// disjunction ([`Either`](super::Either)), a [`Logic`](super::Logic) formula, a
+/// [`Literal`](super::Literal) or a special ordered set ([`Sos`](super::Sos)). Sealed.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no statement that a model can hold",
     label = "not a row, an implication, a disjunction, a formula or an ordered set",

@@ -14,7 +14,8 @@ impl Model {
     ///
     /// * a [`Row`](super::Row): a [`Constraint`];
     /// * a [`ConicRow`](super::ConicRow): a [`ConicConstraint`](super::ConicConstraint);
-    /// * an [`Implication`](super::Implication): an [`Indicator`], of a conic row a `ConicConstraint`;
+    /// * an [`Implication`](super::Implication): an [`Indicator`], of a conic row a
+    ///   `ConicConstraint`;
     /// * [`Implications`](super::Implications): the same for each row;
     /// * a [`Reification`](super::Reification): its [`Reified`](super::Reified) parts;
     /// * an [`Either`](super::Either): its [`Selected`](super::Selected) selectors;
@@ -32,9 +33,9 @@ impl Model {
     /// [`ErrorKind::UnlimitedRow`], [`ErrorKind::NotBinary`]; [`ErrorKind::EmptyLogic`] for a
     /// formula without variables, [`ErrorKind::NeverTrue`] for one that its own shape makes false,
     /// such as `at_least(3, [a, b])`, [`ErrorKind::TooDeep`]; [`ErrorKind::NotCone`],
-    /// [`ErrorKind::UnknownSign`] and [`ErrorKind::NotConicRow`] for norms and quadratic rows that are no
-    /// second-order cone; [`ErrorKind::OutOfRange`] for the
-    /// margin of a reification, and for a set without members.
+    /// [`ErrorKind::UnknownSign`] and [`ErrorKind::NotConicRow`] for norms and quadratic rows that
+    /// are no second-order cone; [`ErrorKind::OutOfRange`] for the margin of a reification, and for
+    /// a set without members.
     #[doc(alias("constraint", "subject to"))]
     pub fn add<S: Statement>(
         &mut self,

@@ -19,7 +19,8 @@ use super::stored::{StoredRow, StoredTerm};
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
 
-/// A mixed-integer program with indicators, disjunctions, logic and ordered sets; see the [module page](super).
+/// A mixed-integer program with indicators, disjunctions, logic and ordered sets; see the [module
+/// page](super).
 ///
 /// A clone accepts the handles of its original.
 #[derive(Debug, Clone)]
@@ -285,8 +286,8 @@ impl Model {
         self.systems.push((tag, names.into()));
     }
 
-    /// Whether it holds systems, whose units are chosen by their domains: bounds that sets have made narrow say
-    /// nothing about them.
+    /// Whether it holds systems, whose units are chosen by their domains: bounds that sets have
+    /// made narrow say nothing about them.
     #[doc(hidden)]
     #[inline]
     pub fn has_systems(&self) -> bool {

@@ -56,7 +56,8 @@ impl<'a> AnyStatement<'a> {
     }
 }
 
-/// The statements: rows, then indicators, conic rows, disjunctions, logic and sets, each in the order of creation.
+/// The statements: rows, then indicators, conic rows, disjunctions, logic and sets, each in the
+/// order of creation.
 pub fn statements(model: &Model) -> impl Iterator<Item = AnyStatement<'_>> {
     let rows = model.constraints().map(AnyStatement::Row);
     let indicators = model.indicators().map(AnyStatement::Indicator);
@@ -68,8 +69,8 @@ pub fn statements(model: &Model) -> impl Iterator<Item = AnyStatement<'_>> {
 }
 
 /// The model without its objective and with only the statements that `keep` accepts, by position in
-/// [`statements`]. Variables, bounds and functions stay. Handles of variables stay valid; handles of
-/// statements do not.
+/// [`statements`]. Variables, bounds and functions stay. Handles of variables stay valid; handles
+/// of statements do not.
 pub fn subset(model: &Model, keep: impl Fn(usize) -> bool) -> Model {
     let stored = &model.stored;
     let mut position = 0..;

@@ -98,8 +98,8 @@ impl Model {
         Ok(variable)
     }
 
-    /// Adds continuous variables `name[0] .. name[count - 1]` with the same bounds. For two indices, give a
-    /// pair of numbers: `name[i][j]` are then members of a family for each `i`.
+    /// Adds continuous variables `name[0] .. name[count - 1]` with the same bounds. For two
+    /// indices, give a pair of numbers: `name[i][j]` are then members of a family for each `i`.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -139,8 +139,8 @@ impl Model {
         shape.add_to(self, name, (VariableKind::Binary, 0.0, 1.0))
     }
 
-    /// Adds integer variables `name[0] .. name[count - 1]` with the same bounds, or `name[i][j]` for a pair
-    /// of numbers.
+    /// Adds integer variables `name[0] .. name[count - 1]` with the same bounds, or `name[i][j]`
+    /// for a pair of numbers.
     ///
     /// # Errors
     ///

@@ -4,8 +4,8 @@ use super::direction::Direction;
 use super::scaled::{Factored, Scaled, exponent, times_power};
 use super::{Product, dense, sparse};
 
-/// How many units in the last place of its coefficient each square may lack, for each entry of the longest
-/// row: the rounding of the products and sums that the coefficients come from.
+/// How many units in the last place of its coefficient each square may lack, for each entry of the
+/// longest row: the rounding of the products and sums that the coefficients come from.
 const UNITS: f64 = 8.0;
 
 /// The same where neither a proof nor a direction is found otherwise, as a multiple of [`UNITS`].

@@ -1,9 +1,9 @@
 //! Dense Cholesky factors with their residuals.
 //!
-//! `L` is the sum of `H`, whose entries are whole multiples of one power of two, and a small rest `K`. The
-//! squares of a row of `L` sum up to less than 4, so sums of products in `H H'` stay below `2^53` units, and
-//! are exact in plain floats, in whatever order. What is left, `A - H H' - D - D'` with
-//! `D = (H + K / 2) K'`, is ten millionths of it, and so is its rounding.
+//! `L` is the sum of `H`, whose entries are whole multiples of one power of two, and a small rest
+//! `K`. The squares of a row of `L` sum up to less than 4, so sums of products in `H H'` stay below
+//! `2^53` units, and are exact in plain floats, in whatever order. What is left,
+//! `A - H H' - D - D'` with `D = (H + K / 2) K'`, is ten millionths of it, and so is its rounding.
 
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
@@ -81,8 +81,8 @@ fn missed(a: &Mat<f64>, lower: MatRef<'_, f64>) -> Vec<f64> {
         1.0,
         Par::Seq,
     );
-    // Rounding of sums of `n` products: of entries whose magnitudes sum up to twice the root of `n`, as their
-    // squares sum up to 4, and of up to half a unit; in both parts.
+    // Rounding of sums of `n` products: of entries whose magnitudes sum up to twice the root of
+    // `n`, as their squares sum up to 4, and of up to half a unit; in both parts.
     let count = n as f64;
     let rounding = f64::EPSILON * (count + 8.0) * unit * count.sqrt();
     let mut missed = vec![count * rounding; n];

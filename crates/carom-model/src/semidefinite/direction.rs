@@ -4,19 +4,19 @@ use super::block::MatrixBlock;
 use super::scaled::{exponent, times_power};
 use crate::sum::Sum;
 
-/// Digits that the entries of a direction are rounded to, the fewest with which the curvature is proved to
-/// be negative.
+/// Digits that the entries of a direction are rounded to, the fewest with which the curvature is
+/// proved to be negative.
 const ENTRY_DIGITS: [usize; 4] = [3, 6, 10, 17];
 
-/// The rounding of a compensated sum, relative to the sum of its terms' magnitudes and for the square of
-/// their number.
+/// The rounding of a compensated sum, relative to the sum of its terms' magnitudes and for the
+/// square of their number.
 const SUM_ROUNDING: f64 = 4.0 * f64::EPSILON * f64::EPSILON;
 
 /// Sums of smaller terms may underflow.
 const LEAST: f64 = 1e-200;
 
-/// Entries below this part of the largest one, in the unit of the matrix, are left out; so products of two
-/// of them do not underflow.
+/// Entries below this part of the largest one, in the unit of the matrix, are left out; so products
+/// of two of them do not underflow.
 const TINY: f64 = 1e-60;
 
 /// A direction along which a form is concave.
@@ -49,8 +49,8 @@ impl Direction {
 
     /// Along two variables whose product outweighs their squares.
     pub(super) fn of_pair(block: &MatrixBlock, i: usize, j: usize, q: f64) -> (Self, bool) {
-        // Steps with which both squares weigh about the same; one flat one goes as far as the product needs
-        // to win.
+        // Steps with which both squares weigh about the same; one flat one goes as far as the
+        // product needs to win.
         let flat = |k: usize| block.diagonal[k] <= 0.0;
         let even = |k: usize| if flat(k) { 0 } else { -exponent(block.diagonal[k]).div_euclid(2) };
         let mut powers = [even(i), even(j)];

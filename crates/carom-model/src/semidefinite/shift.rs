@@ -19,8 +19,8 @@ const LEAST_MULTIPLE: f64 = 1e-22;
 
 /// A small `t` such that `sum q_jk x_j x_k + t sum weight_j x_j^2` is proved convex.
 ///
-/// A direction `d` along which a form is concave asks for a multiple of at least `-d'Md / sum weight_j d_j^2`;
-/// so the multiple rises until there is none, and is then closed in.
+/// A direction `d` along which a form is concave asks for a multiple of at least
+/// `-d'Md / sum weight_j d_j^2`; so the multiple rises until there is none, and is then closed in.
 ///
 /// # Arguments
 ///

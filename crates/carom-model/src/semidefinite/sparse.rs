@@ -1,7 +1,7 @@
 //! Sparse Cholesky factors with their residuals.
 //!
-//! The factorisation goes row by row ("up-looking": Davis, Direct Methods for Sparse Linear Systems, chapter
-//! 4), along the elimination tree.
+//! The factorisation goes row by row ("up-looking": Davis, Direct Methods for Sparse Linear
+//! Systems, chapter 4), along the elimination tree.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -42,8 +42,8 @@ impl Triangle {
     }
 }
 
-/// An order of elimination with little fill, and how many products the factor sums up; `None` if there is
-/// no memory for it.
+/// An order of elimination with little fill, and how many products the factor sums up; `None` if
+/// there is no memory for it.
 pub(super) fn order(matrix: &Scaled) -> Option<(Vec<usize>, f64)> {
     let n = matrix.diagonal.len();
     let upper = Triangle::new(n, matrix.pairs.iter().copied());
@@ -85,8 +85,8 @@ pub(super) fn factor(matrix: &Scaled, order: &[usize], room: &[f64]) -> Factored
 struct Factor(Triangle);
 
 impl Factor {
-    /// `L` with `L L' = A` up to rounding, from the upper triangle of `A`; otherwise a vector that `A` turns
-    /// back.
+    /// `L` with `L L' = A` up to rounding, from the upper triangle of `A`; otherwise a vector that
+    /// `A` turns back.
     fn of(upper: &Triangle) -> Result<Self, Vec<f64>> {
         let n = upper.start.len() - 1;
         let parent = elimination_tree(upper);
@@ -141,8 +141,8 @@ impl Factor {
         let mut touched: Vec<usize> = Vec::new();
         let mut is_touched = vec![false; n];
         let mut missed = vec![0.0; n];
-        // The rounding of an entry, which is a sum with twice the digits; rows of `L` have squares that sum up
-        // to 4.
+        // The rounding of an entry, which is a sum with twice the digits; rows of `L` have squares
+        // that sum up to 4.
         let mut terms = vec![0_usize; n];
         factor.index.iter().for_each(|&row| terms[row] += 1);
         let most = terms.into_iter().max().unwrap_or(0) as f64;
@@ -213,7 +213,8 @@ impl Factor {
     }
 }
 
-/// Solves `L' x = b` in place, with the first `k` rows and columns of `L`, whose columns end at `ends`.
+/// Solves `L' x = b` in place, with the first `k` rows and columns of `L`, whose columns end at
+/// `ends`.
 fn solve_transposed(
     k: usize,
     (start, ends): (&[usize], &[usize]),

@@ -44,8 +44,8 @@ impl<'a> Evaluation<'a> {
         Evaluation { model, values, integral, feasibility }
     }
 
-    /// The tolerance of a row: relative to its terms where these are tiny wherever its variables are within
-    /// their bounds. What the terms are at a point says nothing: at rest they are 0.
+    /// The tolerance of a row: relative to its terms where these are tiny wherever its variables
+    /// are within their bounds. What the terms are at a point says nothing: at rest they are 0.
     fn tolerance(&self, terms: &[(Variable, f64)], limit: f64) -> f64 {
         let size = |&(variable, a): &(Variable, f64)| {
             let bounds = self.model.variable_ref(variable).map(|variable| variable.bounds());

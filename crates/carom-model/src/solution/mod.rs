@@ -86,7 +86,8 @@ pub struct Outcome {
     pub statistics: Statistics,
 }
 
-/// Whether a range is below the tolerance, and not that of a small unit, in which tolerances are relative.
+/// Whether a range is below the tolerance, and not that of a small unit, in which tolerances are
+/// relative.
 fn is_narrow(bounds: Interval, feasibility: f64) -> bool {
     let width = bounds.upper - bounds.lower;
     width > 0.0 && width < feasibility && bounds.magnitude() >= tolerance::SMALL_UNIT
@@ -110,8 +111,8 @@ impl Solution {
     /// The objective and the verification are computed here from the model, so no backend can vouch
     /// for itself. Integers within [`tolerance::INTEGRALITY`] of a whole number are rounded, then
     /// the meaning of every statement is checked. A point that fails is dropped, and `Optimal` then
-    /// becomes [`Termination::Stalled`]. If the points of a backend fail because of rounding, it can
-    /// solve them again with [`certify`](crate::solver::certify).
+    /// becomes [`Termination::Stalled`]. If the points of a backend fail because of rounding, it
+    /// can solve them again with [`certify`](crate::solver::certify).
     ///
     /// # Arguments
     ///
@@ -240,8 +241,8 @@ impl Solution {
         self
     }
 
-    /// The proof that [`Options::with_proof`](crate::solver::Options::with_proof) has asked for; `None` if none
-    /// was written.
+    /// The proof that [`Options::with_proof`](crate::solver::Options::with_proof) has asked for;
+    /// `None` if none was written.
     pub fn proof(&self) -> Option<&ProofReport> {
         self.proof.as_ref()
     }
@@ -254,8 +255,8 @@ impl Solution {
     }
 
     /// Why a search [stalled](Termination::Stalled), where points were found and refused: what the
-    /// one violates that violates the model least. Its values keep the rows of the lowered program up
-    /// to rounding, and the statements named here not within the tolerance, so these have
+    /// one violates that violates the model least. Its values keep the rows of the lowered program
+    /// up to rounding, and the statements named here not within the tolerance, so these have
     /// coefficients that are too large, or too far apart, for the tolerance.
     ///
     /// `None` if the search did not stall, or stalled at what could be neither refuted nor split.
@@ -265,9 +266,9 @@ impl Solution {
 
     /// Shadow prices of rows and reduced costs of variables.
     ///
-    /// `None` unless the backend is `BranchAndBound`, the
-    /// solution is optimal, and neither the model nor its lowered form has integers. It is also `None`
-    /// if the multipliers do not pass their [check](Multipliers).
+    /// `None` unless the backend is `BranchAndBound`, the solution is optimal, and neither the
+    /// model nor its lowered form has integers. It is also `None` if the multipliers do not pass
+    /// their [check](Multipliers).
     ///
     /// ```
     /// use carom::prelude::*;
@@ -290,8 +291,8 @@ impl Solution {
         self.multipliers.as_ref()
     }
 
-    /// The [shadow price](Multipliers::shadow_price) of a row: the change of the objective per unit by
-    /// which its limits move up.
+    /// The [shadow price](Multipliers::shadow_price) of a row: the change of the objective per unit
+    /// by which its limits move up.
     ///
     /// # Errors
     ///
@@ -302,8 +303,8 @@ impl Solution {
         self.known_multipliers()?.shadow_price(of)
     }
 
-    /// The [reduced cost](Multipliers::reduced_cost) of a variable: the change of the objective per unit
-    /// by which its bounds move up.
+    /// The [reduced cost](Multipliers::reduced_cost) of a variable: the change of the objective per
+    /// unit by which its bounds move up.
     ///
     /// # Errors
     ///
@@ -318,8 +319,8 @@ impl Solution {
     }
 
     /// The best points found, with distinct values of the integer variables, best first. There are
-    /// at most as many as [`Options::pool`](crate::solver::Options::pool) asks for. The first one is
-    /// [`point`](Self::point).
+    /// at most as many as [`Options::pool`](crate::solver::Options::pool) asks for. The first one
+    /// is [`point`](Self::point).
     pub fn pool(&self) -> &Pool {
         &self.pool
     }
@@ -402,9 +403,9 @@ impl Solution {
 
     /// Gap relative to the objective's magnitude (no unit); infinite if there is no point.
     ///
-    /// If the objective is smaller without its constant (with what variables of equal bounds add), the
-    /// gap is relative to that, so that no constant hides what the program is about. Below 0.1 it is
-    /// relative to 0.1: an absolute gap of 1e-7 is a relative one of 1e-6 there.
+    /// If the objective is smaller without its constant (with what variables of equal bounds add),
+    /// the gap is relative to that, so that no constant hides what the program is about. Below 0.1
+    /// it is relative to 0.1: an absolute gap of 1e-7 is a relative one of 1e-6 there.
     pub fn relative_gap(&self) -> f64 {
         let gap = |objective| tolerance::relative_gap(self.gap(), objective, self.constant);
         self.objective.map_or(f64::INFINITY, gap)
@@ -417,7 +418,8 @@ impl Solution {
     }
 
     /// The largest distance by which the integers of the backend were rounded before the check (no
-    /// unit). It is 0 for the crate's own search, which fixes the integers and then solves the rest.
+    /// unit). It is 0 for the crate's own search, which fixes the integers and then solves the
+    /// rest.
     pub fn rounding(&self) -> f64 {
         self.rounding
     }

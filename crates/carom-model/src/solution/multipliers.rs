@@ -8,19 +8,18 @@ use crate::model::{Constraint, Model, ModelTag, Variable};
 /// Both are derivatives of the optimal objective, in the model's own sense, whether it minimises or
 /// maximises:
 ///
-/// * The [shadow price](Self::shadow_price) of a row is the change of the objective per unit by which
-///   the row's limits move up. For `minimize x` over `x >= 3` it is 1, and for `maximize x` over
-///   `x <= 3` it is 1 as well. It is 0 if the row does not bind.
-/// * The [reduced cost](Self::reduced_cost) of a variable is the change of the objective per unit by
-///   which the variable's bounds move up. It is 0 if the variable is between its bounds.
+/// * The [shadow price](Self::shadow_price) of a row is the change of the objective per unit by
+///   which the row's limits move up. For `minimize x` over `x >= 3` it is 1, and for `maximize x`
+///   over `x <= 3` it is 1 as well. It is 0 if the row does not bind.
+/// * The [reduced cost](Self::reduced_cost) of a variable is the change of the objective per unit
+///   by which the variable's bounds move up. It is 0 if the variable is between its bounds.
 ///
-/// If the optimum is degenerate, the derivatives to both sides differ, and a multiplier is one of the
-/// numbers between them.
+/// If the optimum is degenerate, the derivatives to both sides differ, and a multiplier is one of
+/// the numbers between them.
 ///
-/// `BranchAndBound` computes them from a relaxation, carries
-/// them back through presolve, and checks them before it gives them: their signs are right, and the
-/// bound that they prove is within [`tolerance::COMPLEMENTARITY`](crate::tolerance::COMPLEMENTARITY) of
-/// the objective.
+/// `BranchAndBound` computes them from a relaxation, carries them back through presolve, and checks
+/// them before it gives them: their signs are right, and the bound that they prove is within
+/// [`tolerance::COMPLEMENTARITY`](crate::tolerance::COMPLEMENTARITY) of the objective.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Multipliers {
@@ -57,7 +56,8 @@ impl Multipliers {
     }
 
     /// Change of the optimal objective per unit by which the bounds of a variable move up
-    /// (objective's unit per variable's unit). For a parameter it is the change per unit of its value.
+    /// (objective's unit per variable's unit). For a parameter it is the change per unit of its
+    /// value.
     ///
     /// # Errors
     ///

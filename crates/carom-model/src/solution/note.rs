@@ -38,16 +38,16 @@ pub enum Note {
         /// The number of nodes and trials.
         relaxations: u64,
     },
-    /// Many nodes were split although all integers of their relaxed points were whole: what separates
-    /// the bound from the best point is rounding, not integrality.
+    /// Many nodes were split although all integers of their relaxed points were whole: what
+    /// separates the bound from the best point is rounding, not integrality.
     WholeSplits {
         /// Such nodes.
         nodes: u64,
         /// All nodes that were split.
         splits: u64,
     },
-    /// The whole ranges of some variables are below the tolerance, beside values that are not small: rows
-    /// that depend on them mean little.
+    /// The whole ranges of some variables are below the tolerance, beside values that are not
+    /// small: rows that depend on them mean little.
     BelowTolerance {
         /// The number of these variables.
         variables: usize,

@@ -8,8 +8,8 @@
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProofReport {
-    /// Whether it covers the whole claim. Otherwise a limit came before its end, or a part of the tree could
-    /// not be proved from the rows of the model, and the checker will reject it.
+    /// Whether it covers the whole claim. Otherwise a limit came before its end, or a part of the
+    /// tree could not be proved from the rows of the model, and the checker will reject it.
     pub is_complete: bool,
     /// Its commands.
     pub commands: u64,

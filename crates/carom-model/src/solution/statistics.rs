@@ -42,8 +42,9 @@ pub struct Statistics {
     pub beyond_radius: u64,
     /// Children closed by trial branching, which never became nodes.
     pub closed_by_trials: u64,
-    /// Nodes and children closed by multipliers of an earlier solve, proved again, without a relaxation;
-    /// each of them is also counted as cut off, refuted or closed by trials. Only in prepared solves.
+    /// Nodes and children closed by multipliers of an earlier solve, proved again, without a
+    /// relaxation; each of them is also counted as cut off, refuted or closed by trials. Only in
+    /// prepared solves.
     pub closed_by_proofs: u64,
     /// Candidates that a row excluded which a callback for
     /// [lazy constraints](crate::solver::Control::with_lazy_constraints) returned for them.
@@ -52,9 +53,9 @@ pub struct Statistics {
     pub lazy_constraints: u64,
     /// [User cuts](crate::solver::Control::with_user_cuts) that were added.
     pub user_cuts: u64,
-    /// Searches that were repeated because an accepted point contradicted a rewriting of the program
-    /// that makes its relaxation tighter. The rewriting was dropped, so the answer does not rest on it;
-    /// anything but 0 is a fault of the crate.
+    /// Searches that were repeated because an accepted point contradicted a rewriting of the
+    /// program that makes its relaxation tighter. The rewriting was dropped, so the answer does not
+    /// rest on it; anything but 0 is a fault of the crate.
     pub contradictions: u64,
     /// Improving points that were found, verified and accepted.
     pub incumbents: u64,
@@ -313,7 +314,8 @@ impl Statistics {
         Statistics { times, time, heuristics, threads: 0, ..*self }
     }
 
-    /// Leaves out the best points, where a search that begins with the last of them counts it again.
+    /// Leaves out the best points, where a search that begins with the last of them counts it
+    /// again.
     #[doc(hidden)]
     pub fn forget_incumbents(&mut self) {
         self.incumbents = 0;
@@ -332,8 +334,8 @@ impl Statistics {
         self.times.add(&inner.times);
     }
 
-    /// Adds the counts and times of a part of the search. Maxima are merged; the wall-clock time and
-    /// the number of threads do not change.
+    /// Adds the counts and times of a part of the search. Maxima are merged; the wall-clock time
+    /// and the number of threads do not change.
     pub fn add(&mut self, part: &Statistics) {
         macro_rules! sum {
             ($($count:ident),*) => { $(self.$count += part.$count;)* };

@@ -67,8 +67,8 @@ pub struct Violation {
     /// By how much, in the statement's own unit.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub amount: f64,
-    /// By how much, without a unit: the amount divided by the largest term or limit of the statement,
-    /// or by 1 if that is smaller.
+    /// By how much, without a unit: the amount divided by the largest term or limit of the
+    /// statement, or by 1 if that is smaller.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub relative: f64,
 }
@@ -123,14 +123,14 @@ impl fmt::Display for Violation {
 }
 
 impl Verification {
-    /// Checks a point: bounds, integrality, semi-continuity, rows, cones, implications, disjunctions, logic,
-    /// functions, ordered sets.
+    /// Checks a point: bounds, integrality, semi-continuity, rows, cones, implications,
+    /// disjunctions, logic, functions, ordered sets.
     ///
     /// # Arguments
     ///
-    /// * `feasibility`: the absolute tolerance of rows, cones, bounds and functions, in their units. Rounding
-    ///   is forgiven as well, but not in rows of integers with
-    ///   whole coefficients. Integer variables must be whole within 1e-9.
+    /// * `feasibility`: the absolute tolerance of rows, cones, bounds and functions, in their
+    ///   units. Rounding is forgiven as well, but not in rows of integers with whole coefficients.
+    ///   Integer variables must be whole within 1e-9.
     pub fn of(model: &Model, point: &Point, feasibility: f64) -> Self {
         let at = Evaluation::new(model, point.as_slice(), feasibility);
         let mut check = Verification {

@@ -120,17 +120,17 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Adds rows to the model that are found while it is solved: lazy constraints, of which there are
-    /// too many to write down, such as the subtours of a tour.
+    /// Adds rows to the model that are found while it is solved: lazy constraints, of which there
+    /// are too many to write down, such as the subtours of a tour.
     ///
     /// The callback sees every point that could become the best one, after it has passed the
-    /// verification against the model and the rows found before. It returns rows that *every* solution
-    /// must satisfy, and at least one that the point violates, by more than the feasibility tolerance,
-    /// unless the point is a solution. A point that violates a returned row is never an incumbent, and
-    /// the row is part of the model for the rest of the solve, in all threads. Bounds, infeasibility and
-    /// the pool are proved for the model with these rows, and every point of the answer satisfies all
-    /// of them. [`Statistics`](crate::solution::Statistics) counts the rows and the points that they
-    /// excluded.
+    /// verification against the model and the rows found before. It returns rows that *every*
+    /// solution must satisfy, and at least one that the point violates, by more than the
+    /// feasibility tolerance, unless the point is a solution. A point that violates a returned row
+    /// is never an incumbent, and the row is part of the model for the rest of the solve, in all
+    /// threads. Bounds, infeasibility and the pool are proved for the model with these rows, and
+    /// every point of the answer satisfies all of them. [`Statistics`](crate::solution::Statistics)
+    /// counts the rows and the points that they excluded.
     ///
     /// A search that finds rows ends soon and begins again with them and with the best point, so a
     /// callback that returns all violated rows that it can find takes fewer searches.
@@ -169,18 +169,19 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Adds rows that make the relaxation tighter: user cuts, which every solution satisfies anyway.
+    /// Adds rows that make the relaxation tighter: user cuts, which every solution satisfies
+    /// anyway.
     ///
-    /// The callback sees the relaxed point of the root, in which integers may be fractional, and returns
-    /// rows that cut it off, if it knows any. With them the root is relaxed and shown again, until none
-    /// is returned that the point violates, or until they no longer help. The cuts hold in the whole
-    /// tree.
+    /// The callback sees the relaxed point of the root, in which integers may be fractional, and
+    /// returns rows that cut it off, if it knows any. With them the root is relaxed and shown
+    /// again, until none is returned that the point violates, or until they no longer help. The
+    /// cuts hold in the whole tree.
     ///
-    /// Bounds rest on the cuts. A short search without cuts comes first, and every point that is found
-    /// is compared with every cut: a cut that a verified point violates is wrong, and the solve returns
-    /// [`ErrorKind::WrongCut`](crate::error::ErrorKind::WrongCut). Where cuts leave no point, there is a search
-    /// of twice as many nodes without them. A wrong cut that excludes only points that are never found
-    /// is not noticed.
+    /// Bounds rest on the cuts. A short search without cuts comes first, and every point that is
+    /// found is compared with every cut: a cut that a verified point violates is wrong, and the
+    /// solve returns [`ErrorKind::WrongCut`](crate::error::ErrorKind::WrongCut). Where cuts leave
+    /// no point, there is a search of twice as many nodes without them. A wrong cut that excludes
+    /// only points that are never found is not noticed.
     ///
     /// Rows are checked as [`Model::add`](crate::model::Model::add) checks them; errors call them
     /// `user_cut[0]` and so on. Backends that cannot use cuts ignore them.
@@ -209,8 +210,8 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Searches a tree together with other processes: on one thread, and by one way of branching. The blocks
-    /// of a program are trees of their own, one after the other.
+    /// Searches a tree together with other processes: on one thread, and by one way of branching.
+    /// The blocks of a program are trees of their own, one after the other.
     #[doc(hidden)]
     pub fn with_exchange(mut self, exchange: &'a mut dyn TreeExchange) -> Self {
         self.exchange = Some(exchange);

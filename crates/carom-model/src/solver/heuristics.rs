@@ -2,9 +2,9 @@
 
 /// The primal heuristics that a search may use.
 ///
-/// Leaves of the tree and integral relaxed points are always used. So are points from the caller
-/// (a [`MipStart`](super::MipStart)). Heuristics never change the answer, only how soon it is found: every point is verified, and bounds come
-/// only from the tree.
+/// Leaves of the tree and integral relaxed points are always used. So are points from the caller (a
+/// [`MipStart`](super::MipStart)). Heuristics never change the answer, only how soon it is found:
+/// every point is verified, and bounds come only from the tree.
 ///
 /// ```
 /// use carom::prelude::*;

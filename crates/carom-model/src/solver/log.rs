@@ -15,19 +15,20 @@ const LINES_PER_HEADING: u64 = 25;
 /// Violations that are named.
 const NAMED_VIOLATIONS: usize = 3;
 
-/// Shortest time between two lines that report nothing new, at first. Later it is a part of the time that
-/// has passed, so that a long search does not fill the screen.
+/// Shortest time between two lines that report nothing new, at first. Later it is a part of the
+/// time that has passed, so that a long search does not fill the screen.
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 const REPORT_SHARE: u32 = 10;
 const LONGEST_INTERVAL: Duration = Duration::from_secs(60);
 
-/// A progress callback that writes what presolve has left, the bound of the root before and after cuts,
-/// and then a line for the root, for every new best point, and about once a second at first, later less
-/// often.
+/// A progress callback that writes what presolve has left, the bound of the root before and after
+/// cuts, and then a line for the root, for every new best point, and about once a second at first,
+/// later less often.
 ///
 /// The columns are: nodes processed, nodes open, largest depth, best objective, bound, relative gap
 /// in percent, and seconds. A line for a new best point begins with the mark of its heuristic, see
-/// [`Heuristic::mark`](crate::solution::Heuristic::mark); the marks are explained above the first line.
+/// [`Heuristic::mark`](crate::solution::Heuristic::mark); the marks are explained above the first
+/// line.
 ///
 /// Events of searches for the shortest horizon, of systems, scenes and others, write themselves:
 /// `event.record(&mut log)`.

@@ -49,8 +49,8 @@ use crate::solution::Solution;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MipStart {
-    /// Values of some integer variables, the most certain ones first. If all of them together lead to
-    /// no point, the first half is tried, and then the first quarter.
+    /// Values of some integer variables, the most certain ones first. If all of them together lead
+    /// to no point, the first half is tried, and then the first quarter.
     pub values: Vec<(Variable, f64)>,
 }
 

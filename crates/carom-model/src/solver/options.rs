@@ -13,8 +13,9 @@ use crate::tolerance;
 
 /// Options that every backend understands.
 ///
-/// Made by `Options::default()` (the same as [`balanced`](Options::balanced)), [`fast`](Options::fast)
-/// or [`proof`](Options::proof), and changed by the `with_...` methods or the public fields.
+/// Made by `Options::default()` (the same as [`balanced`](Options::balanced)),
+/// [`fast`](Options::fast) or [`proof`](Options::proof), and changed by the `with_...` methods or
+/// the public fields.
 ///
 /// | option | unit, range | default | `fast` | `proof` | evidence for the default |
 /// | --- | --- | --- | --- | --- | --- |
@@ -53,10 +54,9 @@ pub struct Options {
     /// Integrality tolerance of relaxations (`1e-9..=1e-2`); default
     /// [`tolerance::INTEGRALITY`].
     pub integrality: f64,
-    /// Wall-clock limit of one solve; default none. What solves many programs, such as a search for the shortest
-    /// horizon, has a limit for all of them,
-    /// `ShortestOptions::time_limit`; this one then holds for
-    /// each.
+    /// Wall-clock limit of one solve; default none. What solves many programs, such as a search for
+    /// the shortest horizon, has a limit for all of them, `ShortestOptions::time_limit`; this one
+    /// then holds for each.
     pub time_limit: Option<Duration>,
     /// Limit on the nodes of one solve; default none.
     pub node_limit: Option<u64>,
@@ -92,9 +92,10 @@ pub struct Options {
     /// [`RelaxationMethod::Automatic`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
     /// Whether presolve reduces the program before the search: its rules remove rows and columns,
-    /// tighten bounds and shrink coefficients; default on. Not used if leaves are kept, because these
-    /// refer to the original columns. For the best points, with a MIP start and with lazy constraints,
-    /// only rules are used that keep all assignments of the integers. MIP starts are mapped through it.
+    /// tighten bounds and shrink coefficients; default on. Not used if leaves are kept, because
+    /// these refer to the original columns. For the best points, with a MIP start and with lazy
+    /// constraints, only rules are used that keep all assignments of the integers. MIP starts are
+    /// mapped through it.
     #[doc(hidden)]
     pub reductions: bool,
     /// Whether presolve tightens bounds by propagating every case of a covering row
@@ -102,8 +103,8 @@ pub struct Options {
     /// out if leaves are kept.
     #[doc(hidden)]
     pub disjunctive_tightening: bool,
-    /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on. Left
-    /// out if leaves are kept.
+    /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on.
+    /// Left out if leaves are kept.
     #[doc(hidden)]
     pub big_m_tightening: bool,
     /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
@@ -263,31 +264,33 @@ impl Options {
         with_heuristics(heuristics: Heuristics) => heuristics = heuristics;
     }
 
-    /// Has each solve write a proof of its bound, or of its infeasibility, that another program can check: to
-    /// this file, or, if the path is a folder, to a new file in it. What a proof says, and who checks it, is on
-    /// the guide's page on proofs. [`Solution::proof`](crate::solution::Solution::proof) reports on
-    /// it, and is `None` where none was written: of an answer without a bound, by other backends than
-    /// `BranchAndBound`, and on WebAssembly.
+    /// Has each solve write a proof of its bound, or of its infeasibility, that another program can
+    /// check: to this file, or, if the path is a folder, to a new file in it. What a proof says,
+    /// and who checks it, is on the guide's page on proofs.
+    /// [`Solution::proof`](crate::solution::Solution::proof) reports on it, and is `None` where
+    /// none was written: of an answer without a bound, by other backends than `BranchAndBound`, and
+    /// on WebAssembly.
     ///
-    /// A search for a shortest horizon takes the path as a folder, makes it if it is missing, and writes a log for
-    /// each horizon instead, see `Shortest::proofs`. Plans over a fixed
-    /// horizon take nothing from reach sets then, except in the bounds of a program that was tightened by them
-    /// already.
+    /// A search for a shortest horizon takes the path as a folder, makes it if it is missing, and
+    /// writes a log for each horizon instead, see `Shortest::proofs`. Plans over a fixed horizon
+    /// take nothing from reach sets then, except in the bounds of a program that was tightened by
+    /// them already.
     ///
-    /// The search is the same, except that it does not fall into blocks where the objective has squares or
-    /// presolve has made the blocks, and that a prepared model is solved as if it were not prepared. The proof
-    /// comes after it, and may take as long again: a time limit holds for each of the two. Lazy constraints and user cuts that were found are rows of the program in the
-    /// proof. Of a pool, the proof is about the best point.
+    /// The search is the same, except that it does not fall into blocks where the objective has
+    /// squares or presolve has made the blocks, and that a prepared model is solved as if it were
+    /// not prepared. The proof comes after it, and may take as long again: a time limit holds for
+    /// each of the two. Lazy constraints and user cuts that were found are rows of the program in
+    /// the proof. Of a pool, the proof is about the best point.
     #[must_use]
     pub fn with_proof(mut self, path: impl Into<PathBuf>) -> Self {
         self.proof = Some(path.into());
         self
     }
 
-    /// Sets whether the program is presolved before the search; default on. Presolve removes rows and
-    /// columns, tightens bounds and makes big-Ms smaller. It is left out if leaves are kept, because these
-    /// refer to the original columns. For a pool of the best points, with a MIP start and with lazy
-    /// constraints it is left to rules that keep all assignments of the integers.
+    /// Sets whether the program is presolved before the search; default on. Presolve removes rows
+    /// and columns, tightens bounds and makes big-Ms smaller. It is left out if leaves are kept,
+    /// because these refer to the original columns. For a pool of the best points, with a MIP start
+    /// and with lazy constraints it is left to rules that keep all assignments of the integers.
     #[must_use]
     pub fn with_presolve(mut self, presolve: bool) -> Self {
         self.reductions = presolve;

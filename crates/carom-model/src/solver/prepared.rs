@@ -10,8 +10,8 @@ use crate::solution::Solution;
 /// [`Solver::prepare`].
 ///
 /// The work that is the same for all values in the declared ranges is done once, when the model is
-/// prepared. The integers of the last point are tried first, unless a MIP start is given. A solve has
-/// the status and, within the gaps, the objective of a solve from nothing.
+/// prepared. The integers of the last point are tried first, unless a MIP start is given. A solve
+/// has the status and, within the gaps, the objective of a solve from nothing.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -42,9 +42,9 @@ pub trait Prepared {
     /// The solver's options, for changes between solves, such as a time limit.
     fn options_mut(&mut self) -> &mut Options;
 
-    /// Tells that the next solve begins a step later than the last one: the start that the last point
-    /// proposes moves one step ahead, by the names of variables (the value of `z[3]` goes to `z[2]`).
-    /// It is never trusted, so a shift too many or too few costs time only.
+    /// Tells that the next solve begins a step later than the last one: the start that the last
+    /// point proposes moves one step ahead, by the names of variables (the value of `z[3]` goes to
+    /// `z[2]`). It is never trusted, so a shift too many or too few costs time only.
     fn shift(&mut self) {}
 
     /// Solves the model for these values of parameters; those that are not listed keep theirs.
@@ -52,8 +52,8 @@ pub trait Prepared {
     /// # Errors
     ///
     /// The errors of [`Model::set_parameter`], such as
-    /// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for a value outside the declared
-    /// range, and no parameter has changed then; those of [`Solver::solve_with`].
+    /// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for a value outside the
+    /// declared range, and no parameter has changed then; those of [`Solver::solve_with`].
     fn solve(
         &mut self,
         parameters: &[(Variable, f64)],

@@ -11,10 +11,11 @@ use crate::tolerance::relative_gap;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Event {
-    /// Presolve is done, and has left a program of such a size. At most once a solve, before all others.
+    /// Presolve is done, and has left a program of such a size. At most once a solve, before all
+    /// others.
     Presolved(ProgramSize, Progress),
-    /// The relaxation of the root is solved; cuts follow. At most once a solve, and not for programs
-    /// that are not cut.
+    /// The relaxation of the root is solved; cuts follow. At most once a solve, and not for
+    /// programs that are not cut.
     Relaxed(Progress),
     /// The root node is done.
     Root(Progress),
@@ -104,8 +105,8 @@ impl Progress {
     }
 
     /// Gap between incumbent and bound, relative as in
-    /// [`Solution::relative_gap`](crate::solution::Solution::relative_gap) (no unit); infinite without an
-    /// incumbent.
+    /// [`Solution::relative_gap`](crate::solution::Solution::relative_gap) (no unit); infinite
+    /// without an incumbent.
     pub fn relative_gap(&self) -> f64 {
         let gap = |value: f64| relative_gap((value - self.bound).abs(), value, self.constant);
         self.incumbent.map_or(f64::INFINITY, gap)

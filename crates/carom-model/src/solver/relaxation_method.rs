@@ -7,8 +7,8 @@ use std::fmt;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RelaxationMethod {
     /// The method that suits a relaxation: the dual simplex method for linear ones and the dual
-    /// active-set method for small dense ones that are strictly convex, both started from the parent's
-    /// relaxation. For the others, and where these two give up, as
+    /// active-set method for small dense ones that are strictly convex, both started from the
+    /// parent's relaxation. For the others, and where these two give up, as
     /// [`InteriorPoint`](Self::InteriorPoint).
     #[default]
     Automatic,

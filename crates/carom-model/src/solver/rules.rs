@@ -5,8 +5,8 @@
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BranchingRule {
-    /// Pseudocosts if there is an objective. Otherwise the latest step first, and in turns with that
-    /// pseudocosts under an objective of the search's own.
+    /// Pseudocosts if there is an objective. Otherwise the latest step first, and in turns with
+    /// that pseudocosts under an objective of the search's own.
     #[default]
     Automatic,
     /// By the expected bounds of both children (pseudocosts), initialised by strong branching.

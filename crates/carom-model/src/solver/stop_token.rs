@@ -159,8 +159,8 @@ impl StopToken {
         self.ended().is_some()
     }
 
-    /// Whether it is over, or would be after a step of such a length that cannot be stopped. Then it is
-    /// over now.
+    /// Whether it is over, or would be after a step of such a length that cannot be stopped. Then
+    /// it is over now.
     #[doc(hidden)]
     pub fn cannot_wait(&self, step: Duration) -> bool {
         if self.left().is_some_and(|left| left < step) {

@@ -1,8 +1,8 @@
 //! Trees that several processes search together: what a search offers between two nodes to whoever
 //! carries nodes and points from process to process.
 //!
-//! All processes solve the same model with the same options, so each of them comes to the same presolved
-//! program by itself. Nodes and points are exchanged in its columns.
+//! All processes solve the same model with the same options, so each of them comes to the same
+//! presolved program by itself. Nodes and points are exchanged in its columns.
 
 use crate::solution::{Statistics, Termination};
 
@@ -24,9 +24,11 @@ pub struct PartState {
     pub open: usize,
     /// The smallest bound of an open node; infinite if there is none.
     pub floor: f64,
-    /// The smallest bound of a part that was closed without being infeasible; infinite if there is none.
+    /// The smallest bound of a part that was closed without being infeasible; infinite if there is
+    /// none.
     pub closed: f64,
-    /// The smallest bound of a part that could be neither finished nor split; infinite if there is none.
+    /// The smallest bound of a part that could be neither finished nor split; infinite if there is
+    /// none.
     pub stalled: f64,
     /// Nodes processed.
     pub nodes: u64,
@@ -65,8 +67,8 @@ pub trait TreePart {
     /// The open nodes, with the one that comes next.
     fn open_nodes(&self) -> Vec<OpenNode>;
 
-    /// Takes so many of the open nodes out, every second one from the best bound on, so that what stays is
-    /// as good.
+    /// Takes so many of the open nodes out, every second one from the best bound on, so that what
+    /// stays is as good.
     fn take(&mut self, count: usize) -> Vec<OpenNode>;
 
     /// Takes all open nodes out, with the one that comes next.
@@ -84,8 +86,8 @@ pub trait TreePart {
     /// Notes what other processes hold, for the bound and the events.
     fn note_elsewhere(&mut self, elsewhere: Elsewhere);
 
-    /// Takes in the bounds of what was closed elsewhere without being infeasible, and of what could be
-    /// neither finished nor split.
+    /// Takes in the bounds of what was closed elsewhere without being infeasible, and of what could
+    /// be neither finished nor split.
     fn note_closed(&mut self, closed: f64, stalled: f64);
 
     /// Notes that points elsewhere make presolve or cuts doubtful, which ends the search.
@@ -104,17 +106,18 @@ pub trait TreePart {
 /// Carries nodes and points between the parts of a tree.
 #[doc(hidden)]
 pub trait TreeExchange {
-    /// A search begins; whether the nodes below the root are this process's. All processes search the root,
-    /// and the others forget its children.
+    /// A search begins; whether the nodes below the root are this process's. All processes search
+    /// the root, and the others forget its children.
     ///
     /// # Arguments
     ///
     /// * `program`: a number that is the same only for the same presolved program.
-    /// * `is_last`: whether no other tree follows, as one does where a program has independent blocks. All
-    ///   processes begin the same trees in the same order.
+    /// * `is_last`: whether no other tree follows, as one does where a program has independent
+    ///   blocks. All processes begin the same trees in the same order.
     fn begin(&mut self, program: u64, is_last: bool) -> bool;
 
     /// Is called after every node, and when there is none: then again and again until it returns
-    /// `false`, which ends the search of this process. The last call comes after the search was stopped.
+    /// `false`, which ends the search of this process. The last call comes after the search was
+    /// stopped.
     fn meet(&mut self, part: &mut dyn TreePart, is_idle: bool) -> bool;
 }

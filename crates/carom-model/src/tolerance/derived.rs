@@ -2,9 +2,9 @@
 
 use super::{ABSOLUTE_GAP, DRIFT, RELATIVE_GAP, REPLAY, ROUNDING};
 
-/// Rows, and bounds of variables, whose terms are all smaller than this within the bounds of the variables,
-/// are satisfied up to [`FEASIBILITY`](super::FEASIBILITY) times their terms, rather than up to [`FEASIBILITY`](super::FEASIBILITY) (in the row's
-/// unit).
+/// Rows, and bounds of variables, whose terms are all smaller than this within the bounds of the
+/// variables, are satisfied up to [`FEASIBILITY`](super::FEASIBILITY) times their terms, rather
+/// than up to [`FEASIBILITY`](super::FEASIBILITY) (in the row's unit).
 pub const SMALL_UNIT: f64 = 1e-3;
 
 /// How much an accepted point may violate a row, a bound or a function, in its unit: the absolute
@@ -20,9 +20,9 @@ pub fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
     feasibility + ROUNDING * magnitude
 }
 
-/// How far a sample of a plan may be from the run of the plan's inputs from its start, in the state's unit: what
-/// so many steps may miss if nothing multiplies it, at most [`DRIFT`] of the domain, and at least what one step
-/// may miss.
+/// How far a sample of a plan may be from the run of the plan's inputs from its start, in the
+/// state's unit: what so many steps may miss if nothing multiplies it, at most [`DRIFT`] of the
+/// domain, and at least what one step may miss.
 ///
 /// # Arguments
 ///

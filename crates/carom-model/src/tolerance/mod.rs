@@ -1,8 +1,9 @@
-//! The tolerances and limits that users and several modules rely on, with units, defaults and ranges.
+//! The tolerances and limits that users and several modules rely on, with units, defaults and
+//! ranges.
 //!
-//! These decide what counts as feasible, integral and optimal, and how closely plans and replays must
-//! agree. Constants that belong to a single algorithm, such as the margin of a presolve rule, are
-//! declared beside its code. Tolerances that you can change are fields of
+//! These decide what counts as feasible, integral and optimal, and how closely plans and replays
+//! must agree. Constants that belong to a single algorithm, such as the margin of a presolve rule,
+//! are declared beside its code. Tolerances that you can change are fields of
 //! [`Options`](crate::solver::Options); their defaults are the constants below.
 
 pub(crate) mod derived;
@@ -17,9 +18,9 @@ pub const INFINITE: f64 = 1e20;
 /// Default feasibility tolerance of rows and bounds, in the row's own unit, absolute.
 ///
 /// A point satisfies `l <= a'x <= u` if it violates the row by at most this plus the rounding of
-/// its values, [`ROUNDING`] times the sum of its terms' magnitudes. Rows of tiny terms are measured by
-/// these: if they are smaller than 1e-3 wherever the variables are within their bounds, by this times their
-/// sum. Range `1e-9..=1e-3`.
+/// its values, [`ROUNDING`] times the sum of its terms' magnitudes. Rows of tiny terms are measured
+/// by these: if they are smaller than 1e-3 wherever the variables are within their bounds, by this
+/// times their sum. Range `1e-9..=1e-3`.
 pub const FEASIBILITY: f64 = 1e-6;
 
 /// Default distance to the nearest integer at which a relaxed value counts as integral
@@ -27,15 +28,15 @@ pub const FEASIBILITY: f64 = 1e-6;
 /// only decides which relaxations are tried as candidates.
 pub const INTEGRALITY: f64 = 1e-6;
 
-/// Default relative gap `(incumbent - bound) / |incumbent|` at which a search stops (no unit). If the
-/// incumbent is smaller without the constant of the objective, that counts.
+/// Default relative gap `(incumbent - bound) / |incumbent|` at which a search stops (no unit). If
+/// the incumbent is smaller without the constant of the objective, that counts.
 pub const RELATIVE_GAP: f64 = 1e-6;
 
 /// Default absolute gap `incumbent - bound` at which a search stops, in the objective's unit.
 pub const ABSOLUTE_GAP: f64 = 1e-7;
 
-/// Largest distance between the optimal objective and the bound that its multipliers prove, relative to
-/// the objective (no unit; an objective below 1 counts as 1).
+/// Largest distance between the optimal objective and the bound that its multipliers prove,
+/// relative to the objective (no unit; an objective below 1 counts as 1).
 pub const COMPLEMENTARITY: f64 = 1e-6;
 
 /// Relative width by which a propagated bound of a continuous variable is loosened, so that
@@ -65,22 +66,23 @@ pub const FREE_RADIUS: f64 = 1e9;
 /// proof, so the larger radius does not weaken proofs.
 pub const INFEASIBILITY_RADIUS: f64 = 1e15;
 
-/// How far an accepted quadratic objective may be below its tangents within the bounds of the variables, in
-/// the objective's unit, beside the rounding of its coefficients. Bounds of relaxations are as far off at
-/// most.
+/// How far an accepted quadratic objective may be below its tangents within the bounds of the
+/// variables, in the objective's unit, beside the rounding of its coefficients. Bounds of
+/// relaxations are as far off at most.
 pub const CONVEXITY: f64 = 1e-7;
 
 /// Relative difference up to which two slopes of a piecewise-affine function are equal (no unit).
 /// The breakpoint between them is dropped.
 pub const SLOPE: f64 = 1e-12;
 
-/// Largest difference of a plan's samples from its discrete replay, a step at a time, in SI units (m, m/s). This
-/// and the other tolerances of systems and scenes are in the unit of the domains where these are not of an
-/// ordinary size (some 0.02 to 2e6), and about their middles where these are far from 0.
+/// Largest difference of a plan's samples from its discrete replay, a step at a time, in SI units
+/// (m, m/s). This and the other tolerances of systems and scenes are in the unit of the domains
+/// where these are not of an ordinary size (some 0.02 to 2e6), and about their middles where these
+/// are far from 0.
 pub const REPLAY: f64 = 1e-6;
 
-/// How far a sample of a plan may be from the run of the plan's inputs from its start, relative to the width of
-/// the state's domain (no unit), where [`REPLAY`] at every step allows more than that.
+/// How far a sample of a plan may be from the run of the plan's inputs from its start, relative to
+/// the width of the state's domain (no unit), where [`REPLAY`] at every step allows more than that.
 pub const DRIFT: f64 = 1e-5;
 
 /// Distance from a surface, in m, within which a replay with located impacts asks the plan in which
@@ -102,8 +104,8 @@ pub const MAX_BOUNCES: usize = 1000;
 /// proportion.
 pub const REACH: f64 = 4e-6;
 
-/// By how much a negated row of a mission fails where a program requires it, in the
-/// row's unit, so that a mission and its negation never both hold: more than two rows that are satisfied only to
+/// By how much a negated row of a mission fails where a program requires it, in the row's unit, so
+/// that a mission and its negation never both hold: more than two rows that are satisfied only to
 /// [`FEASIBILITY`] can give.
 pub const MISSION_SEPARATION: f64 = 1e-5;
 

@@ -1,5 +1,5 @@
-//! Proofs of convexity against exact `LDL'` in fractions: what is accepted is convex up to units in the
-//! last place and what is allowed, and what is refused has the direction that is named.
+//! Proofs of convexity against exact `LDL'` in fractions: what is accepted is convex up to units in
+//! the last place and what is allowed, and what is refused has the direction that is named.
 
 use carom_model::internals::semidefinite::{Product, negative_direction};
 use num_rational::BigRational;

@@ -1,5 +1,5 @@
-//! Sums of decimal numbers, rounded once: files give a second side of a row as a distance from the first, of which
-//! floats do not have the sum.
+//! Sums of decimal numbers, rounded once: files give a second side of a row as a distance from the
+//! first, of which floats do not have the sum.
 
 use num_bigint::BigInt;
 
@@ -23,7 +23,8 @@ fn decimal(word: &str) -> Option<Decimal> {
     Some(Decimal { digits, power: power.checked_sub(fraction.len() as i64)? })
 }
 
-/// `side + sign |distance|`, the float nearest to the sum of the decimals; `None` if they are too far apart.
+/// `side + sign |distance|`, the float nearest to the sum of the decimals; `None` if they are too
+/// far apart.
 pub(super) fn moved(side: &str, sign: i32, distance: &str) -> Option<f64> {
     let (a, b) = (decimal(side)?, decimal(distance)?);
     let power = a.power.min(b.power);

@@ -1,11 +1,14 @@
-//! Parts that only the log has: the columns, rows and cones that statements of the model have become which are no rows.
+//! Parts that only the log has: the columns, rows and cones that statements of the model have
+//! become which are no rows.
 //!
-//! * A further column that a row sets equal to a linear form, or that is a constant, is an entry of a cone. With the
-//!   forms in their places, each cone must be a statement: a quadratic row, or a cone of expressions.
-//! * A row of an indicator is the row of the statement where its binary has the value of the condition, and holds
-//!   anyway elsewhere, by bounds.
-//! * A row with a further binary is one of an ordered set or a semi-continuous column: it lets the column be 0 if its
-//!   binaries are 0, and any of its values if one of them is 1; or it is a sum of such binaries that is at most 1.
+//! * A further column that a row sets equal to a linear form, or that is a constant, is an entry of
+//!   a cone. With the forms in their places, each cone must be a statement: a quadratic row, or a
+//!   cone of expressions.
+//! * A row of an indicator is the row of the statement where its binary has the value of the
+//!   condition, and holds anyway elsewhere, by bounds.
+//! * A row with a further binary is one of an ordered set or a semi-continuous column: it lets the
+//!   column be 0 if its binaries are 0, and any of its values if one of them is 1; or it is a sum
+//!   of such binaries that is at most 1.
 //!
 //! Anything else is refused: it might exclude points of the model.
 
@@ -15,7 +18,8 @@ use crate::exact::Sum;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
 
-/// The error of the limits of rows with a big number, relative to their terms (no unit): they are sums.
+/// The error of the limits of rows with a big number, relative to their terms (no unit): they are
+/// sums.
 pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Findings about the statements of a model.
@@ -37,7 +41,8 @@ pub(super) struct Further<'a> {
     order: &'a [u32],
     /// By column of the log, that of the model, if it has it.
     places: HashMap<u32, u32>,
-    /// By column of the log, the form in columns of the model (by their numbers in the log), if it is one.
+    /// By column of the log, the form in columns of the model (by their numbers in the log), if it
+    /// is one.
     forms: Vec<Option<Affine>>,
     found: Found,
 }
@@ -198,8 +203,9 @@ impl<'a> Further<'a> {
         }
     }
 
-    /// Whether heads that the log keeps at least 0 are so at every point that the statement allows: constants; forms
-    /// that it says this of, or that bounds do; and the other head beside a constant, which a sum of squares is below.
+    /// Whether heads that the log keeps at least 0 are so at every point that the statement allows:
+    /// constants; forms that it says this of, or that bounds do; and the other head beside a
+    /// constant, which a sum of squares is below.
     fn are_heads(&self, forms: &[Affine], own: &StatedCone) -> bool {
         // The least value by bounds is at least 0, but for rounding.
         let is_bounded = |form: &Affine| {
@@ -376,7 +382,8 @@ impl<'a> Further<'a> {
         is_one_sided && others == own_others && is_near
     }
 
-    /// Whether a row of an indicator holds by bounds where its condition does not; `Ok(false)` if bounds are missing.
+    /// Whether a row of an indicator holds by bounds where its condition does not; `Ok(false)` if
+    /// bounds are missing.
     fn is_loose(&self, own: &Indicator, is_upper: bool, row: &Row) -> Result<bool, String> {
         let sign = if is_upper { 1.0 } else { -1.0 };
         let (_, at) = split(&row.entries, self.at(own.binary));

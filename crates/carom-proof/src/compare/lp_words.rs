@@ -70,8 +70,8 @@ pub(super) fn tokens(line: &str) -> Vec<Token<'_>> {
     tokens
 }
 
-/// The length of the number or the name at the beginning of a text. Brackets within a name belong to it, such as
-/// `x[1,2]`.
+/// The length of the number or the name at the beginning of a text. Brackets within a name belong
+/// to it, such as `x[1,2]`.
 fn word_length(text: &str) -> usize {
     let mut depth = 0_usize;
     let ends = |c: char| {

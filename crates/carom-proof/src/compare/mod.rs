@@ -1,11 +1,11 @@
 //! Whether the program of a log is that of a model file, by readers that share nothing with carom.
 //!
-//! The checker proves something of the program in the log's header. This part says that the header is
-//! the file: the same columns, by name or else by order, with the same bounds; the same rows, in any
-//! order; the same objective. Two rows with the same coefficients count as one, rows of a single column
-//! as bounds, and bounds of integral columns as the whole numbers within. All else is compared as floats,
-//! to the last bit. What statements that are no rows have become is looked for in the log, see `further`; anything
-//! else that only the log has makes it another program.
+//! The checker proves something of the program in the log's header. This part says that the header
+//! is the file: the same columns, by name or else by order, with the same bounds; the same rows, in
+//! any order; the same objective. Two rows with the same coefficients count as one, rows of a
+//! single column as bounds, and bounds of integral columns as the whole numbers within. All else is
+//! compared as floats, to the last bit. What statements that are no rows have become is looked for
+//! in the log, see `further`; anything else that only the log has makes it another program.
 
 mod canonical;
 mod cbf;

@@ -25,7 +25,8 @@ pub(super) struct Indicator {
     pub(super) row: Row,
 }
 
-/// A cone that is not one of single columns: all points have a polynomial of at least 0, and some forms of at least 0.
+/// A cone that is not one of single columns: all points have a polynomial of at least 0, and some
+/// forms of at least 0.
 #[derive(Debug, Clone)]
 pub(super) struct StatedCone {
     /// In words.
@@ -235,8 +236,8 @@ impl Model {
         self.rows.push(row);
     }
 
-    /// A fixed column `Constant`, in the linear part of the objective alone and unknown to the log, is
-    /// a constant: this is how LP files say it.
+    /// A fixed column `Constant`, in the linear part of the objective alone and unknown to the log,
+    /// is a constant: this is how LP files say it.
     pub(super) fn fold_constants(&mut self, log: &Model) {
         let Some(index) = self.find("Constant").filter(|_| log.find("Constant").is_none()) else {
             return;
@@ -254,8 +255,9 @@ impl Model {
     }
 
     /// Leaves the parts of cones out: columns `part` of no cost, in `part times >= entry^2` and
-    /// `sum of parts <= head` alone. They say nothing but that there is a cone with this head, `times` (the
-    /// head again if it is a norm) and these entries, if that cone is there: `part = entry^2 / times`.
+    /// `sum of parts <= head` alone. They say nothing but that there is a cone with this head,
+    /// `times` (the head again if it is a norm) and these entries, if that cone is there:
+    /// `part = entry^2 / times`.
     pub(super) fn fold_parts(&mut self) {
         let mut uses = vec![0_usize; self.columns.len()];
         let mut count =

@@ -1,17 +1,17 @@
-//! Second-order cones as the polynomials that they keep from falling below 0: a quadratic row and the cone that it
-//! becomes are the same polynomial but for rounding and a positive factor.
+//! Second-order cones as the polynomials that they keep from falling below 0: a quadratic row and
+//! the cone that it becomes are the same polynomial but for rounding and a positive factor.
 
 use std::collections::BTreeMap;
 
-/// How much the coefficients of two polynomials may differ, relative to them (no unit): the roots in a cone are
-/// rounded.
+/// How much the coefficients of two polynomials may differ, relative to them (no unit): the roots
+/// in a cone are rounded.
 const ROUNDING: f64 = 1e-9;
 
 /// The same, relative to what they are the sum of.
 const ROUNDING_OF_SUMS: f64 = 16.0 * f64::EPSILON;
 
-/// How much larger than the largest coefficient the terms of one may be that cancel (no unit): beyond it, nothing can
-/// be said of the others.
+/// How much larger than the largest coefficient the terms of one may be that cancel (no unit):
+/// beyond it, nothing can be said of the others.
 const LARGEST_CANCELLATION: f64 = 1e6;
 
 /// Stands for 1 in the place of a column.

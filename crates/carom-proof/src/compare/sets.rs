@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 type Link<'r> = (&'r Row, u32, BTreeSet<u32>);
 
 impl Further<'_> {
-    /// Checks the rows of ordered sets and semi-continuous columns: that for any values of the columns that the
-    /// statements allow there are binaries with which the rows hold.
+    /// Checks the rows of ordered sets and semi-continuous columns: that for any values of the
+    /// columns that the statements allow there are binaries with which the rows hold.
     pub(super) fn check_sets(&self, rows: &[Row]) -> Result<(), String> {
         let only = |row: &Row| format!("row {} is only in the log", row.name);
         let values = self.values();
@@ -58,7 +58,8 @@ impl Further<'_> {
         }
     }
 
-    /// By column of the log, the values besides 0 that an ordered set or being semi-continuous leaves it.
+    /// By column of the log, the values besides 0 that an ordered set or being semi-continuous
+    /// leaves it.
     fn values(&self) -> HashMap<u32, (f64, f64)> {
         let mut values: HashMap<u32, (f64, f64)> = HashMap::new();
         for statement in &self.model.statements {
@@ -93,7 +94,8 @@ impl Further<'_> {
         })
     }
 
-    /// Whether the binaries of a sum are the pairs of neighbours of a set, and link each member to its own pairs.
+    /// Whether the binaries of a sum are the pairs of neighbours of a set, and link each member to
+    /// its own pairs.
     fn are_pairs(&self, row: &Row, links: &[Link<'_>]) -> bool {
         let pairs: Vec<u32> = row.entries.iter().map(|entry| entry.0).collect();
         let all: BTreeSet<u32> = pairs.iter().copied().collect();
@@ -114,7 +116,8 @@ impl Further<'_> {
     }
 }
 
-/// Whether a row lets a column be 0 while binaries are 0, and have any value of a range while one of them is 1.
+/// Whether a row lets a column be 0 while binaries are 0, and have any value of a range while one
+/// of them is 1.
 fn allows(
     row: &Row,
     (_, factor): (u32, f64),

@@ -114,9 +114,9 @@ fn a_factor_proves_convexity() {
     assert_eq!(verdict(&inside), "rejected: `p` must stand in context 0");
 }
 
-/// (x - y)² is flat along x = y, where x has no bound. With much from y, x is steep and gets bounds; within these,
-/// a second proof has small deficits. A further proof takes the place of the one before it, and `w` and `t` go by
-/// the last one.
+/// (x - y)² is flat along x = y, where x has no bound. With much from y, x is steep and gets
+/// bounds; within these, a second proof has small deficits. A further proof takes the place of the
+/// one before it, and `w` and `t` go by the last one.
 #[test]
 fn convexity_may_be_proved_again() {
     let flat = Header {
@@ -223,8 +223,8 @@ fn a_tangent_of_a_rotated_cone() {
 
 #[test]
 fn curvature_bounds_columns() {
-    // x² - 2x + y is (x - 1)² + y - 1, and y is at least 1. So an objective of at most 4 needs x within
-    // [-1, 3] and y at most 5.
+    // x² - 2x + y is (x - 1)² + y - 1, and y is at least 1. So an objective of at most 4 needs x
+    // within [-1, 3] and y at most 5.
     let steep = Header {
         columns: &["c -9 9 x", "c 1 9 y", "c 0 1 z"],
         rows: &["-inf -3.5 1 0 -1 x"],

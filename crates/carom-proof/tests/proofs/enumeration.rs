@@ -1,4 +1,5 @@
-//! Small integer programs that are answered by trying all points, and proofs of that for the checker.
+//! Small integer programs that are answered by trying all points, and proofs of that for the
+//! checker.
 
 use std::fmt::Write as _;
 
@@ -115,8 +116,8 @@ fn entries(values: &[i64]) -> String {
     format!("{}{}", values.len(), pairs.concat())
 }
 
-/// Writes proofs: all columns are split until they are fixed, and each point is refuted. `choices` decide
-/// in which of several ways.
+/// Writes proofs: all columns are split until they are fixed, and each point is refuted. `choices`
+/// decide in which of several ways.
 pub(crate) struct Writer<'a> {
     small: &'a Small,
     choices: &'a [u8],
@@ -331,7 +332,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// A column, its value while a binary is off, the binary, where that is, and the bounds that say so.
+/// A column, its value while a binary is off, the binary, where that is, and the bounds that say
+/// so.
 pub(crate) type Product = (usize, i64, usize, i64, Vec<String>);
 
 /// All products that are 0 by the bounds and one row for each side of the column.

@@ -47,8 +47,8 @@ pub(crate) fn verdict(log: &str) -> String {
     }
 }
 
-/// The log is accepted as it is. With the one occurrence of `from` replaced by `to`, it is not, and the
-/// checker says why.
+/// The log is accepted as it is. With the one occurrence of `from` replaced by `to`, it is not, and
+/// the checker says why.
 #[track_caller]
 pub(crate) fn broken(log: &str, changes: &[(&str, &str, &str)]) {
     let proved = verdict(log);

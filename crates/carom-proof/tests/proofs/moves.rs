@@ -1,4 +1,5 @@
-//! Columns that are whole or 0 without loss of optimality, and columns that are whole because others are.
+//! Columns that are whole or 0 without loss of optimality, and columns that are whole because
+//! others are.
 
 use crate::log::{Header, broken, verdict};
 

@@ -80,7 +80,8 @@ fn products_of_a_switched_square() {
 
 #[test]
 fn bounds_of_a_switched_column_may_need_others() {
-    // While z = 1, y <= 0 by the first row, and then x <= 1 by the second. With 2 (x - 1) z, x + z is x - z + 2xz.
+    // While z = 1, y <= 0 by the first row, and then x <= 1 by the second. With 2 (x - 1) z, x + z
+    // is x - z + 2xz.
     let chain = Header {
         columns: &["c 1 1.5 x", "c 0 4 y", "i 0 1 z"],
         rows: &["-inf 4 2 1 1 2 4 y", "-inf 1 2 0 1 1 -1 x"],

@@ -1,4 +1,5 @@
-//! Random programs with one continuous column: where it may be rounded, its whole values are enough.
+//! Random programs with one continuous column: where it may be rounded, its whole values are
+//! enough.
 
 use crate::log::verdict;
 use proptest::prelude::*;

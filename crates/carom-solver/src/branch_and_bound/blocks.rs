@@ -78,7 +78,8 @@ struct BlockSearches<'a, 'c> {
     searches: usize,
     /// Whether any points will do, since the objective of a block falls forever.
     any_point: bool,
-    /// Whether the value of a point is due to limits that presolve has widened, as in [`SearchResult`].
+    /// Whether the value of a point is due to limits that presolve has widened, as in
+    /// [`SearchResult`].
     is_widened: bool,
     /// Also over when the user stops the solve.
     token: StopToken,
@@ -102,8 +103,8 @@ impl TreeExchange for BlockExchange<'_> {
     }
 }
 
-/// The result of searching the program of a task block by block; `None` if it must not be split, if it
-/// is a single block, has more than `most`, or if the blocks come to no conclusion.
+/// The result of searching the program of a task block by block; `None` if it must not be split, if
+/// it is a single block, has more than `most`, or if the blocks come to no conclusion.
 pub(super) fn search_blocks(
     task: SolveTask<'_>,
     most: usize,
@@ -146,8 +147,8 @@ pub(super) fn search_blocks(
 
 impl BlockSearches<'_, '_> {
     fn run(&mut self, control: &mut Control<'_>) -> Option<SearchResult> {
-        // A second time where the gaps of the blocks are met and that of the whole is not: objectives
-        // may cancel.
+        // A second time where the gaps of the blocks are met and that of the whole is not:
+        // objectives may cancel.
         for _ in 0..2 {
             loop {
                 let before = self.searches;
@@ -310,8 +311,8 @@ impl BlockSearches<'_, '_> {
         self.task.options.allowed_gap(value, self.task.program.constant)
     }
 
-    /// If all blocks are solved and the whole is not, reopens those that are further from their bounds
-    /// than their share. Returns whether there are any.
+    /// If all blocks are solved and the whole is not, reopens those that are further from their
+    /// bounds than their share. Returns whether there are any.
     fn tighten(&mut self) -> bool {
         let solved = |part: &BlockState| part.ended == Some(Termination::Optimal);
         let Some(point) = self.point(None).filter(|_| self.states.iter().all(solved)) else {
@@ -404,7 +405,8 @@ impl PointJudge for BlockJudge<'_> {
     }
 }
 
-/// Whether a point satisfies bounds, rows and cones of a program as a model's verification wants it.
+/// Whether a point satisfies bounds, rows and cones of a program as a model's verification wants
+/// it.
 fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
     let within = |columns: &[usize], values: &[f64], limits: [f64; 2]| {
         let (mut magnitude, mut whole) = (0.0, true);

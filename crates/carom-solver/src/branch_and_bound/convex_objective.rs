@@ -1,11 +1,13 @@
-//! An objective that is not convex as a convex one that is the same at all points, or less by a known loss.
+//! An objective that is not convex as a convex one that is the same at all points, or less by a
+//! known loss.
 //!
-//! For an integral column with the two values `l` and `l + 1`, `(x - l)(x - l - 1)` is 0. So a multiple of it
-//! may be added, until the form is convex (Hammer and Rubin, Some remarks on quadratic programming with 0-1
-//! variables, RIRO 4, 1970). Or products with the column get columns of their own (McCormick, Computability
-//! of global solutions to factorable nonconvex programs, Mathematical Programming 10, 1976). For another
-//! column, `(x - l)(x - u)` is at least `-(u - l)^2 / 4`; so a multiple lowers the objective, by so much at most
-//! (Androulakis, Maranas and Floudas, alphaBB, Journal of Global Optimization 7, 1995).
+//! For an integral column with the two values `l` and `l + 1`, `(x - l)(x - l - 1)` is 0. So a
+//! multiple of it may be added, until the form is convex (Hammer and Rubin, Some remarks on
+//! quadratic programming with 0-1 variables, RIRO 4, 1970). Or products with the column get columns
+//! of their own (McCormick, Computability of global solutions to factorable nonconvex programs,
+//! Mathematical Programming 10, 1976). For another column, `(x - l)(x - u)` is at least
+//! `-(u - l)^2 / 4`; so a multiple lowers the objective, by so much at most (Androulakis, Maranas
+//! and Floudas, alphaBB, Journal of Global Optimization 7, 1995).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,8 +31,8 @@ const SMALL_LOSS: f64 = 0.1 * tolerance::ABSOLUTE_GAP;
 const FEW_PRODUCTS: f64 = 4.0;
 const MOST_PRODUCTS: usize = 20_000;
 
-/// How much more than the least multiple the squares of columns with more values get where products tie them
-/// to columns with two, so that these need no large one (no unit).
+/// How much more than the least multiple the squares of columns with more values get where products
+/// tie them to columns with two, so that these need no large one (no unit).
 const WITH_ROOM: f64 = 1.5;
 
 /// The help of errors of a solve.
@@ -39,10 +41,11 @@ const GIVE_BOUNDS: &str = "products with a binary have linear forms within bound
 /// A model whose objective is convex.
 pub(super) struct ConvexForm {
     pub(super) model: Model,
-    /// By how much its objective may be below that of the model at a point, in the objective's unit.
+    /// By how much its objective may be below that of the model at a point, in the objective's
+    /// unit.
     pub(super) loss: f64,
-    /// CurvedColumns between 0 and 1 and the multiples of `z^2 - z` that make the objective as it was convex, as
-    /// far as there are any: for proofs.
+    /// CurvedColumns between 0 and 1 and the multiples of `z^2 - z` that make the objective as it
+    /// was convex, as far as there are any: for proofs.
     pub(super) squares: Option<Vec<(usize, f64)>>,
 }
 
@@ -81,7 +84,8 @@ struct ConvexChanges {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) if there is none within these bounds.
+/// [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) if there is none within these
+/// bounds.
 pub(super) fn convex_form(model: &Model, domain: &Domain) -> Result<ConvexForm, Error> {
     let whole = model.variables().map(|variable| variable.kind().is_integral());
     let two = whole.enumerate().map(|(j, whole)| {
@@ -172,8 +176,8 @@ impl ConvexChanges {
         Ok(())
     }
 
-    /// Raises the squares of all columns of a block, if that costs next to nothing: coefficients of a convex form
-    /// that were rounded.
+    /// Raises the squares of all columns of a block, if that costs next to nothing: coefficients of
+    /// a convex form that were rounded.
     fn raise_slightly(&mut self, block: &[Product], columns: &CurvedColumns<'_>) -> bool {
         let weight = |j: usize| match columns.has_two_values[j] {
             true => 1.0,

@@ -29,13 +29,14 @@ struct Pilot {
     point: Option<StartPoint>,
     /// Whether it ran from the root without cuts.
     ran: bool,
-    /// Whether the value of a point is due to limits that presolve has widened, as in [`SearchResult`].
+    /// Whether the value of a point is due to limits that presolve has widened, as in
+    /// [`SearchResult`].
     is_widened: bool,
     statistics: Statistics,
 }
 
-/// Strengthens the program of a task, and carries its root over. Kept leaves are about the program as it
-/// is.
+/// Strengthens the program of a task, and carries its root over. Kept leaves are about the program
+/// as it is.
 pub(super) fn cut(
     task: SolveTask<'_>,
     root: &mut Root,
@@ -95,8 +96,8 @@ impl CutOutcome {
 }
 
 impl Pilot {
-    /// Searches the root of a task, with rounding and a roll-out there. Returns `None` if that is not
-    /// wanted.
+    /// Searches the root of a task, with rounding and a roll-out there. Returns `None` if that is
+    /// not wanted.
     fn search(&mut self, task: SolveTask<'_>, start: Option<&Start>) -> Option<PilotResult> {
         let SolveTask { program, options, .. } = task;
         if let Some(point) = start.and_then(|start| start.point.as_ref()) {

@@ -1,8 +1,8 @@
 //! Bounds of semi-continuous variables that follow from what a known point costs.
 //!
-//! That a variable is 0 or anything from a limit on has no linear rows without an upper bound. Where the model's
-//! rows imply none, a point within a box does: no better point costs more than it, and that row may imply
-//! bounds. It cuts off worse points only.
+//! That a variable is 0 or anything from a limit on has no linear rows without an upper bound.
+//! Where the model's rows imply none, a point within a box does: no better point costs more than
+//! it, and that row may imply bounds. It cuts off worse points only.
 
 use super::far::{DISTANCES, boxed};
 use super::solve::{EarlierResults, Solve};
@@ -19,8 +19,9 @@ const BOX_NODES: u64 = 200;
 const CUTOFF_ROOM: f64 = 1e-3;
 
 impl Solve<'_> {
-    /// The model with a row that says that its objective is no worse than that of a point; `None` if no
-    /// semi-continuous variable lacks a bound, or where no point is found or other points are asked for.
+    /// The model with a row that says that its objective is no worse than that of a point; `None`
+    /// if no semi-continuous variable lacks a bound, or where no point is found or other points are
+    /// asked for.
     pub(super) fn with_cutoff(&self) -> Result<Option<Model>, Error> {
         let Solve { model, options, rows, .. } = *self;
         let is_open =

@@ -9,7 +9,8 @@ use crate::solver::{Control, Event, Incumbent, Progress, StopToken, TreeExchange
 pub(super) struct PartOfSolve<'a> {
     /// Whether no other search came before.
     pub(super) is_first: bool,
-    /// The figures of the solve, from those of the search. Without an incumbent, the solve has none.
+    /// The figures of the solve, from those of the search. Without an incumbent, the solve has
+    /// none.
     pub(super) figures: &'a dyn Fn(&Progress) -> Progress,
     /// The objective of the solve's point behind a point of the search; `None` if there is none.
     pub(super) objective: &'a dyn Fn(f64) -> Option<f64>,

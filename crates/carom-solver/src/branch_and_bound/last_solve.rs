@@ -1,5 +1,5 @@
-//! The data that a prepared model keeps from solve to solve: the integers of the best point, and the
-//! tree with the proofs that closed its ends, and the cuts of cones that it began with.
+//! The data that a prepared model keeps from solve to solve: the integers of the best point, and
+//! the tree with the proofs that closed its ends, and the cuts of cones that it began with.
 //!
 //! The integers are a start for the next solve: fixed, completed and verified like any other point.
 //! The tree is gone through again, and the bounds of the multipliers are proved anew. Nothing is
@@ -13,18 +13,20 @@ use crate::relaxation::ConeCut;
 use crate::search::{Fork, Proof, Proofs, SearchResult, Start};
 use crate::solution::Termination;
 
-/// Least part of the gap between the root and the best point that cuts and tighter costs must close: else
-/// the tree of the last solve, which is gone through again, saves more than they do (no unit).
+/// Least part of the gap between the root and the best point that cuts and tighter costs must
+/// close: else the tree of the last solve, which is gone through again, saves more than they do (no
+/// unit).
 const LEAST_CLOSED: f64 = 0.5;
 
 /// Solves without cuts after one in which they closed less.
 const SOLVES_WITHOUT_CUTS: u32 = 15;
 
-/// Fewest nodes of the last solve after which the program is tightened for the values of the parameters,
-/// as without preparation; that costs as much as a few nodes.
+/// Fewest nodes of the last solve after which the program is tightened for the values of the
+/// parameters, as without preparation; that costs as much as a few nodes.
 const FEW_NODES: u64 = 3;
 
-/// The data kept from the last solves of a prepared model; columns and rows are those of the program.
+/// The data kept from the last solves of a prepared model; columns and rows are those of the
+/// program.
 #[derive(Debug, Default)]
 pub(super) struct LastSolve {
     /// Values of integral columns at the last point that was found, the earliest steps first.

@@ -1,7 +1,8 @@
 //! Solves of programs whose convex objective may be below that of the model.
 //!
-//! A bound for the program is one for the model. A point costs as much as the model says, so the loss of the
-//! convex objective there is a part of the gap. The search gets half of the gap that was asked for.
+//! A bound for the program is one for the model. A point costs as much as the model says, so the
+//! loss of the convex objective there is a part of the gap. The search gets half of the gap that
+//! was asked for.
 
 use super::lower::LoweredProgram;
 use super::solve::{EarlierResults, Solve, SolveResult};
@@ -20,7 +21,8 @@ impl Solve<'_> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) if the loss is more than the gap.
+    /// [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) if the loss is more than the
+    /// gap.
     pub(super) fn run_with_loss(
         &self,
         lowered: &LoweredProgram,

@@ -56,8 +56,8 @@ impl LoweredProgram {
         LoweredProgram { loss, stated, ..self }
     }
 
-    /// The program that the model states, and multiples of `z^2 - z` that make its objective convex, if there
-    /// are any.
+    /// The program that the model states, and multiples of `z^2 - z` that make its objective
+    /// convex, if there are any.
     pub(super) fn stated(&self) -> (&Program, Option<&[(usize, f64)]>) {
         match &self.stated {
             Some(stated) => (&stated.program, stated.squares.as_deref()),
@@ -140,8 +140,8 @@ pub(super) fn lower(
     Ok(Some(lowered))
 }
 
-/// Assembles a model that has only rows. An objective that is not seen to be convex within the bounds of the
-/// program, and within those that its rows imply, becomes one that is.
+/// Assembles a model that has only rows. An objective that is not seen to be convex within the
+/// bounds of the program, and within those that its rows imply, becomes one that is.
 ///
 /// # Arguments
 ///

@@ -9,8 +9,8 @@ use crate::solver::StopToken;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// Reduced costs, and pressures of rows on columns, below this fraction of the largest coefficient of
-/// the objective or of their own terms are rounding (no unit).
+/// Reduced costs, and pressures of rows on columns, below this fraction of the largest coefficient
+/// of the objective or of their own terms are rounding (no unit).
 const RELATIVE_ROUNDING: f64 = 1e-8;
 
 /// Multipliers of a program, as derivatives of its minimum: one a row and one a column.
@@ -20,8 +20,8 @@ pub(super) struct Derivatives {
     pub(super) columns: Vec<f64>,
 }
 
-/// The multipliers at an optimal point of a program without integral columns, or `None` if they cannot
-/// be verified or the token is over.
+/// The multipliers at an optimal point of a program without integral columns, or `None` if they
+/// cannot be verified or the token is over.
 pub(super) fn derivatives(
     program: &Program,
     presolved: &Presolved,

@@ -61,8 +61,8 @@ impl Solve<'_> {
         Ok(solved)
     }
 
-    /// Lowers the model, with a row about a point's cost if bounds are missing that follow from it; and
-    /// whether it has that row, which no proof can use.
+    /// Lowers the model, with a row about a point's cost if bounds are missing that follow from it;
+    /// and whether it has that row, which no proof can use.
     fn lower(&self) -> Result<Option<(LoweredProgram, bool)>, Error> {
         let names = self.options.proof_path().is_some();
         match lower(self.model, self.token, names) {
@@ -144,9 +144,9 @@ impl Solve<'_> {
         restore(self, known, &presolved, found)
     }
 
-    /// Whether a search without presolve claims an optimum below the bound that one with it has proved. Its
-    /// point then lives on violations within the tolerance, which equations amplify, and presolve has put
-    /// these equations into each other.
+    /// Whether a search without presolve claims an optimum below the bound that one with it has
+    /// proved. Its point then lives on violations within the tolerance, which equations amplify,
+    /// and presolve has put these equations into each other.
     fn undercuts(&self, plain: &SearchResult, found: &SearchResult) -> bool {
         let ended = |result: &SearchResult, reason| result.termination == reason;
         let gap = 2.0 * self.options.allowed_gap(found.bound, 0.0);
@@ -162,7 +162,8 @@ impl Solve<'_> {
     }
 }
 
-/// Whether a search without presolve says more than one with it, because it has come to an end, or has a point.
+/// Whether a search without presolve says more than one with it, because it has come to an end, or
+/// has a point.
 fn is_conclusion(plain: &SearchResult, found: &SearchResult) -> bool {
     match plain.termination {
         Termination::Optimal | Termination::Unbounded => true,

@@ -1,8 +1,10 @@
-//! A model that is solved many times. Work that holds for all values of its parameters is done once.
+//! A model that is solved many times. Work that holds for all values of its parameters is done
+//! once.
 //!
 //! The lowered model is assembled with parameters as columns between the ends of their ranges, and
-//! presolved around them. A solve gives these columns their values and passes through the phases of any
-//! solve, with what is known already. Solves that speak of all columns begin with the assembled program.
+//! presolved around them. A solve gives these columns their values and passes through the phases of
+//! any solve, with what is known already. Solves that speak of all columns begin with the assembled
+//! program.
 
 use std::sync::Arc;
 
@@ -198,8 +200,8 @@ impl ReducedProgram {
         })))
     }
 
-    /// Solves the model for these values of the parameters, from the user's start or else from what the
-    /// last solve has left.
+    /// Solves the model for these values of the parameters, from the user's start or else from what
+    /// the last solve has left.
     fn solve(
         &mut self,
         solve: &Solve<'_>,

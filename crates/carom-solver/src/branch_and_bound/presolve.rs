@@ -11,8 +11,8 @@ use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve_around};
 use crate::search::Start;
 use crate::solver::PoolMode;
 
-/// Largest change of the objective of a point by presolve, relative to the terms (no unit): the point
-/// keeps the equalities that were used up to the feasibility tolerance only.
+/// Largest change of the objective of a point by presolve, relative to the terms (no unit): the
+/// point keeps the equalities that were used up to the feasibility tolerance only.
 const OBJECTIVE_CHANGE: f64 = 1e-6;
 
 /// The rules by which the program of a solve is presolved.
@@ -22,8 +22,8 @@ pub(super) fn rules(solve: &Solve<'_>, known: &EarlierResults<'_>) -> &'static [
     if known.is_presolved || !options.reductions || options.keep_leaves {
         return &[];
     }
-    // Nothing that a start knows may be reduced away, rows may come that speak of all points, and the best
-    // points differ in integers that other rules would decide.
+    // Nothing that a start knows may be reduced away, rows may come that speak of all points, and
+    // the best points differ in integers that other rules would decide.
     let wants_all = options.pool > 1 && options.pool_mode == PoolMode::Best;
     let expects_rows = solve.rows.is_some_and(RowJudge::expects_rows);
     let is_faithful = known.start.is_some() || expects_rows || wants_all;
@@ -64,7 +64,8 @@ pub(super) struct Presolution<'a> {
     pub(super) lowered: &'a LoweredProgram,
     /// `None` if the lowered program is presolved already.
     pub(super) presolved: Option<Box<Presolved>>,
-    /// The columns of the lowered program that its equations determine; computed at the first request.
+    /// The columns of the lowered program that its equations determine; computed at the first
+    /// request.
     determined: OnceLock<Option<DeterminedColumns>>,
 }
 
@@ -77,8 +78,8 @@ impl<'a> Presolution<'a> {
         self.presolved.as_ref().map_or(&self.lowered.program, |presolved| &presolved.program)
     }
 
-    /// From values of the program's columns to values of the lowered program's. Those that equations
-    /// determine follow from the others.
+    /// From values of the program's columns to values of the lowered program's. Those that
+    /// equations determine follow from the others.
     pub(super) fn lowered_point(&self, x: &[f64]) -> Vec<f64> {
         let mut point = match &self.presolved {
             Some(presolved) => presolved.postsolve.point(x),

@@ -1,4 +1,5 @@
-//! The phase after the last one, if it is asked for: the proof of the answer, for another program to check.
+//! The phase after the last one, if it is asked for: the proof of the answer, for another program
+//! to check.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind as IoErrorKind, Write};
@@ -92,8 +93,9 @@ fn create(path: &Path) -> io::Result<File> {
     Err(IoErrorKind::AlreadyExists.into())
 }
 
-/// Writes the proof of a claim about a model that no search has made: that its (minimised) objective is at
-/// least `bound`, or that it has no point. The log is one that no checker accepts if the claim is false.
+/// Writes the proof of a claim about a model that no search has made: that its (minimised)
+/// objective is at least `bound`, or that it has no point. The log is one that no checker accepts
+/// if the claim is false.
 pub fn write_proof_of(
     model: &Model,
     bound: Option<f64>,

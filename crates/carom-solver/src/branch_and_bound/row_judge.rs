@@ -70,8 +70,8 @@ impl<'a> RowJudge<'a> {
         self.noted.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether the rows that the callback returns for a verified point exclude it. A point that none
-    /// excludes is compared with all cuts.
+    /// Whether the rows that the callback returns for a verified point exclude it. A point that
+    /// none excludes is compared with all cuts.
     pub(super) fn excludes(&self, point: &Point) -> bool {
         if self.lock().error.is_some() {
             return true;
@@ -97,7 +97,8 @@ impl<'a> RowJudge<'a> {
         }
     }
 
-    /// Whether the callback returns a row that the point violates. Takes note of all that it returns.
+    /// Whether the callback returns a row that the point violates. Takes note of all that it
+    /// returns.
     fn is_excluded(&self, point: &Point) -> Result<bool, Error> {
         let Some(lazy) = self.lazy else { return Ok(false) };
         let (mut excluded, rows) = (false, lazy(point)?);

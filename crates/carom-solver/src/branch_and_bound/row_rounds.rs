@@ -1,11 +1,12 @@
 //! Solving a model whose rows are found on the way: lazy constraints and user cuts.
 //!
-//! Each round is a whole solve of the model with the rows found so far. Its points are judged by the
-//! callback, and a point that a new row excludes is no incumbent; the node that it came from stays open
-//! with its bound. So what a round proves holds for the model with all rows that it begins with, and for
-//! every model with further rows: bounds only rise from round to round, and what presolve and search
-//! conclude from the absence of a row is concluded within a round only. A round that has found rows ends
-//! soon, and the next one begins with them and with the integers of the best point.
+//! Each round is a whole solve of the model with the rows found so far. Its points are judged by
+//! the callback, and a point that a new row excludes is no incumbent; the node that it came from
+//! stays open with its bound. So what a round proves holds for the model with all rows that it
+//! begins with, and for every model with further rows: bounds only rise from round to round, and
+//! what presolve and search conclude from the absence of a row is concluded within a round only. A
+//! round that has found rows ends soon, and the next one begins with them and with the integers of
+//! the best point.
 
 use super::answer::answer;
 use super::events::{PartOfSolve, Told};
@@ -27,8 +28,8 @@ use std::path::Path;
 /// Nodes of the search without cuts before cuts are asked for, and of one for a point far out.
 const FIRST_NODES: u64 = 50;
 
-/// Nodes of the search without cuts after cuts have left no point: at least so many, and so many times
-/// as many as before.
+/// Nodes of the search without cuts after cuts have left no point: at least so many, and so many
+/// times as many as before.
 const DOUBT_NODES: u64 = 1000;
 const DOUBT_FACTOR: u64 = 2;
 
@@ -225,8 +226,8 @@ impl RowRounds<'_> {
         (!integers.is_empty()).then(|| Start { integers, ..Start::default() })
     }
 
-    /// The whole values of the integers of a point, by which the points of a pool are told apart. Two rounds
-    /// may find one of them with continuous values that differ in their last digits.
+    /// The whole values of the integers of a point, by which the points of a pool are told apart.
+    /// Two rounds may find one of them with continuous values that differ in their last digits.
     fn integers(&self, values: &[f64]) -> Vec<(usize, f64)> {
         let integral = self.model.variables().zip(values).enumerate();
         let integral = integral.filter(|(_, (variable, _))| variable.kind().is_integral());

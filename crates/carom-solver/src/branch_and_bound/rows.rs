@@ -19,9 +19,9 @@ pub(super) const LAZY: &str = "lazy_constraint";
 /// The family of user cuts.
 pub(super) const CUT: &str = "user_cut";
 
-/// By how much a point may miss a cut that is right, in units of the largest coefficient, and relative
-/// to the sum of its terms (no unit): points miss the rows that cuts are derived from by up to the
-/// tolerance.
+/// By how much a point may miss a cut that is right, in units of the largest coefficient, and
+/// relative to the sum of its terms (no unit): points miss the rows that cuts are derived from by
+/// up to the tolerance.
 const CUT_COEFFICIENT_MISS: f64 = 1e-4;
 const CUT_TERMS_MISS: f64 = 1e-8;
 
@@ -31,8 +31,8 @@ pub(super) fn is_violated(model: &Model, row: &StoredRow, point: &Point, feasibi
     Verification::of_row(model, point, (&row.terms, limits), feasibility).1
 }
 
-/// Adds rows that are not known yet, in an order that does not depend on when they were found. Returns
-/// how many there are.
+/// Adds rows that are not known yet, in an order that does not depend on when they were found.
+/// Returns how many there are.
 pub(super) fn add_new(known: &mut Vec<StoredRow>, mut rows: Vec<StoredRow>) -> usize {
     let key = |row: &StoredRow| {
         let terms = row.terms.iter().map(|(variable, a)| (variable.index(), a.to_bits()));

@@ -52,7 +52,8 @@ pub(super) struct SolveResult {
     pub(super) lowered_point: Option<Vec<f64>>,
     /// The proof that was written.
     pub(super) proof: Option<ProofReport>,
-    /// The column of the lowered program behind each one of the presolved program, if there was presolve.
+    /// The column of the lowered program behind each one of the presolved program, if there was
+    /// presolve.
     pub(super) columns: Option<Vec<usize>>,
 }
 

@@ -1,8 +1,9 @@
 //! The phase before a program is strengthened: a point to begin with.
 //!
-//! The integers of a start are completed to a point. Without a start, a large program under a limit of
-//! time gets a point that needs no relaxation, in case that the limit comes before the first relaxation
-//! is solved; so does a program of binaries with few costs or none, whose first point is often the answer.
+//! The integers of a start are completed to a point. Without a start, a large program under a limit
+//! of time gets a point that needs no relaxation, in case that the limit comes before the first
+//! relaxation is solved; so does a program of binaries with few costs or none, whose first point is
+//! often the answer.
 
 use crate::program::Program;
 use crate::search::{
@@ -11,7 +12,8 @@ use crate::search::{
 use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Event, Incumbent, Progress};
 
-/// Least entries of the rows of a program whose first relaxation may take longer than a limit allows.
+/// Least entries of the rows of a program whose first relaxation may take longer than a limit
+/// allows.
 const LARGE_ENTRIES: usize = 10_000;
 
 /// Largest share of the remaining time that the point of a large program may take (no unit).
@@ -20,7 +22,8 @@ const TIME_SHARE: f64 = 0.25;
 /// The result of looking for a point before the search.
 pub(super) struct PreliminaryResult {
     found: SearchResult,
-    /// Whether the search begins with the point; else the point only serves where the search has none.
+    /// Whether the search begins with the point; else the point only serves where the search has
+    /// none.
     is_start: bool,
 }
 
@@ -92,8 +95,8 @@ impl PreliminaryResult {
     }
 }
 
-/// Whether the integers of a start are completed before the search. A solve of a prepared model that may
-/// be stopped looks for a point even where the last solve has left none.
+/// Whether the integers of a start are completed before the search. A solve of a prepared model
+/// that may be stopped looks for a point even where the last solve has left none.
 fn is_completed(task: SolveTask<'_>, start: &Start) -> bool {
     !start.integers.is_empty() || (start.proofs.is_some() && task.options.may_stop())
 }

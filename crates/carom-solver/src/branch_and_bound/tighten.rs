@@ -15,8 +15,8 @@ pub(super) struct Tightened<'a> {
 }
 
 impl<'a> Tightened<'a> {
-    /// Tightens a program, and propagates and probes its root. What is concluded holds for all bounds
-    /// within its own.
+    /// Tightens a program, and propagates and probes its root. What is concluded holds for all
+    /// bounds within its own.
     pub(super) fn new(program: &'a Program, options: &Options, token: &StopToken) -> Self {
         let program = tighten(program, options, token);
         let root = Root::new(&program, token, options.probing);

@@ -19,8 +19,8 @@ const LEAST_LIFT: f64 = 1e-4;
 const MOST_IDLE: usize = 5;
 
 impl RowRounds<'_> {
-    /// Relaxes the root of a model, shows it, and adds the cuts that are returned and violated, until
-    /// there are none. Every cut is compared with points that are known.
+    /// Relaxes the root of a model, shows it, and adds the cuts that are returned and violated,
+    /// until there are none. Every cut is compared with points that are known.
     pub(super) fn separate(&mut self, model: &Model, source: &RowSource<'_>) -> Result<(), Error> {
         let (mut best, mut idle) = (f64::NEG_INFINITY, 0);
         for _ in 0..MOST_PASSES {

@@ -17,7 +17,8 @@ pub(super) struct ModelJudge<'a> {
     feasibility: f64,
     /// By variable of the model: whether it is an integer.
     integral: Vec<bool>,
-    /// If a pool is kept, by column of the program: whether an integer of the model follows from it.
+    /// If a pool is kept, by column of the program: whether an integer of the model follows from
+    /// it.
     tells_apart: Vec<bool>,
 }
 

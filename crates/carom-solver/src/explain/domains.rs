@@ -21,14 +21,16 @@ const MAX_PROPAGATIONS: usize = 500;
 /// Limit on relaxations, each of which costs as much as many propagations.
 const MAX_RELAXATIONS: usize = 60;
 
-/// The most binaries of the statements that are blamed of which it is asked whether they have to be binary.
+/// The most binaries of the statements that are blamed of which it is asked whether they have to be
+/// binary.
 const MAX_BINARIES: usize = 100;
 
 /// A part of a model that propagation refutes, while bounds are removed.
 struct DomainReduction<'a> {
     program: &'a Program,
     propagator: Propagator,
-    /// For each variable of the model, whether its bounds stay; binaries without theirs are still 0 or 1.
+    /// For each variable of the model, whether its bounds stay; binaries without theirs are still 0
+    /// or 1.
     used: Vec<bool>,
     /// For each variable of the model, whether it may have any value.
     free: Vec<bool>,
@@ -41,8 +43,8 @@ struct DomainReduction<'a> {
 /// The variables whose bounds are needed for propagation or a relaxation to refute the statements
 /// that are kept; empty if propagation does not refute them with all bounds.
 ///
-/// The bounds of the variables in the statements that are blamed come first: where they suffice, others are
-/// not named. The big-Ms are not recomputed.
+/// The bounds of the variables in the statements that are blamed come first: where they suffice,
+/// others are not named. The big-Ms are not recomputed.
 pub(super) fn used_domains(
     model: &Model,
     keep: &[bool],
@@ -96,7 +98,8 @@ pub(super) fn used_domains(
     Ok(names)
 }
 
-/// The positions of the variables in rows and indicators with some positions among the [`statements`].
+/// The positions of the variables in rows and indicators with some positions among the
+/// [`statements`].
 fn variables_of(model: &Model, positions: &[usize]) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     for (position, statement) in statements(model).enumerate() {
@@ -130,7 +133,8 @@ impl DomainReduction<'_> {
         }
     }
 
-    /// The binaries among some variables that have to be 0 or 1, not just whole; none if a limit comes first.
+    /// The binaries among some variables that have to be 0 or 1, not just whole; none if a limit
+    /// comes first.
     fn needed_binaries(
         &mut self,
         near: &BTreeSet<usize>,

@@ -15,8 +15,8 @@ pub(super) struct ElasticModel<'a> {
     pub(super) slacks: Vec<ElasticSlack>,
 }
 
-/// The variables that say how much a statement gives: below its lower limit, above its upper one, or, for
-/// logic, at all.
+/// The variables that say how much a statement gives: below its lower limit, above its upper one,
+/// or, for logic, at all.
 pub(super) struct ElasticSlack {
     /// Position of the statement in the original model.
     pub(super) statement: usize,
@@ -25,8 +25,8 @@ pub(super) struct ElasticSlack {
 }
 
 impl<'a> ElasticModel<'a> {
-    /// Makes all statements with a finite weight elastic. The objective is the weighted sum of their
-    /// slacks.
+    /// Makes all statements with a finite weight elastic. The objective is the weighted sum of
+    /// their slacks.
     pub(super) fn of(model: &'a Model, weights: &[f64]) -> Result<Self, Error> {
         let mut elastic = ElasticModel {
             original: model,
@@ -96,8 +96,8 @@ impl<'a> ElasticModel<'a> {
         }
     }
 
-    /// A set as one chosen place, and indicators that keep the members elsewhere at 0 unless the set
-    /// fails.
+    /// A set as one chosen place, and indicators that keep the members elsewhere at 0 unless the
+    /// set fails.
     fn add_set(&mut self, set: &SpecialOrderedSetRef<'_>) -> Result<Variable, Error> {
         let (name, members) = (set.name(), set.members());
         let fails = self.slack(name, "_fails", VariableKind::Binary, 1.0)?;
@@ -178,8 +178,8 @@ impl<'a> ElasticModel<'a> {
         Ok((below, above))
     }
 
-    /// A slack for each finite limit of a row, bounded by how far the row can miss that limit within
-    /// the bounds of its variables.
+    /// A slack for each finite limit of a row, bounded by how far the row can miss that limit
+    /// within the bounds of its variables.
     fn slacks(
         &mut self,
         name: &Name,

@@ -112,8 +112,8 @@ pub struct Stretch {
 }
 
 impl ElasticRelaxation {
-    /// Why the solver stopped: `Optimal` if no cheaper way exists, `Infeasible` if the statements that
-    /// never give contradict each other.
+    /// Why the solver stopped: `Optimal` if no cheaper way exists, `Infeasible` if the statements
+    /// that never give contradict each other.
     pub fn termination(&self) -> Termination {
         self.termination
     }
@@ -123,8 +123,8 @@ impl ElasticRelaxation {
         self.termination == Termination::Optimal
     }
 
-    /// The statements that give, in the order of the model; empty if the model has a solution, or if
-    /// the solver found no way.
+    /// The statements that give, in the order of the model; empty if the model has a solution, or
+    /// if the solver found no way.
     pub fn stretches(&self) -> &[Stretch] {
         &self.stretches
     }
@@ -149,10 +149,11 @@ impl ElasticRelaxation {
 ///
 /// The cost is the sum of all amounts, each times the weight of its statement. Because the price is
 /// linear, a few statements tend to give much rather than many a little. Rows give on either side,
-/// and so does the implied row of an indicator. Norms and convex quadratic rows give above their limit; other
-/// quadratic rows as the norms that they are, in the unit of the root. A logic statement, a disjunction or an ordered
-/// set is dropped as a whole, at the cost of its weight. Bounds and kinds of variables, functions and background never
-/// give, and the model's own objective plays no role.
+/// and so does the implied row of an indicator. Norms and convex quadratic rows give above their
+/// limit; other quadratic rows as the norms that they are, in the unit of the root. A logic
+/// statement, a disjunction or an ordered set is dropped as a whole, at the cost of its weight.
+/// Bounds and kinds of variables, functions and background never give, and the model's own
+/// objective plays no role.
 ///
 /// ```
 /// use carom::explain::{ElasticOptions, elastic_relaxation};

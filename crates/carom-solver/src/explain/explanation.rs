@@ -123,13 +123,14 @@ impl Group {
         self.family_size
     }
 
-    /// The steps of the members, as ranges of consecutive steps; empty for a statement without a step.
+    /// The steps of the members, as ranges of consecutive steps; empty for a statement without a
+    /// step.
     pub fn steps(&self) -> Vec<RangeInclusive<usize>> {
         ranges(&self.statements)
     }
 
-    /// A point that satisfies the background and all other families of the set. Always present if the
-    /// set is irreducible.
+    /// A point that satisfies the background and all other families of the set. Always present if
+    /// the set is irreducible.
     pub fn without(&self) -> Option<&Point> {
         self.without.as_ref()
     }

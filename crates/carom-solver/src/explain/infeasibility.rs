@@ -24,8 +24,8 @@ const MANY_FAMILIES: usize = 12;
 /// contradict the rest, as far as the number of solves allows.
 ///
 /// Every claim is proved. A part has no solution if a solve or propagation has refuted it, and has
-/// one if a verified point is known. Objectives play no role. If a solve ends at a limit, its family
-/// stays in the set, and the set is not reported as irreducible.
+/// one if a verified point is known. Objectives play no role. If a solve ends at a limit, its
+/// family stays in the set, and the set is not reported as irreducible.
 ///
 /// ```
 /// use carom::explain::{ExplainOptions, infeasibility};
@@ -53,8 +53,8 @@ const MANY_FAMILIES: usize = 12;
 ///
 /// # Errors
 ///
-/// [`ErrorKind::UnknownName`](crate::error::ErrorKind::UnknownName) for a name in the background that the
-/// model does not have, and the errors of [`Solver::solve_with`].
+/// [`ErrorKind::UnknownName`](crate::error::ErrorKind::UnknownName) for a name in the background
+/// that the model does not have, and the errors of [`Solver::solve_with`].
 pub fn infeasibility(
     model: &Model,
     solver: &mut dyn Solver,

@@ -72,7 +72,8 @@ impl<'a> StepSpan<'a> {
     }
 }
 
-/// Narrows the kept families until `solves` solves were made; returns the remaining members of each.
+/// Narrows the kept families until `solves` solves were made; returns the remaining members of
+/// each.
 pub(super) fn narrow(
     groups: &Groups,
     kept: &[usize],

@@ -17,8 +17,8 @@ use crate::solver::{Solver, StopToken};
 /// Trials of probing before a solve; see `search/root.rs`.
 const MAX_PROBING_TRIALS: usize = 4000;
 
-/// The distance from 0 up to which a variable of a part is searched if neither bounds nor rows limit it,
-/// in its unit.
+/// The distance from 0 up to which a variable of a part is searched if neither bounds nor rows
+/// limit it, in its unit.
 const SEARCH_RADIUS: f64 = 1e5;
 
 /// The answer to whether a part of a model has a solution.
@@ -158,8 +158,8 @@ impl<'a> Oracle<'a> {
         Ok(refuted)
     }
 
-    /// The model with the statements that are kept. Rows on one continuous variable also tighten its
-    /// bounds, because that costs nothing and makes the big-Ms smaller.
+    /// The model with the statements that are kept. Rows on one continuous variable also tighten
+    /// its bounds, because that costs nothing and makes the big-Ms smaller.
     fn part(&self, keep: &[bool]) -> Result<Model, Error> {
         let mut part = subset(self.model, |position| keep[position]);
         for (_, statement) in statements(self.model).enumerate().filter(|&(k, _)| keep[k]) {

@@ -6,8 +6,9 @@ use crate::error::{Error, check_finite, check_length};
 use crate::model::Model;
 use crate::solution::{Point, Verification, Violation};
 
-/// Lists all bounds, integrality and semi-continuity conditions, rows, indicators, disjunctions, logic
-/// statements, functions and ordered sets that a point violates, the worst [relative](Violation::relative) violation first.
+/// Lists all bounds, integrality and semi-continuity conditions, rows, indicators, disjunctions,
+/// logic statements, functions and ordered sets that a point violates, the worst
+/// [relative](Violation::relative) violation first.
 ///
 /// ```
 /// use carom::explain::violations;

@@ -29,8 +29,8 @@ pub enum SolverClaim {
     Optimal,
     /// There is no feasible point.
     Infeasible,
-    /// The program is unbounded or infeasible. The program is run again without the objective to tell
-    /// which.
+    /// The program is unbounded or infeasible. The program is run again without the objective to
+    /// tell which.
     Unbounded,
     /// It stopped at a limit.
     Limit(Termination),
@@ -72,7 +72,8 @@ pub trait Dialect: fmt::Debug + Send {
         false
     }
 
-    /// Whether it takes convex quadratic rows and second-order cones (`QCMATRIX`) together with integers.
+    /// Whether it takes convex quadratic rows and second-order cones (`QCMATRIX`) together with
+    /// integers.
     fn takes_cones(&self) -> bool {
         false
     }
@@ -86,7 +87,8 @@ pub trait Dialect: fmt::Debug + Send {
         None
     }
 
-    /// Reads the answer from the solution file, if there is one, and from the output of the program.
+    /// Reads the answer from the solution file, if there is one, and from the output of the
+    /// program.
     ///
     /// # Errors
     ///

@@ -2,14 +2,15 @@
 //!
 //! [`ExternalSolver`] is a [`Solver`] that runs CBC, GLPK, HiGHS, SCIP or any other program on the
 //! `PATH` for which you implement a [`Dialect`]. It writes the model as an MPS file and reads the
-//! answer back. Nothing is linked or installed. Models are [lowered](crate::reformulate::lower) first, so a program
-//! without indicators or logic can still solve any model; only quadratic objectives and cones need a program
-//! that takes them.
+//! answer back. Nothing is linked or installed. Models are [lowered](crate::reformulate::lower)
+//! first, so a program without indicators or logic can still solve any model; only quadratic
+//! objectives and cones need a program that takes them.
 //!
-//! Points are never trusted: the integers are rounded, [`BranchAndBound`] solves the rest again, and
-//! the meaning of every statement is checked ([`certify`]). A claim that the program is unbounded is
-//! believed if the program also finds a point when it is run again without the objective. Bounds and
-//! claims of infeasibility cannot be checked; they hold up to the tolerances of the program.
+//! Points are never trusted: the integers are rounded, [`BranchAndBound`] solves the rest again,
+//! and the meaning of every statement is checked ([`certify`]). A claim that the program is
+//! unbounded is believed if the program also finds a point when it is run again without the
+//! objective. Bounds and claims of infeasibility cannot be checked; they hold up to the tolerances
+//! of the program.
 //!
 //! ```no_run
 //! use carom::external::ExternalSolver;
@@ -100,8 +101,8 @@ impl Solver for ExternalSolver {
     ///
     /// Besides those of every solver, [`ErrorKind::Io`] when the program cannot be started or its
     /// files cannot be written or read, [`ErrorKind::Unsupported`] for a quadratic objective or
-    /// cones that it does not take, and [`ErrorKind::Backend`] when it fails or its dialect cannot read the
-    /// answer.
+    /// cones that it does not take, and [`ErrorKind::Backend`] when it fails or its dialect cannot
+    /// read the answer.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
         control.refuse_lazy_constraints(self.name())?;
@@ -203,8 +204,8 @@ pub(crate) fn stopped(
     Solution::new(model, outcome, options.feasibility)
 }
 
-/// The options with half the gap. The other solver measures its relative gap without the constant of
-/// the objective, so with a constant only the absolute gap is passed on.
+/// The options with half the gap. The other solver measures its relative gap without the constant
+/// of the objective, so with a constant only the absolute gap is passed on.
 pub(crate) fn with_half_the_gap(options: &Options, constant: f64) -> Options {
     let (relative, absolute) = (0.5 * options.relative_gap, 0.5 * options.absolute_gap);
     let relative = if constant == 0.0 { relative } else { 0.0 };

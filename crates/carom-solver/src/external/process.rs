@@ -33,8 +33,8 @@ pub(super) struct ProgramRun<'a> {
 }
 
 impl ProgramRun<'_> {
-    /// Runs the program on a model and reads the answer. Also returns why the program was stopped, if
-    /// it was.
+    /// Runs the program on a model and reads the answer. Also returns why the program was stopped,
+    /// if it was.
     pub(super) fn answer(
         &self,
         model: &str,

@@ -1,5 +1,5 @@
-//! Rewrites a model of rows and cones as a minimisation with plain names and without a constant, because all
-//! programs read that in the same way.
+//! Rewrites a model of rows and cones as a minimisation with plain names and without a constant,
+//! because all programs read that in the same way.
 
 use std::collections::HashMap;
 
@@ -47,7 +47,8 @@ pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
     for (i, row) in model.constraints().enumerate() {
         let limits = row.limits();
         if row.terms().is_empty() {
-            // A row without variables is true or false; a fixed column makes a false one infeasible.
+            // A row without variables is true or false; a fixed column makes a false one
+            // infeasible.
             if !limits.contains(0.0) {
                 let never = plain.continuous(format!("never{i}").as_str(), 0.0, 0.0)?;
                 let row = never.within(limits.lower, limits.upper);

@@ -36,8 +36,8 @@ const MIN_SHARED_COLUMNS: usize = 2;
 /// The largest number of multiples of a linked row that are tried.
 const MAX_MULTIPLIERS: usize = 4;
 
-/// The amount by which a limit stays looser than the bound that was computed, relative to the terms of
-/// that bound (no unit), so that rounding cuts off no whole point.
+/// The amount by which a limit stays looser than the bound that was computed, relative to the terms
+/// of that bound (no unit), so that rounding cuts off no whole point.
 const REACH_MARGIN: f64 = 1e-12;
 
 /// The smallest gain that is used, as a fraction of the coefficient.
@@ -53,8 +53,8 @@ const MAX_BIG_M_GAIN: f64 = 1e6;
 /// The smallest part of a coefficient that remains (no unit).
 const MIN_BIG_M_REMAINDER: f64 = 1e-4;
 
-/// A new coefficient below this fraction of the old one and the limit is dropped, which loosens the row
-/// by as much. Bounds from propagation are loose by a tenth of it.
+/// A new coefficient below this fraction of the old one and the limit is dropped, which loosens the
+/// row by as much. Bounds from propagation are loose by a tenth of it.
 const DROPPED_BIG_M: f64 = 1e-8;
 
 /// Shrinks big-Ms to what linked rows allow; returns `None` if none shrinks.
@@ -291,8 +291,8 @@ impl<'a> TightenedRows<'a> {
         best
     }
 
-    /// Sets a row's coefficient of a binary, and its limit, from the largest value of the other terms at
-    /// both values.
+    /// Sets a row's coefficient of a binary, and its limit, from the largest value of the other
+    /// terms at both values.
     fn tighten(&mut self, row: usize, z: usize, reach: [f64; 2]) {
         let (sign, limit) = self.one_side(row);
         let columns = self.program.row(row).0;
@@ -304,8 +304,9 @@ impl<'a> TightenedRows<'a> {
         let size = old.abs() + limit.abs();
         let drops = (off - on).abs() <= (DROPPED_BIG_M * size).min(MIN_BIG_M_REDUCTION);
         if !drops {
-            // The coefficient keeps a part of its size, so that rounding does not decide the binary. It
-            // never grows, as it would if a value were impossible; one side then stays looser.
+            // The coefficient keeps a part of its size, so that rounding does not decide the
+            // binary. It never grows, as it would if a value were impossible; one side then stays
+            // looser.
             let (least, most) = (MIN_BIG_M_REMAINDER * old.abs(), old.abs());
             (off, on) = (off.max(on - most), on.max(off - most));
             if (off - on).abs() < least {

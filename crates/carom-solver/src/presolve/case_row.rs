@@ -28,7 +28,8 @@ impl CaseRow {
     ///
     /// # Errors
     ///
-    /// The column at which it contradicts the domain, or row 0 for a contradiction of the whole row.
+    /// The column at which it contradicts the domain, or row 0 for a contradiction of the whole
+    /// row.
     pub(crate) fn tighten(&self, program: &Program, domain: &mut Domain) -> Result<(), Conflict> {
         let (mut found, gain) = (Vec::new(), tolerance::PROPAGATION_GAIN);
         let CaseRow { entries, limits } = self;

@@ -65,7 +65,8 @@ impl ChangeLog {
         self.visited = 0;
     }
 
-    /// The blocks visited since [`start`](ChangeLog::start), and the time; later changes have later times.
+    /// The blocks visited since [`start`](ChangeLog::start), and the time; later changes have later
+    /// times.
     pub(super) fn finish(&mut self) -> (RowBlockSet, u32) {
         let now = self.now;
         self.now = now.saturating_add(1);

@@ -12,12 +12,12 @@
 use super::reduced::Reduced;
 use crate::tolerance;
 
-/// The amount by which a row stays looser than necessary, relative to its activity (no unit), so that
-/// rounding cuts off no whole point.
+/// The amount by which a row stays looser than necessary, relative to its activity (no unit), so
+/// that rounding cuts off no whole point.
 const ACTIVITY_MARGIN: f64 = 1e-9;
 
-/// The smallest possible violation of a row that is tightened, in its unit. Smaller coefficients would be
-/// rounding.
+/// The smallest possible violation of a row that is tightened, in its unit. Smaller coefficients
+/// would be rounding.
 const MIN_EXCESS: f64 = tolerance::FEASIBILITY;
 
 /// The smallest gain that is used, as a fraction of the coefficient.
@@ -54,10 +54,11 @@ impl OneSided {
         self.most.is_finite() && self.most - self.limit > MIN_EXCESS
     }
 
-    /// Shrinks the coefficient of a binary, and moves the limit with it; returns whether they moved.
+    /// Shrinks the coefficient of a binary, and moves the limit with it; returns whether they
+    /// moved.
     ///
-    /// The row stays looser than it could be by `margin` (row's unit), and the limit by `rounding`, which is
-    /// relative to the coefficient and the limit: nothing else is rounded.
+    /// The row stays looser than it could be by `margin` (row's unit), and the limit by `rounding`,
+    /// which is relative to the coefficient and the limit: nothing else is rounded.
     fn shrink(&mut self, coefficient: &mut f64, margin: f64, rounding: f64) -> bool {
         let size = coefficient.abs();
         // The distance of the row from its limit at the value of the binary that relaxes it.
@@ -171,14 +172,15 @@ pub(super) fn round_limits(
     Some(([new_lower, new_upper], moved(lower, new_lower) || moved(upper, new_upper)))
 }
 
-/// Whether a value is a whole number, up to rounding. Between numbers of 1e14, a quarter is no rounding.
+/// Whether a value is a whole number, up to rounding. Between numbers of 1e14, a quarter is no
+/// rounding.
 pub(super) fn is_whole(value: f64) -> bool {
     let rounding = (1e-12 * value.abs().max(1.0)).min(tolerance::INTEGRALITY);
     (value - value.round()).abs() <= rounding
 }
 
-/// Whether a coefficient has not been rounded: it is whole, or has few binary digits. Differences from
-/// presolve have all of them.
+/// Whether a coefficient has not been rounded: it is whole, or has few binary digits. Differences
+/// from presolve have all of them.
 pub(super) fn is_exact(coefficient: f64) -> bool {
     coefficient == coefficient.round()
         || coefficient.to_bits().trailing_zeros() >= MIN_TRAILING_ZEROS

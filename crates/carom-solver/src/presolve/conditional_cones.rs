@@ -3,17 +3,18 @@
 //! Takes second-order cones and binaries; leaves heads that are smaller, by the room, while a
 //! binary has such a value.
 //!
-//! A norm under a condition is often `|z| <= r + M (1 - b)`. If propagation tells that `|z|` is at most
-//! `h - c` wherever `b` is 0, where `h` is the head, then `|z| <= h - c (1 - b)` has the same points with
-//! whole `b`: nothing changes where `b` is 1. It is the coefficient tightening of rows, for cones.
+//! A norm under a condition is often `|z| <= r + M (1 - b)`. If propagation tells that `|z|` is at
+//! most `h - c` wherever `b` is 0, where `h` is the head, then `|z| <= h - c (1 - b)` has the same
+//! points with whole `b`: nothing changes where `b` is 1. It is the coefficient tightening of rows,
+//! for cones.
 //!
-//! Rotated cones have such a room, too. In `t^2 <= h g` it is enough that `k |t| <= h - c` and `|t| <= k g`
-//! for some `k > 0` wherever `b` is 0; then `h - c (1 - b)` takes the place of `h`. An example is the convex
-//! hull of `w <= y / (1 + y)` and `w = 0`: as a cone, `y^2 <= (1 + y) (y - w)`, which is
-//! `y^2 <= (b + y) (y - w)` with the room `c = 1`.
+//! Rotated cones have such a room, too. In `t^2 <= h g` it is enough that `k |t| <= h - c` and
+//! `|t| <= k g` for some `k > 0` wherever `b` is 0; then `h - c (1 - b)` takes the place of `h`. An
+//! example is the convex hull of `w <= y / (1 + y)` and `w = 0`: as a cone,
+//! `y^2 <= (1 + y) (y - w)`, which is `y^2 <= (b + y) (y - w)` with the room `c = 1`.
 //!
-//! Differences such as `h - k t` are measured in terms of the columns that define heads and tails by rows,
-//! because their bounds apart from each other say little.
+//! Differences such as `h - k t` are measured in terms of the columns that define heads and tails
+//! by rows, because their bounds apart from each other say little.
 
 use std::collections::BTreeMap;
 
@@ -29,8 +30,8 @@ const LEAST_ROOM: f64 = 1e-4;
 /// Rooms from this part of the largest one on count as alike.
 const MOST_OF_IT: f64 = 0.999;
 
-/// By how much propagated bounds may miss a condition, in its unit: propagation loosens each bound a
-/// little.
+/// By how much propagated bounds may miss a condition, in its unit: propagation loosens each bound
+/// a little.
 const LOOSE: f64 = 1e-8;
 
 /// Longest rows that define a column.
@@ -199,7 +200,8 @@ impl ColumnSum {
 }
 
 impl Defined {
-    /// Measures the room of the heads in a domain in which a literal holds. Returns whether there is any.
+    /// Measures the room of the heads in a domain in which a literal holds. Returns whether there
+    /// is any.
     fn try_room(&mut self, program: &Program, domain: &Domain, literal: Literal) -> bool {
         let known = self.rooms.len();
         let cone: &Cone = &program.cones[self.place];

@@ -5,18 +5,21 @@
 //! Gu, Rothberg and Weninger, Presolve reductions in mixed integer programming, INFORMS Journal on
 //! Computing 32, 2020).
 //!
-//! In `a'x = b` over whole numbers, all terms but one are multiples of the greatest common divisor of
-//! their coefficients. This leaves the one column a residue class, so its bounds move to the next members
-//! of the class, or there is no point at all: no `x`, `y` satisfy `6 x + 10 y = 5`, and of
-//! `12345678 x - 87654321 y = 9` a relaxation knows nothing that would not take millions of nodes.
+//! In `a'x = b` over whole numbers, all terms but one are multiples of the greatest common divisor
+//! of their coefficients. This leaves the one column a residue class, so its bounds move to the
+//! next members of the class, or there is no point at all: no `x`, `y` satisfy `6 x + 10 y = 5`,
+//! and of `12345678 x - 87654321 y = 9` a relaxation knows nothing that would not take millions of
+//! nodes.
 
 use super::parameters::LARGEST_WHOLE;
 use super::tightening::{Entry, PropagatedRow, Tightening};
 
-/// The largest number of columns that are not fixed. The coefficients of more rarely have a divisor.
+/// The largest number of columns that are not fixed. The coefficients of more rarely have a
+/// divisor.
 const MAX_OPEN_COLUMNS: usize = 8;
 
-/// Whether a row is an equality over whole numbers, and some of its coefficients may have a divisor.
+/// Whether a row is an equality over whole numbers, and some of its coefficients may have a
+/// divisor.
 pub(super) fn is_whole_equality(line: &PropagatedRow, entries: &[Entry]) -> bool {
     let [lower, upper] = line.limits;
     let is_whole = |entry: &Entry| {

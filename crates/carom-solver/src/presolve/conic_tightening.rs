@@ -5,13 +5,13 @@
 //! (Belotti, Lee, Liberti, Margot and Wächter, Branching and bounds tightening techniques for
 //! non-convex MINLP, Optimization Methods and Software 24, 2009).
 //!
-//! Every step is rounded outward. A root turns a small change of the head into a large one of the tail, so
-//! the head is taken larger by what a conflict must exceed: a bound of the tail cuts off no point that
-//! misses the cone by less.
+//! Every step is rounded outward. A root turns a small change of the head into a large one of the
+//! tail, so the head is taken larger by what a conflict must exceed: a bound of the tail cuts off
+//! no point that misses the cone by less.
 //!
-//! Where the largest head is exactly as long as the least tail, the cone is one point: `|(3, y)| <= 3` leaves
-//! `y` only 0, and so does a head of 0. There nothing is rounded, because the root would leave room for far
-//! more than the tolerance, and no method finds an inside.
+//! Where the largest head is exactly as long as the least tail, the cone is one point:
+//! `|(3, y)| <= 3` leaves `y` only 0, and so does a head of 0. There nothing is rounded, because
+//! the root would leave room for far more than the tolerance, and no method finds an inside.
 
 use super::coefficients::is_exact;
 use super::parameters::{CONTRADICTION, FEW_ROUNDINGS};
@@ -62,8 +62,8 @@ impl BoundedColumns<'_> {
         self.integral[column] || is_exact(bound)
     }
 
-    /// The amount by which the squares of a column may miss the cone: whole values must satisfy it as
-    /// accepted points do.
+    /// The amount by which the squares of a column may miss the cone: whole values must satisfy it
+    /// as accepted points do.
     fn margin(&self, column: usize) -> f64 {
         if self.integral[column] { tolerance::FEASIBILITY } else { CONTRADICTION }
     }
@@ -147,12 +147,12 @@ pub(super) fn tighten_cone(
     RowState::Open
 }
 
-/// By how much the square of the largest head may exceed that of the least tail, relative to it, where exact
-/// numbers may be equal.
+/// By how much the square of the largest head may exceed that of the least tail, relative to it,
+/// where exact numbers may be equal.
 const NEARLY_FULL: f64 = 1e-12;
 
-/// Bounds that fix the entries of a cone whose largest head is exactly as long as its least tail. None if
-/// the numbers were rounded, or if nothing is left to fix.
+/// Bounds that fix the entries of a cone whose largest head is exactly as long as its least tail.
+/// None if the numbers were rounded, or if nothing is left to fix.
 pub(super) fn pins(columns: BoundedColumns<'_>, cone: &Cone) -> Vec<Tightening> {
     let (head, tail) = (cone.head(), cone.tail());
     let upper = |j: usize| columns.upper(j).max(0.0);
@@ -190,8 +190,8 @@ pub(super) fn pins(columns: BoundedColumns<'_>, cone: &Cone) -> Vec<Tightening> 
     pins
 }
 
-/// Whether the product of a rotated cone is less than the square of its tail although its heads are far apart:
-/// of `0 y >= 1` the distance to the cone is nearly 0 where `y` is large.
+/// Whether the product of a rotated cone is less than the square of its tail although its heads are
+/// far apart: of `0 y >= 1` the distance to the cone is nearly 0 where `y` is large.
 fn has_no_product(columns: BoundedColumns<'_>, cone: &Cone, least: f64) -> bool {
     let [first, second] = *cone.head() else { return false };
     let (first, second) = (columns.upper(first), columns.upper(second));
@@ -211,8 +211,8 @@ fn largest_head_square(columns: BoundedColumns<'_>, cone: &Cone, margin: f64) ->
     }
 }
 
-/// Whether a tail of some length misses the largest head by more than rounding explains, in the unit of the
-/// head.
+/// Whether a tail of some length misses the largest head by more than rounding explains, in the
+/// unit of the head.
 fn misses(columns: BoundedColumns<'_>, cone: &Cone, length: f64) -> bool {
     let (miss, size) = match (cone.shape, cone.head()) {
         (ConeShape::Rotated, &[x, y]) => {
@@ -245,8 +245,9 @@ pub(super) fn is_implied(columns: BoundedColumns<'_>, cone: &Cone) -> bool {
     heads_hold && most * (1.0 + (tail.len() + 4) as f64 * f64::EPSILON) <= room
 }
 
-/// Bounds an integral factor of a rotated cone from below. A whole value must satisfy the row itself, whose
-/// unit is that of the product: 0 is near 2.5e-7, and `0 y` is not near 0.25 with any `y` up to 1e6.
+/// Bounds an integral factor of a rotated cone from below. A whole value must satisfy the row
+/// itself, whose unit is that of the product: 0 is near 2.5e-7, and `0 y` is not near 0.25 with any
+/// `y` up to 1e6.
 fn bound_whole_head(
     columns: BoundedColumns<'_>,
     [head, other]: [usize; 2],

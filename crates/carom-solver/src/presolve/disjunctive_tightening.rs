@@ -35,8 +35,8 @@ const MAX_ROW_PASSES: usize = 30;
 /// The smallest move of a bound that is used, as a fraction of the width between the bounds.
 const MIN_HULL_GAIN: f64 = 0.01;
 
-/// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves, or if there
-/// is no point.
+/// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves, or if
+/// there is no point.
 ///
 /// Columns and rows keep their numbers, and no point with whole integral columns is lost.
 pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<Program> {
@@ -61,8 +61,8 @@ pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<P
     Some(tight)
 }
 
-/// Tightens the rows of a program to its bounds; `None` if no whole point satisfies one of them, or if
-/// they cannot be allocated.
+/// Tightens the rows of a program to its bounds; `None` if no whole point satisfies one of them, or
+/// if they cannot be allocated.
 pub(crate) fn tighten_rows(program: &mut Program) -> Option<()> {
     let columns =
         Columns { lower: &program.lower, upper: &program.upper, integral: &program.integral };
@@ -103,8 +103,8 @@ pub(crate) fn tighten_rows(program: &mut Program) -> Option<()> {
     if moved { program.replace_rows(entries.into_iter(), &limits) } else { Some(()) }
 }
 
-/// The covering rows, which ask for at least one of their binaries; `sizes` says how many columns a row
-/// may have.
+/// The covering rows, which ask for at least one of their binaries; `sizes` says how many columns a
+/// row may have.
 pub(crate) fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<usize> {
     let is_binary =
         |j: usize| program.integral[j] && program.lower[j] >= 0.0 && program.upper[j] <= 1.0;
@@ -140,7 +140,8 @@ fn gain(
             shared.clear();
             for &j in columns.iter() {
                 if domain.lower(j) == 1.0 && !slips::has(Slip::ExcludedCase) {
-                    // Excluding the others has selected this case, so the hull of the others is void.
+                    // Excluding the others has selected this case, so the hull of the others is
+                    // void.
                     shared.clear();
                     break;
                 }

@@ -9,7 +9,8 @@ pub struct Domain {
     /// Lower and upper bound side by side: propagation nearly always reads both.
     bounds: Vec<[f64; 2]>,
     trail: Vec<TrailEntry>,
-    /// The smallest length of the trail since the last call of `undone_to`; `None` before the first call.
+    /// The smallest length of the trail since the last call of `undone_to`; `None` before the first
+    /// call.
     shortest: Option<usize>,
 }
 
@@ -97,7 +98,8 @@ impl Domain {
         self.trail[mark..].iter().map(|c| (c.column(), c.is_upper()))
     }
 
-    /// The earliest mark to which changes were undone since the last call; `None` at the first call.
+    /// The earliest mark to which changes were undone since the last call; `None` at the first
+    /// call.
     pub(super) fn undone_to(&mut self) -> Option<usize> {
         self.shortest.replace(self.trail.len())
     }

@@ -5,7 +5,8 @@ use crate::solver::StopToken;
 /// Implications between binaries; a literal `2 j + 1` is column `j` at 1, `2 j` is it at 0.
 #[derive(Debug, Clone, Default)]
 pub struct ImplicationGraph {
-    /// By literal, where what it implies begins, and the end of all; empty when there is none at all.
+    /// By literal, where what it implies begins, and the end of all; empty when there is none at
+    /// all.
     start: Vec<usize>,
     implied: Vec<usize>,
 }

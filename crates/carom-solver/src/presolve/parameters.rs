@@ -1,7 +1,8 @@
-//! Parameters that several algorithms of presolve share. Those of one algorithm are listed in its file.
+//! Parameters that several algorithms of presolve share. Those of one algorithm are listed in its
+//! file.
 
-/// Bounds or limits that are crossed by more than this, relative to their magnitude (at least 1), prove
-/// that no point exists. Presolve leaves fewer digits than a single operation does.
+/// Bounds or limits that are crossed by more than this, relative to their magnitude (at least 1),
+/// prove that no point exists. Presolve leaves fewer digits than a single operation does.
 pub(super) const CONTRADICTION: f64 = 1e-8;
 
 /// A bound or a limit that holds already up to this margin, in its unit, counts as implied.

@@ -22,11 +22,12 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// The number of trials of a side (the upper or the lower values) after which its success rate counts.
+/// The number of trials of a side (the upper or the lower values) after which its success rate
+/// counts.
 const MIN_SIDE_TRIALS: u32 = 100;
 
-/// The trials per success that are accepted of a side. With 100, `wall_fuel_60` spends twice the time on
-/// trials, and other programs the same.
+/// The trials per success that are accepted of a side. With 100, `wall_fuel_60` spends twice the
+/// time on trials, and other programs the same.
 const TRIALS_PER_SUCCESS: u32 = 30;
 
 /// The number of visits after which a side with too few successes is tried again.
@@ -65,8 +66,8 @@ impl ProbingRecord {
         }
     }
 
-    /// The bounds that the last visit found by its trials, in their order: the column, whether it is
-    /// the upper bound, and its value. Propagation finds the rest again.
+    /// The bounds that the last visit found by its trials, in their order: the column, whether it
+    /// is the upper bound, and its value. Propagation finds the rest again.
     pub(crate) fn found(&self) -> &[(usize, bool, f64)] {
         &self.found
     }
@@ -101,7 +102,8 @@ pub struct Trials {
     pub patience: usize,
 }
 
-/// Probes columns in the given order and back until a full round changes nothing, or the trials run out.
+/// Probes columns in the given order and back until a full round changes nothing, or the trials run
+/// out.
 ///
 /// Only columns with two whole values left are probed; others are passed over. `token` is asked
 /// before every trial; what is proved until it is over is kept.
@@ -122,9 +124,9 @@ pub fn probe(
     probe_again(program, domain, propagator, (columns, trials), &mut record, token)
 }
 
-/// Like [`probe`] with so many trials of these columns, at one of many nodes that share a propagator:
-/// it passes over what the record says has been tried on the same bounds, and tries the sides that
-/// hardly ever find anything now and then only.
+/// Like [`probe`] with so many trials of these columns, at one of many nodes that share a
+/// propagator: it passes over what the record says has been tried on the same bounds, and tries the
+/// sides that hardly ever find anything now and then only.
 ///
 /// # Errors
 ///
@@ -188,7 +190,8 @@ pub(crate) fn probe_again(
 }
 
 impl Propagator {
-    /// Propagates a bound on trial and undoes it. Returns the outcome, the visited blocks and the time.
+    /// Propagates a bound on trial and undoes it. Returns the outcome, the visited blocks and the
+    /// time.
     fn try_bound(
         &mut self,
         program: &Program,

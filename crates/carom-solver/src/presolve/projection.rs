@@ -17,8 +17,8 @@
 
 use super::reduced::{Reduced, refill};
 
-/// The excess of the largest activity over a limit up to which the limit counts as implied, relative. A
-/// limit dropped in error only loosens the relaxation.
+/// The excess of the largest activity over a limit up to which the limit counts as implied,
+/// relative. A limit dropped in error only loosens the relaxation.
 const IMPLIED_EXCESS: f64 = 1e-8;
 
 /// The distance to a whole value, or of a row to its limit, that counts as zero (no unit).
@@ -74,7 +74,8 @@ struct RemovedBinary {
     /// Its coefficient in the covering row, of the other sign.
     help: f64,
     cover: usize,
-    /// The program's row that it makes bind, and the factor from the multiplier of the sum to its own.
+    /// The program's row that it makes bind, and the factor from the multiplier of the sum to its
+    /// own.
     hurt_row: (usize, f64),
 }
 

@@ -74,8 +74,8 @@ struct Uses {
 }
 
 impl Uses {
-    /// The uses of columns in lines, the last of which is the objective, whose upper limit comes later, and
-    /// in cones, whose numbers follow.
+    /// The uses of columns in lines, the last of which is the objective, whose upper limit comes
+    /// later, and in cones, whose numbers follow.
     fn new(
         columns: usize,
         lines: &[PropagatedRow],
@@ -133,7 +133,8 @@ fn each_use(lines: &[PropagatedRow], entries: &[Entry], mut note: impl FnMut(usi
     }
 }
 
-/// Each bound of a column with each cone to which it can matter; the first cone has the number `first`.
+/// Each bound of a column with each cone to which it can matter; the first cone has the number
+/// `first`.
 fn each_conic_use(first: usize, cones: &[Cone], mut note: impl FnMut(usize, usize)) {
     for (number, cone) in (first..).zip(cones) {
         cone.head().iter().for_each(|&j| note(2 * j + 1, number));
@@ -203,8 +204,8 @@ impl Propagator {
         self.implications = implications;
     }
 
-    /// Makes every later propagation end when the token is over. What is concluded until then holds; what
-    /// is not may be missing.
+    /// Makes every later propagation end when the token is over. What is concluded until then
+    /// holds; what is not may be missing.
     pub fn set_stop_token(&mut self, token: &StopToken) {
         self.token = token.clone();
     }

@@ -20,20 +20,20 @@ use crate::sum::Sum;
 use crate::tolerance;
 
 /// A row over fixed columns is refuted if it is violated by more than this, relative to its largest
-/// term that is not exact, and by more than [`CONTRADICTION`], absolute. Presolve leaves at least this
-/// many digits; exact terms have all of them.
+/// term that is not exact, and by more than [`CONTRADICTION`], absolute. Presolve leaves at least
+/// this many digits; exact terms have all of them.
 const ROW_DIGITS: f64 = 1e-10;
 
-/// The room that the fixed entries of a cone leave the others counts as none up to this, relative to their
-/// squares: no interior-point method finds an inside there.
+/// The room that the fixed entries of a cone leave the others counts as none up to this, relative
+/// to their squares: no interior-point method finds an inside there.
 const NO_ROOM: f64 = 1e-13;
 
-/// The largest number of passes over the rows: rows over one column fix columns, which makes more such
-/// rows.
+/// The largest number of passes over the rows: rows over one column fix columns, which makes more
+/// such rows.
 const MAX_SWEEPS: usize = 3;
 
-/// Reduces a program to a node's domain, leaving integrality aside: a continuous program over the free
-/// columns, possibly none. Returns `None` if bounds and rows contradict each other.
+/// Reduces a program to a node's domain, leaving integrality aside: a continuous program over the
+/// free columns, possibly none. Returns `None` if bounds and rows contradict each other.
 pub fn reduce(program: &Program, domain: &Domain) -> Option<Reduced> {
     Reducer::default().reduce(program, domain)
 }
@@ -44,12 +44,12 @@ pub(crate) struct Reducer {
     lower: Vec<f64>,
     upper: Vec<f64>,
     fixed: Vec<bool>,
-    /// By column, the largest distance of a fixed value from the other values within its narrow bounds.
-    /// Rows that the value is substituted in are loosened accordingly.
+    /// By column, the largest distance of a fixed value from the other values within its narrow
+    /// bounds. Rows that the value is substituted in are loosened accordingly.
     slack: Vec<f64>,
     alive: Vec<usize>,
-    /// Columns and rows whose sides are closer together than this, absolute, count as fixed; row sides
-    /// implied up to this margin count as implied.
+    /// Columns and rows whose sides are closer together than this, absolute, count as fixed; row
+    /// sides implied up to this margin count as implied.
     negligible: f64,
     row_lower: Vec<f64>,
     row_upper: Vec<f64>,
@@ -78,8 +78,8 @@ impl Reducer {
         self.reduce_to(program, domain)
     }
 
-    /// As [`reduce`](Self::reduce), but only rounding is dropped. Interior-point methods may find no
-    /// interior then.
+    /// As [`reduce`](Self::reduce), but only rounding is dropped. Interior-point methods may find
+    /// no interior then.
     pub(crate) fn reduce_strictly(
         &mut self,
         program: &Program,
@@ -142,8 +142,8 @@ impl Reducer {
         Ok(())
     }
 
-    /// Bounds the open entries of cones whose fixed entries leave them no room, and notes these cones with their
-    /// parts. Returns whether there are any.
+    /// Bounds the open entries of cones whose fixed entries leave them no room, and notes these
+    /// cones with their parts. Returns whether there are any.
     fn settle_cones(&mut self, program: &Program) -> Result<bool, Contradictory> {
         fill(&mut self.is_settled, program.cones.iter().map(|_| false));
         let (mut next, mut found) = (0, false);
@@ -162,8 +162,9 @@ impl Reducer {
         Ok(found)
     }
 
-    /// The largest magnitude of the open entries of the tail of a cone whose other entries leave no room for
-    /// more: 0, or what their rounding makes of it. `None` if there is room, or no open entry.
+    /// The largest magnitude of the open entries of the tail of a cone whose other entries leave no
+    /// room for more: 0, or what their rounding makes of it. `None` if there is room, or no open
+    /// entry.
     fn reach_of_rest(&self, cone: &Cone) -> Option<f64> {
         let tail = cone.tail();
         if tail.iter().all(|&j| self.fixed[j]) {
@@ -234,8 +235,8 @@ impl Reducer {
                     (free, single) = (free + 1, k);
                 }
             }
-            // A dropped side may be violated by the margin, so the margin does not grow with a big-M:
-            // it only covers rounding of the activity.
+            // A dropped side may be violated by the margin, so the margin does not grow with a
+            // big-M: it only covers rounding of the activity.
             let margin = self.negligible.max(4.0 * f64::EPSILON * scale);
             if most <= self.row_upper[row] + margin {
                 self.row_upper[row] = f64::INFINITY;
@@ -352,8 +353,8 @@ impl Reducer {
         reduced.offset = constant.value();
     }
 
-    /// The amount by which the other values within the narrow bounds of a fixed column may lower the
-    /// objective, without products with columns that have no bounds.
+    /// The amount by which the other values within the narrow bounds of a fixed column may lower
+    /// the objective, without products with columns that have no bounds.
     fn worth_of_slack(&self, program: &Program, j: usize) -> f64 {
         let (rows, entries) = program.quadratic_column(j);
         let reach = |i: usize| self.lower[i].abs().max(self.upper[i].abs());
@@ -474,7 +475,8 @@ fn is_missed(
     miss > CONTRADICTION.max(lost) + 4.0 * f64::EPSILON * scale + loosened
 }
 
-/// A finished row that is parallel to the unfinished one from `begin` on, and the factor between them.
+/// A finished row that is parallel to the unfinished one from `begin` on, and the factor between
+/// them.
 fn find_parallel(
     rows: &Compressed,
     mut candidates: impl Iterator<Item = usize>,

@@ -19,11 +19,11 @@ pub struct Reduced {
     pub offset: f64,
     /// Rows: starts, column indices, values.
     pub rows: Compressed,
-    /// The program's row behind each row, `usize::MAX` for rows of other origins: a name by which the
-    /// same row is known at other nodes. Empty if it is not needed.
+    /// The program's row behind each row, `usize::MAX` for rows of other origins: a name by which
+    /// the same row is known at other nodes. Empty if it is not needed.
     pub origin: Vec<usize>,
-    /// Parallel rows that were merged: the row that was kept, the program's row that is not there, and that
-    /// row as a multiple of the kept one.
+    /// Parallel rows that were merged: the row that was kept, the program's row that is not there,
+    /// and that row as a multiple of the kept one.
     pub merged: Vec<(usize, usize, f64)>,
     /// Lower limits of the rows.
     pub row_lower: Vec<f64>,
@@ -33,11 +33,12 @@ pub struct Reduced {
     pub lower: Vec<f64>,
     /// Upper bounds of the columns.
     pub upper: Vec<f64>,
-    /// By column, a lower bound on the curvature of the objective along it, for any values of the others
-    /// (see `Program::steepness`); empty if none is known, or if all columns with curvature have bounds.
+    /// By column, a lower bound on the curvature of the objective along it, for any values of the
+    /// others (see `Program::steepness`); empty if none is known, or if all columns with curvature
+    /// have bounds.
     pub steepness: Vec<f64>,
-    /// The cones with a free column, and those that fixed columns may miss; without those that the bounds of
-    /// their entries say.
+    /// The cones with a free column, and those that fixed columns may miss; without those that the
+    /// bounds of their entries say.
     pub cones: Vec<ReducedCone>,
     /// Whether cones are cut off (see [`Program::cone_cuts`](crate::program::Program)).
     pub is_cut_off: bool,

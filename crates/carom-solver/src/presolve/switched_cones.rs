@@ -5,15 +5,15 @@
 //! Linderoth, Perspective reformulations of mixed integer nonlinear programs with indicator
 //! variables, Mathematical Programming 124, 2010).
 //!
-//! Where a binary `b` is 0, the tail of `z^2 <= s c` with a constant `c > 0` is often 0: rows such as
-//! `z <= u b` say so. The relaxation has `b` at a fraction, and there the cone asks too little of `s`. The
-//! convex hull of both cases is `z^2 <= s (c b)`, with the same points wherever `b` is whole: for `b = 1` it
-//! is the cone, and for `b = 0` it says `z = 0`, which holds anyway. So `c b` takes the place of `c`: the
-//! column `b` itself where `c` is 1, or a further column `w = c b`.
+//! Where a binary `b` is 0, the tail of `z^2 <= s c` with a constant `c > 0` is often 0: rows such
+//! as `z <= u b` say so. The relaxation has `b` at a fraction, and there the cone asks too little
+//! of `s`. The convex hull of both cases is `z^2 <= s (c b)`, with the same points wherever `b` is
+//! whole: for `b = 1` it is the cone, and for `b = 0` it says `z = 0`, which holds anyway. So `c b`
+//! takes the place of `c`: the column `b` itself where `c` is 1, or a further column `w = c b`.
 //!
-//! Where several binaries switch the tail off, `w <= c b` for each of them. Entries of a tail that have
-//! binaries of their own are split: `z_i^2 <= p_i (c b_i)` with `sum p <= s`. A norm `|z| <= c` is the case
-//! in which `s` is `c`, too.
+//! Where several binaries switch the tail off, `w <= c b` for each of them. Entries of a tail that
+//! have binaries of their own are split: `z_i^2 <= p_i (c b_i)` with `sum p <= s`. A norm
+//! `|z| <= c` is the case in which `s` is `c`, too.
 //!
 //! Propagation on trial finds the columns that a binary switches off.
 
@@ -27,12 +27,13 @@ use crate::solver::StopToken;
 /// The largest number of trials. A trial propagates the rows that it reaches.
 const MOST_BINARY_TRIALS: usize = 4000;
 
-/// Propagated bounds of a column that is off are this close to 0, and those of one that is not exceed the
-/// least reach (in the unit of the column): propagation loosens each bound a little.
+/// Propagated bounds of a column that is off are this close to 0, and those of one that is not
+/// exceed the least reach (in the unit of the column): propagation loosens each bound a little.
 const OFF: f64 = 1e-8;
 const LEAST_REACH: f64 = 1e-4;
 
-/// The middle of such bounds is this close to 0, as a part of their distance: propagation loosens both alike.
+/// The middle of such bounds is this close to 0, as a part of their distance: propagation loosens
+/// both alike.
 const EVEN: f64 = 1e-3;
 
 /// Most binaries that are used of those that switch one entry off.
@@ -50,9 +51,9 @@ struct Switches {
     fixes: BTreeMap<Literal, Vec<Literal>>,
 }
 
-/// Replaces constant heads of cones whose tail binaries switch off; `None` if there are none. Columns and
-/// rows keep their numbers; further ones, without a cost, follow. No point with whole binaries is lost or
-/// won.
+/// Replaces constant heads of cones whose tail binaries switch off; `None` if there are none.
+/// Columns and rows keep their numbers; further ones, without a cost, follow. No point with whole
+/// binaries is lost or won.
 pub fn tighten_switched_cones(program: &Program, token: &StopToken) -> Option<Program> {
     let groups = groups(program);
     let mut wanted = vec![false; program.column_count()];
@@ -75,8 +76,8 @@ fn groups(program: &Program) -> Vec<&[Cone]> {
     program.cones.chunk_by(|_, next| next.role == ConeRole::Part).collect()
 }
 
-/// The last column of the head, which is that of all parts, and its value, if it is a positive constant. A
-/// rotated cone whose first column is a constant, too, says no more than a norm.
+/// The last column of the head, which is that of all parts, and its value, if it is a positive
+/// constant. A rotated cone whose first column is a constant, too, says no more than a norm.
 fn constant_head(program: &Program, group: &[Cone]) -> Option<(usize, f64)> {
     let [cone, parts @ ..] = group else { return None };
     let &last = cone.head().last()?;
@@ -95,8 +96,9 @@ fn find_switches(program: &Program, wanted: &[bool], token: &StopToken) -> Optio
     Some(switches)
 }
 
-/// Propagates both values of the binaries on trial, and shows those that do not contradict: the domain,
-/// the mark before the trial, and the literal. `None` if there is a contradiction without them.
+/// Propagates both values of the binaries on trial, and shows those that do not contradict: the
+/// domain, the mark before the trial, and the literal. `None` if there is a contradiction without
+/// them.
 pub(super) fn try_binaries(
     program: &Program,
     token: &StopToken,
@@ -127,7 +129,8 @@ pub(super) fn try_binaries(
     Some(())
 }
 
-/// Whether bounds that propagation has loosened a little are those of 0, and not of a slight constant.
+/// Whether bounds that propagation has loosened a little are those of 0, and not of a slight
+/// constant.
 fn is_zero([lower, upper]: [f64; 2]) -> bool {
     let is_even = (lower + upper).abs() <= EVEN * (upper - lower);
     lower <= 0.0 && upper >= 0.0 && (is_even || lower == 0.0 || upper == 0.0)
@@ -181,8 +184,8 @@ pub(super) fn fixed_literals(
     fixed.map(|j| 2 * j + usize::from(domain.lower(j) == 1.0)).collect()
 }
 
-/// Those of some literals that are not of no use beside another one: if `a` fixes `b`, what is relaxed by
-/// `b` says all that it says relaxed by `a`.
+/// Those of some literals that are not of no use beside another one: if `a` fixes `b`, what is
+/// relaxed by `b` says all that it says relaxed by `a`.
 pub(super) fn strongest(
     fixes: &BTreeMap<Literal, Vec<Literal>>,
     literals: &[Literal],

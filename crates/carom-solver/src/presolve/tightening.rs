@@ -6,19 +6,19 @@
 //!
 //! Most visits end after a single pass: if the row's slack (its limit less its smallest activity)
 //! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
-//! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point. A bound
-//! that an equation makes exactly 0 has no rounding and is not loosened.
+//! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point. A
+//! bound that an equation makes exactly 0 has no rounding and is not loosened.
 //!
 //! Terms of integral columns with coefficients that were not rounded are exact, however large they
-//! are, so they loosen no bound. So `1e8 z >= 20` leaves a binary only the value 1, and a row over wide
-//! integers is refuted as soon as it is violated.
+//! are, so they loosen no bound. So `1e8 z >= 20` leaves a binary only the value 1, and a row over
+//! wide integers is refuted as soon as it is violated.
 
 use super::coefficients::is_exact;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// The largest rounding of a plain sum, in the row's unit. Beyond it, sums are compensated: rounding could
-/// hide a violation beyond the tolerance.
+/// The largest rounding of a plain sum, in the row's unit. Beyond it, sums are compensated:
+/// rounding could hide a violation beyond the tolerance.
 const MAX_PLAIN_ROUNDING: f64 = 0.1 * tolerance::FEASIBILITY;
 
 /// One term of a row; the coefficient is not zero.
@@ -112,8 +112,8 @@ impl RowActivity {
     }
 }
 
-/// Finds the bounds that one row tightens by more than `least_gain` of their width. Inlined, because a
-/// search spends much of its time here.
+/// Finds the bounds that one row tightens by more than `least_gain` of their width. Inlined,
+/// because a search spends much of its time here.
 #[inline(always)]
 pub(super) fn tighten(
     integral: &[bool],
@@ -254,8 +254,8 @@ fn tighten_binding(
 
 /// The uncertainty of a row because of rounding, in its unit.
 struct Uncertainty {
-    /// The sum of the largest magnitudes of terms that are not exact, and of a limit that presolve may have
-    /// rounded.
+    /// The sum of the largest magnitudes of terms that are not exact, and of a limit that presolve
+    /// may have rounded.
     soft: f64,
     /// Accumulated rounding of an activity: of a plain sum, and of a compensated one.
     plain_rounding: f64,
@@ -358,8 +358,8 @@ impl RowActivities {
     }
 }
 
-/// Whether the bound of a column is exactly 0, because the row is an equation to 0 and all other terms are 0.
-/// Such a bound needs no slack, which equations after this one would multiply.
+/// Whether the bound of a column is exactly 0, because the row is an equation to 0 and all other
+/// terms are 0. Such a bound needs no slack, which equations after this one would multiply.
 ///
 /// # Arguments
 ///
@@ -382,8 +382,8 @@ fn is_exact_zero(
             .all(|other| other.column() == entry.column() || other.bound(bounds, which) == 0.0)
 }
 
-/// The distance of a whole value beyond a bound of an integral column at which it still satisfies the row
-/// that gives the bound: the tolerance of the row and the uncertainty of its other terms.
+/// The distance of a whole value beyond a bound of an integral column at which it still satisfies
+/// the row that gives the bound: the tolerance of the row and the uncertainty of its other terms.
 ///
 /// # Arguments
 ///
@@ -410,8 +410,8 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The bound that a row over one continuous column gives, if it is tighter: to the last digit, because
-/// other rows may multiply the loss.
+/// The bound that a row over one continuous column gives, if it is tighter: to the last digit,
+/// because other rows may multiply the loss.
 fn bound_of_singleton(
     [lower, upper]: [f64; 2],
     entry: &Entry,

@@ -51,8 +51,8 @@ impl Worklist {
         }
     }
 
-    /// Takes the next row of the sweep, which turns at its end. After the list was empty, sweeps begin
-    /// upward.
+    /// Takes the next row of the sweep, which turns at its end. After the list was empty, sweeps
+    /// begin upward.
     #[inline]
     pub fn pop(&mut self) -> Option<usize> {
         let found = self.next().or_else(|| {

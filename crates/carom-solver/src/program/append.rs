@@ -10,8 +10,8 @@ use super::Program;
 pub(crate) type Addition = (Vec<(usize, f64)>, [f64; 2]);
 
 impl Program {
-    /// Adds integral columns within `0..=upper` without a cost, and rows with their limits; nothing,
-    /// and an unfinished program, where the matrices cannot be allocated.
+    /// Adds integral columns within `0..=upper` without a cost, and rows with their limits;
+    /// nothing, and an unfinished program, where the matrices cannot be allocated.
     pub(crate) fn append(&mut self, upper: &[f64], rows: &[Addition]) -> Option<()> {
         let old = self.column_count();
         self.append_continuous(upper, rows)?;
@@ -20,7 +20,8 @@ impl Program {
         Some(())
     }
 
-    /// Adds continuous columns within `0..=upper` without a cost, and rows, as [`append`](Self::append).
+    /// Adds continuous columns within `0..=upper` without a cost, and rows, as
+    /// [`append`](Self::append).
     pub(crate) fn append_continuous(&mut self, upper: &[f64], rows: &[Addition]) -> Option<()> {
         let (old, count) = (self.column_count(), upper.len());
         let (m, n) = (self.row_count() + rows.len(), old + count);
@@ -52,8 +53,8 @@ impl Program {
         Some(())
     }
 
-    /// Replaces the rows: row, column and coefficient of each term, and the limits of each row. Nothing
-    /// where they cannot be allocated.
+    /// Replaces the rows: row, column and coefficient of each term, and the limits of each row.
+    /// Nothing where they cannot be allocated.
     pub(crate) fn replace_rows(
         &mut self,
         terms: impl Iterator<Item = (usize, usize, f64)>,

@@ -81,12 +81,13 @@ impl Entries {
 }
 
 impl Program {
-    /// Assembles the matrices of a model. Its variables are the first columns; those of cones follow.
+    /// Assembles the matrices of a model. Its variables are the first columns; those of cones
+    /// follow.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Unsupported`] when the model has anything but rows and cones, [`ErrorKind::Allocation`]
-    /// when the matrices cannot be allocated.
+    /// [`ErrorKind::Unsupported`] when the model has anything but rows and cones,
+    /// [`ErrorKind::Allocation`] when the matrices cannot be allocated.
     pub fn assemble(model: &Model) -> Result<Program, Error> {
         if !model.has_only_rows() {
             return Err(ErrorKind::Unsupported {

@@ -8,8 +8,8 @@ use crate::model::{Affine, Model};
 /// The factors of a rotated cone may differ by this factor, squared; as a power of two.
 const MOST_UNBALANCED: f64 = 3.0;
 
-/// Adds the cones of a model to the entries of its program. Expressions that are not single variables,
-/// each once in a cone, become columns with a row.
+/// Adds the cones of a model to the entries of its program. Expressions that are not single
+/// variables, each once in a cone, become columns with a row.
 pub(super) fn assemble_cones(model: &Model, entries: &mut Entries) -> Result<Vec<Cone>, Error> {
     let mut cones = Vec::new();
     for conic in model.conic_constraints() {
@@ -27,8 +27,8 @@ pub(super) fn assemble_cones(model: &Model, entries: &mut Entries) -> Result<Vec
     Ok(cones)
 }
 
-/// The factors of a rotated cone with the same product, about equally large if one of them is far larger:
-/// methods measure what they miss by the sum of both. Powers of two do not round.
+/// The factors of a rotated cone with the same product, about equally large if one of them is far
+/// larger: methods measure what they miss by the sum of both. Powers of two do not round.
 fn balanced(mut head: Vec<Affine>, entries: &Entries) -> Vec<Affine> {
     let is_column = |e: &Affine| e.offset() == 0.0 && matches!(e.terms()[..], [(_, 1.0)]);
     if let [first, second] = &mut head[..]

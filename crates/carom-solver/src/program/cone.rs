@@ -42,8 +42,8 @@ pub enum ConeRole {
     Single,
     /// It is split into parts with further columns. The parts together say the same.
     Whole,
-    /// A part of the last [whole](Self::Whole) cone before it: the square of one entry of its tail is at
-    /// most its first column, which no other cone has, times the head of the whole.
+    /// A part of the last [whole](Self::Whole) cone before it: the square of one entry of its tail
+    /// is at most its first column, which no other cone has, times the head of the whole.
     Part,
 }
 
@@ -64,8 +64,8 @@ impl Cone {
         Cone { shape: self.shape, columns, role: self.role }
     }
 
-    /// Sets the first column of a part to the least value that the point allows, but for rounding: a head
-    /// that is nearly 0 must not make it larger than the sum of all parts, `most`.
+    /// Sets the first column of a part to the least value that the point allows, but for rounding:
+    /// a head that is nearly 0 must not make it larger than the sum of all parts, `most`.
     pub(crate) fn complete(&self, x: &mut [f64], most: f64) {
         let [part, times, entry] = self.columns[..] else { return };
         let square = x[entry] * x[entry];
@@ -73,8 +73,9 @@ impl Cone {
         x[part] = least.min(most.max(0.0));
     }
 
-    /// By how much a point misses the cone, in the unit of the head: the distance of the head from the
-    /// least one that the tail allows (of a rotated cone, in the direction in which both grow alike).
+    /// By how much a point misses the cone, in the unit of the head: the distance of the head from
+    /// the least one that the tail allows (of a rotated cone, in the direction in which both grow
+    /// alike).
     pub fn miss(&self, x: &[f64]) -> f64 {
         let value = |j: &usize| x[*j];
         let length = |values: &mut dyn Iterator<Item = f64>| {

@@ -33,8 +33,8 @@ pub struct Program {
     pub linear: Vec<f64>,
     /// `r`.
     pub offset: f64,
-    /// The part of the objective that all points of the model have in common, which the relative gap
-    /// leaves out.
+    /// The part of the objective that all points of the model have in common, which the relative
+    /// gap leaves out.
     pub constant: f64,
     /// `+1` when the model minimises, `-1` when it maximises: model objective = sign * value.
     pub sign: f64,
@@ -54,20 +54,21 @@ pub struct Program {
     pub integral: Vec<bool>,
     /// The integral columns, in order.
     pub integers: Vec<usize>,
-    /// Second-order cones. [`is_in_cone`](Program::is_in_cone) remembers them: set them by `set_cones`.
+    /// Second-order cones. [`is_in_cone`](Program::is_in_cone) remembers them: set them by
+    /// `set_cones`.
     pub cones: Vec<Cone>,
     /// Which columns are in cones; computed at the first request.
     pub(crate) conic: OnceLock<Vec<bool>>,
-    /// The rows that cut off cones, if relaxations cut them off, and do not solve them as they are. A search
-    /// finds further ones.
+    /// The rows that cut off cones, if relaxations cut them off, and do not solve them as they are.
+    /// A search finds further ones.
     pub cone_cuts: Option<Range<usize>>,
     /// Where each column stands in time: the step of its name, for members of families.
     pub step: Vec<Option<usize>>,
-    /// How far columns without bounds may be out at points within the radius of proofs, as a multiple of
-    /// it, at least 1 (no unit).
+    /// How far columns without bounds may be out at points within the radius of proofs, as a
+    /// multiple of it, at least 1 (no unit).
     pub(crate) spread: f64,
-    /// By how much presolve has widened the limits of rows and the bounds of columns, in their units; empty
-    /// if it has not. Rows and columns that were appended are not widened.
+    /// By how much presolve has widened the limits of rows and the bounds of columns, in their
+    /// units; empty if it has not. Rows and columns that were appended are not widened.
     pub(crate) widened: [Vec<f64>; 2],
     /// How steep the objective is; computed at the first request.
     pub(crate) steepness: OnceLock<Vec<f64>>,

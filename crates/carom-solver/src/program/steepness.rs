@@ -1,8 +1,8 @@
 //! How steep a quadratic objective is at least: a diagonal matrix below `P`.
 //!
-//! If `P - diag(s)` is positive semidefinite, the objective grows by at least `s_j d_j^2 / 2` for each
-//! column, whatever the others do. So a column without bounds cannot run away, and proofs need no radius
-//! for it. Principal submatrices inherit `s`.
+//! If `P - diag(s)` is positive semidefinite, the objective grows by at least `s_j d_j^2 / 2` for
+//! each column, whatever the others do. So a column without bounds cannot run away, and proofs need
+//! no radius for it. Principal submatrices inherit `s`.
 
 use std::sync::OnceLock;
 
@@ -16,13 +16,13 @@ const MAX_FACTORISED_COLUMNS: usize = 200;
 /// The smallest steepness that is used, as a part of the diagonal (no unit).
 const MIN_STEEPNESS: f64 = 1e-9;
 
-/// The parts of the diagonal that are tried, as parts of the smallest squared pivot, which no eigenvalue
-/// falls short of by much.
+/// The parts of the diagonal that are tried, as parts of the smallest squared pivot, which no
+/// eigenvalue falls short of by much.
 const DIAGONAL_PARTS: [f64; 3] = [0.1, 1e-3, 1e-5];
 
 impl Program {
-    /// `s >= 0` such that `P - diag(s)` is positive semidefinite, one entry a column; 0 where nothing
-    /// is known.
+    /// `s >= 0` such that `P - diag(s)` is positive semidefinite, one entry a column; 0 where
+    /// nothing is known.
     pub fn steepness(&self) -> &[f64] {
         self.steepness.get_or_init(|| find(self))
     }
@@ -56,7 +56,8 @@ fn find(program: &Program) -> Vec<f64> {
     steepness
 }
 
-/// A part of the diagonal that may be taken off the matrix of some columns; `None` if there is none.
+/// A part of the diagonal that may be taken off the matrix of some columns; `None` if there is
+/// none.
 fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<f64> {
     let k = columns.len();
     if k > MAX_FACTORISED_COLUMNS || columns.iter().any(|&j| diagonal[j] <= 0.0) {
@@ -83,8 +84,9 @@ fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<
     };
     let whole = factor(&matrix)?;
     let least = (0..k).map(|r| whole.L()[(r, r)].powi(2)).fold(f64::INFINITY, f64::min);
-    // A factor in floats is that of a matrix whose entries differ by this much, relative to the diagonal
-    // (Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.3); twice, for the subtraction.
+    // A factor in floats is that of a matrix whose entries differ by this much, relative to the
+    // diagonal (Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.3); twice, for
+    // the subtraction.
     let size = k as f64;
     let rounding = 2.0 * size * (size + 2.0) * f64::EPSILON;
     DIAGONAL_PARTS

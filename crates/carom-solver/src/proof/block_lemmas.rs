@@ -1,7 +1,9 @@
-//! Independent blocks: a lemma about the costs of each one, whose tree splits columns of the block only.
+//! Independent blocks: a lemma about the costs of each one, whose tree splits columns of the block
+//! only.
 //!
-//! The sum of the lemmas contradicts the fact of a linear objective. If there is no point, it suffices that one
-//! block has none. A quadratic objective has no such lemmas: no rule tells what a part of it is at least.
+//! The sum of the lemmas contradicts the fact of a linear objective. If there is no point, it
+//! suffices that one block has none. A quadratic objective has no such lemmas: no rule tells what a
+//! part of it is at least.
 
 use std::rc::Rc;
 
@@ -21,11 +23,12 @@ use crate::solver::Control;
 /// Most nodes of the search for a block without a point.
 const MOST_BLOCK_NODES: u64 = 2000;
 
-/// The share of the integral columns from which on a block is the program itself, and the others are no help (no
-/// unit).
+/// The share of the integral columns from which on a block is the program itself, and the others
+/// are no help (no unit).
 const MAIN_SHARE: f64 = 0.9;
 
-/// The part of the room between the best point and the claim that the lemmas of the blocks use (no unit).
+/// The part of the room between the best point and the claim that the lemmas of the blocks use (no
+/// unit).
 const SHARED_ROOM: f64 = 0.9;
 
 /// How far a multiple of whole costs at a point may be above a whole number by rounding (no unit).
@@ -47,8 +50,8 @@ fn parts_of(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Vec<Program
     if largest as f64 > MAIN_SHARE * all as f64 { Vec::new() } else { parts }
 }
 
-/// A program without entries that link no blocks: those of rows that cannot fail, and of columns that are fixed
-/// and in no cone.
+/// A program without entries that link no blocks: those of rows that cannot fail, and of columns
+/// that are fixed and in no cone.
 fn unlinked(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Option<Program> {
     let (m, n) = (program.row_count(), program.column_count());
     let mut is_fixed: Vec<bool> = (0..n).map(|j| range(j)[0] == range(j)[1]).collect();

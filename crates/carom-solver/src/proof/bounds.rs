@@ -1,8 +1,8 @@
 //! Bounds of columns, each with the fact that it follows from.
 //!
-//! A bound is derived from one fact and the bounds of its other columns, rounded outwards, so that the
-//! exact check of the log accepts it. What closes a context needs few of them: [`Bounds::reasons`] finds
-//! these, and only they are written.
+//! A bound is derived from one fact and the bounds of its other columns, rounded outwards, so that
+//! the exact check of the log accepts it. What closes a context needs few of them:
+//! [`Bounds::reasons`] finds these, and only they are written.
 
 use std::collections::BinaryHeap;
 
@@ -12,8 +12,8 @@ use crate::program::Program;
 /// The mark of a bound that was there from the start, and of a change without a fact.
 const NOTHING: u32 = u32::MAX;
 
-/// Least change of a bound of a continuous column that is worth a step, relative to the width of its bounds,
-/// and to its size where it had none (no unit).
+/// Least change of a bound of a continuous column that is worth a step, relative to the width of
+/// its bounds, and to its size where it had none (no unit).
 const LEAST_CHANGE: f64 = 1e-3;
 
 /// The part of that which is still worth a step where nothing else closes a context.
@@ -89,8 +89,8 @@ impl Bounds {
         Bounds { now, last, trail, integral, queue, is_queued, fineness: 1.0 }
     }
 
-    /// Rounds the bounds of a column to whole numbers from here on, as far as they follow from facts: the log has
-    /// the others as they are. Returns whether one of them was rounded.
+    /// Rounds the bounds of a column to whole numbers from here on, as far as they follow from
+    /// facts: the log has the others as they are. Returns whether one of them was rounded.
     pub(super) fn take_as_integral(&mut self, facts: &Facts, column: usize) -> bool {
         self.integral[column] = true;
         let [lower, upper] = self.now[column];
@@ -294,7 +294,8 @@ impl Bounds {
             .map(|change| ((change.column as usize, change.is_upper), change.value))
     }
 
-    /// Marks the present bounds as known to the log, after [`reasons`](Self::reasons) of all sides were written.
+    /// Marks the present bounds as known to the log, after [`reasons`](Self::reasons) of all sides
+    /// were written.
     pub(super) fn set_written(&mut self) {
         self.trail.iter_mut().for_each(|change| change.fact = NOTHING);
     }
@@ -319,8 +320,8 @@ impl Bounds {
         terms.map(move |(j, a)| (j, (a > 0.0) != is_upper))
     }
 
-    /// The changes that some sides rest on, and that the log does not have yet, in their order, each with
-    /// its fact.
+    /// The changes that some sides rest on, and that the log does not have yet, in their order,
+    /// each with its fact.
     pub(super) fn reasons(
         &self,
         facts: &Facts,

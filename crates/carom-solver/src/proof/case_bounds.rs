@@ -1,5 +1,5 @@
-//! Bounds that hold in every case of a disjunction, as lemmas: one of the binaries of a covering row is 1, and a
-//! binary is 0 or 1.
+//! Bounds that hold in every case of a disjunction, as lemmas: one of the binaries of a covering
+//! row is 1, and a binary is 0 or 1.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -26,7 +26,8 @@ enum CaseHull {
 }
 
 impl ProofWriter<'_, '_> {
-    /// Proves the bounds that hold in all cases of a disjunction. Returns whether that closes the program.
+    /// Proves the bounds that hold in all cases of a disjunction. Returns whether that closes the
+    /// program.
     pub(super) fn bound_by_cases(&mut self) -> Result<bool, Limit> {
         let program = &self.relaxer.program;
         let rows = covering_rows(program, &ROW_CASES);

@@ -29,18 +29,20 @@ pub(super) struct ConvexityProof {
 /// A symmetric matrix by columns of its lower triangle.
 type Lower = Vec<BTreeMap<usize, f64>>;
 
-/// The tries of a steepness, each half of the one before, and the largest as a part of the least diagonal entry.
+/// The tries of a steepness, each half of the one before, and the largest as a part of the least
+/// diagonal entry.
 const STEEPNESS_TRIES: i32 = 30;
 const LARGEST_STEEPNESS: f64 = 0.25;
 
-/// How much larger than necessary the deficits of columns are that make others steep, for rounding (no unit).
+/// How much larger than necessary the deficits of columns are that make others steep, for rounding
+/// (no unit).
 const PAID_FOR_STEEPNESS: f64 = 1.0 + 1e-9;
 
 impl ConvexityProof {
     /// Of the objective of a program.
     ///
-    /// Where a column with curvature lacks a bound, the deficits of its block are negative if they can be: the
-    /// objective is steep there.
+    /// Where a column with curvature lacks a bound, the deficits of its block are negative if they
+    /// can be: the objective is steep there.
     ///
     /// # Arguments
     ///
@@ -57,13 +59,14 @@ impl ConvexityProof {
         convexity
     }
 
-    /// A proof in which all columns with curvature that lack a bound are steep, at the cost of the others; `None` if
-    /// there are none, or if they cannot be.
+    /// A proof in which all columns with curvature that lack a bound are steep, at the cost of the
+    /// others; `None` if there are none, or if they cannot be.
     ///
-    /// If `P` is positive semidefinite with the parts `A`, `B`, `C` (the columns without bounds, the products with
-    /// others, and these), it stays so with `A / 2` and `2 C` instead, as with all rows and columns of the one times
-    /// the root of 1/2 and of the other times the root of 2. So `C` has deficits that are at least as large as it,
-    /// and `A` has as much to spare as half of it.
+    /// If `P` is positive semidefinite with the parts `A`, `B`, `C` (the columns without bounds,
+    /// the products with others, and these), it stays so with `A / 2` and `2 C` instead, as with
+    /// all rows and columns of the one times the root of 1/2 and of the other times the root of 2.
+    /// So `C` has deficits that are at least as large as it, and `A` has as much to spare as half
+    /// of it.
     pub(super) fn steep(program: &Program, is_open: &dyn Fn(usize) -> bool) -> Option<Self> {
         let mut convexity = ConvexityProof::nothing(program);
         let mut is_any = false;
@@ -114,8 +117,8 @@ impl ConvexityProof {
         let mut lack = lacking(matrix, &[]);
         let mut factor = Vec::new();
         if lack.iter().any(|&lack| lack > 0.0) {
-            // A matrix that is not singular has no deficits if a little is left of it for rounding; of a
-            // singular one, nothing can be left.
+            // A matrix that is not singular has no deficits if a little is left of it for rounding;
+            // of a singular one, nothing can be left.
             let tried = [LEFT_FOR_ROUNDING, 0.0].map(|left| {
                 let is_small = names.len() <= DENSE;
                 let factor = if is_small { dense_factor } else { sparse_factor }(matrix, left);
@@ -197,12 +200,13 @@ fn lacking(matrix: &Lower, factor: &[Vec<(usize, f64)>]) -> Vec<f64> {
     lack.into_iter().map(most).collect()
 }
 
-/// The root of the pivot of a column; `None` if it is rounding. Then the column of the factor is 0, and what
-/// is left of the matrix counts as lacking.
+/// The root of the pivot of a column; `None` if it is rounding. Then the column of the factor is 0,
+/// and what is left of the matrix counts as lacking.
 ///
 /// # Arguments
 ///
-/// * `entry`: the entry of the matrix; `below`: what is left of the column, with the diagonal of each row.
+/// * `entry`: the entry of the matrix; `below`: what is left of the column, with the diagonal of
+///   each row.
 fn pivot(value: f64, entry: f64, mut below: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     if value.is_nan() || value < f64::MIN_POSITIVE {
         return None;

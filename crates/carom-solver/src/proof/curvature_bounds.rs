@@ -1,5 +1,5 @@
-//! Bounds of columns without any, from the curvature of the objective: what is not worse than the claim lies
-//! around the least point.
+//! Bounds of columns without any, from the curvature of the objective: what is not worse than the
+//! claim lies around the least point.
 //!
 //! With `P + diag(d)` positive semidefinite and `d_j = -s_j` where the objective is steep,
 //! `f(x) >= f(p) + sum_j (g_j (x_j - p_j) + s_j / 2 (x_j - p_j)^2)`, and each term is at least
@@ -138,8 +138,8 @@ impl ProofWriter<'_, '_> {
         found
     }
 
-    /// Bounds of a column around a value; of an integral one, the next whole numbers. No fact is behind them, by
-    /// which they could be rounded to whole numbers within.
+    /// Bounds of a column around a value; of an integral one, the next whole numbers. No fact is
+    /// behind them, by which they could be rounded to whole numbers within.
     fn range_around(&self, column: usize, value: f64, radius: f64) -> [f64; 2] {
         let [below, above] = [value - radius, value + radius];
         match self.relaxer.program.integral[column] {
@@ -148,7 +148,8 @@ impl ProofWriter<'_, '_> {
         }
     }
 
-    /// About the least point of the objective over some columns, the others at 0 or their nearest bound.
+    /// About the least point of the objective over some columns, the others at 0 or their nearest
+    /// bound.
     fn least_point(&self, steep: &[usize]) -> Vec<f64> {
         let program = &self.relaxer.program;
         let start = |j: usize| {

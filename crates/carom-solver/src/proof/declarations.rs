@@ -1,6 +1,7 @@
-//! Declarations without loss of optimality, at the beginning of a proof, so that the splits of a search
-//! which has used it are splits of the proof: columns that may be rounded, and columns that may be 0 because
-//! all points can be shifted. See the rules `u` and `v` of the checker, which judges each of them again.
+//! Declarations without loss of optimality, at the beginning of a proof, so that the splits of a
+//! search which has used it are splits of the proof: columns that may be rounded, and columns that
+//! may be 0 because all points can be shifted. See the rules `u` and `v` of the checker, which
+//! judges each of them again.
 
 use super::bounds::Bounds;
 use super::fact_sum::SMALLEST_EXACT;
@@ -26,8 +27,8 @@ impl ProofWriter<'_, '_> {
         Ok(())
     }
 
-    /// Takes a column as integral from here on, and rounds its bounds. The log has these at once: it takes none
-    /// that is not whole any more.
+    /// Takes a column as integral from here on, and rounds its bounds. The log has these at once:
+    /// it takes none that is not whole any more.
     pub(super) fn take_as_integral(&mut self, column: usize) {
         for program in [&mut self.relaxer.program, &mut self.relaxer.within] {
             program.integral[column] = true;
@@ -39,8 +40,8 @@ impl ProofWriter<'_, '_> {
         }
     }
 
-    /// Declares columns to be 0, and forgets the bounds and rows that the directions there change: those that the
-    /// search leaves aside until it shifts its point.
+    /// Declares columns to be 0, and forgets the bounds and rows that the directions there change:
+    /// those that the search leaves aside until it shifts its point.
     fn declare_zeros(&mut self) {
         let relaxer = &mut self.relaxer;
         for direction in shifts(&relaxer.program, relaxer.token) {
@@ -159,8 +160,9 @@ fn product(a: f64, b: f64) -> Option<f64> {
     is_exact.then_some(product)
 }
 
-/// The rows that a direction changes, unless it changes the objective, or may not lead integral columns from whole
-/// numbers to whole numbers. In exact arithmetic: what is rounded counts as a change.
+/// The rows that a direction changes, unless it changes the objective, or may not lead integral
+/// columns from whole numbers to whole numbers. In exact arithmetic: what is rounded counts as a
+/// change.
 fn changed_rows(
     program: &Program,
     facts: &Facts,

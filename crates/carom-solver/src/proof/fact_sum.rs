@@ -1,5 +1,5 @@
-//! Sums of facts, in floats with bounds on their rounding: what counts as a contradiction here is one in
-//! exact arithmetic, too.
+//! Sums of facts, in floats with bounds on their rounding: what counts as a contradiction here is
+//! one in exact arithmetic, too.
 
 use super::bounds::Side;
 use crate::sum::{exact_product, exact_sum};
@@ -105,8 +105,8 @@ impl FactSum {
         self.terms.get(column).map_or(0.0, Rounded::value)
     }
 
-    /// The columns that keep the sum from being a contradiction because they have no bound on one side, and how
-    /// far their coefficients are beyond 0, with rounding.
+    /// The columns that keep the sum from being a contradiction because they have no bound on one
+    /// side, and how far their coefficients are beyond 0, with rounding.
     pub(super) fn missing(&self, bounds: &dyn Fn(usize) -> [f64; 2]) -> Vec<(usize, f64)> {
         let missing = |&column: &usize| {
             let (term, error) = (self.terms[column], self.terms[column].error());
@@ -122,8 +122,8 @@ impl FactSum {
         self.touched.iter().filter_map(missing).collect()
     }
 
-    /// The sides whose bounds make the sum a contradiction: the largest sum of the terms is below the
-    /// limit. `None` if they leave room, or if a bound that the sum needs is missing.
+    /// The sides whose bounds make the sum a contradiction: the largest sum of the terms is below
+    /// the limit. `None` if they leave room, or if a bound that the sum needs is missing.
     pub(super) fn contradiction(&self, bounds: &dyn Fn(usize) -> [f64; 2]) -> Option<Vec<Side>> {
         let (mut most, mut sides) = (Rounded::default(), Vec::new());
         for &j in &self.touched {

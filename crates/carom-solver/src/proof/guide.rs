@@ -41,8 +41,8 @@ impl Guide {
         }
     }
 
-    /// The decision at a place of a node's splits, and the node inside of it; `None` behind the last one. The
-    /// decision is `None` if it is about no column of the lowered program.
+    /// The decision at a place of a node's splits, and the node inside of it; `None` behind the
+    /// last one. The decision is `None` if it is about no column of the lowered program.
     pub(super) fn split(
         &self,
         fork: &Fork,

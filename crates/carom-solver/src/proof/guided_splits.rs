@@ -1,5 +1,5 @@
-//! The splits of the search as splits of a proof: about integral columns of the lowered program, or about others
-//! that are whole because of these.
+//! The splits of the search as splits of a proof: about integral columns of the lowered program, or
+//! about others that are whole because of these.
 
 use super::split_places::{is_counted, place_of};
 use super::tree::{FRACTIONAL, ProofWriter};
@@ -17,8 +17,8 @@ pub(super) enum SideRelation {
 }
 
 impl ProofWriter<'_, '_> {
-    /// The relation of a decision to the bounds; `None` if it is open, and its column cannot be split
-    /// there.
+    /// The relation of a decision to the bounds; `None` if it is open, and its column cannot be
+    /// split there.
     pub(super) fn usable(&self, decision: Decision) -> Option<SideRelation> {
         let Decision { column, is_upper, value } = decision;
         let program = &self.relaxer.program;
@@ -39,8 +39,8 @@ impl ProofWriter<'_, '_> {
         }
     }
 
-    /// A split of the integral column that is the nearest to a continuous one, along rows and columns between
-    /// 0 and 1: such columns are whole in the search because of others.
+    /// A split of the integral column that is the nearest to a continuous one, along rows and
+    /// columns between 0 and 1: such columns are whole in the search because of others.
     pub(super) fn deciding_split(&self, column: usize) -> Option<Decision> {
         let mut near = vec![column];
         let mut place = 0;

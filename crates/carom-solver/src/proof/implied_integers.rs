@@ -1,8 +1,8 @@
-//! Columns that are whole because binaries are: those of which exactly one is 1, with a code of binaries that says
-//! which. See the rule `i` of the checker.
+//! Columns that are whole because binaries are: those of which exactly one is 1, with a code of
+//! binaries that says which. See the rule `i` of the checker.
 //!
-//! For each of them, the binaries that it shares rows with are split one after another. On one side of each, the
-//! column is 0; where all others are left, the column is 1.
+//! For each of them, the binaries that it shares rows with are split one after another. On one side
+//! of each, the column is 0; where all others are left, the column is 1.
 
 use super::bounds::Clash;
 use super::tree::{Limit, ProofWriter};
@@ -51,8 +51,8 @@ impl ProofWriter<'_, '_> {
         Ok(())
     }
 
-    /// Lets splits be about the columns of a code, not about its binaries, whose splits exclude little. Binaries
-    /// without other rows are whole where the columns are.
+    /// Lets splits be about the columns of a code, not about its binaries, whose splits exclude
+    /// little. Binaries without other rows are whole where the columns are.
     fn leave_to_code(&mut self, mut bits: Vec<usize>, columns: &[usize]) {
         let is_coded = |j: usize| columns.contains(&j) || self.width(j) == 0.0;
         bits.retain(|&bit| {
@@ -70,7 +70,8 @@ impl ProofWriter<'_, '_> {
         }
     }
 
-    /// The continuous columns of a row that says that they are not negative, and that their sum is 1.
+    /// The continuous columns of a row that says that they are not negative, and that their sum is
+    /// 1.
     fn coded_columns(&self, row: usize) -> Vec<usize> {
         let program = &self.relaxer.program;
         let is_open = |j: usize| !program.integral[j] && self.width(j) > 0.0;

@@ -1,7 +1,7 @@
 //! Lemmas: rows that are proved by the contradiction of their negation, with a few splits.
 //!
-//! A relaxation looks for the best that the rows around a lemma allow of its terms. What it finds has the
-//! multipliers, even if the negation is impossible by a small margin only.
+//! A relaxation looks for the best that the rows around a lemma allow of its terms. What it finds
+//! has the multipliers, even if the negation is impossible by a small margin only.
 
 use super::claim::Claim;
 use super::facts::is_whole;
@@ -71,7 +71,8 @@ impl ProofWriter<'_, '_> {
         };
         let (mark, first) = (self.bounds.mark(), self.facts.len());
         let (mut program, facts) = self.around(lemma).ok_or(Limit)?;
-        // What the negation allows is compared with the best that the rows allow: the difference may be small.
+        // What the negation allows is compared with the best that the rows allow: the difference
+        // may be small.
         let (ratio, most) = if *is_upper { (-1.0, -negation[0]) } else { (1.0, negation[1]) };
         terms.iter().for_each(|&(j, a)| program.linear[j] = ratio * a);
         let own = vec![ObjectiveFact { fact: first, ratio, most }];
@@ -191,7 +192,8 @@ impl ProofWriter<'_, '_> {
     }
 }
 
-/// The rows that a lemma may follow from: those of its columns, those of their other columns, and so on.
+/// The rows that a lemma may follow from: those of its columns, those of their other columns, and
+/// so on.
 fn near(program: &Program, lemma: &Lemma) -> Vec<usize> {
     let mut columns: Vec<usize> = lemma.terms.iter().map(|(j, _)| *j).collect();
     let mut has_column = vec![false; program.column_count()];

@@ -277,7 +277,8 @@ impl<'a> ProofLog<'a> {
         self.end_line();
     }
 
-    /// A column that is integral because the context behind it, in which it is not, contradicts itself.
+    /// A column that is integral because the context behind it, in which it is not, contradicts
+    /// itself.
     pub(super) fn imply(&mut self, column: usize) {
         self.put(format_args!("i {column}"));
     }

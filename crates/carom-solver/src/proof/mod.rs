@@ -1,10 +1,10 @@
-//! Proofs that another program can check: a log of why no point is better than a bound, or why there is
-//! none, in terms of the lowered program alone.
+//! Proofs that another program can check: a log of why no point is better than a bound, or why
+//! there is none, in terms of the lowered program alone.
 //!
-//! The search rewrites its program and trusts what has rewritten it. A proof trusts nothing: it takes from
-//! the search where it split, and proves every end of that tree again from the rows of the lowered program,
-//! with bounds, sums of facts, tangents and splits. Where the search knew more (cuts, tighter rows), the
-//! proof splits further. So a false answer of the search has no proof.
+//! The search rewrites its program and trusts what has rewritten it. A proof trusts nothing: it
+//! takes from the search where it split, and proves every end of that tree again from the rows of
+//! the lowered program, with bounds, sums of facts, tangents and splits. Where the search knew more
+//! (cuts, tighter rows), the proof splits further. So a false answer of the search has no proof.
 //!
 //! * `facts` - rows of the program, and those derived from them
 //! * `bounds` - bounds with the facts that they follow from
@@ -22,7 +22,8 @@
 //! * `switched`, `zero_products` - products that make squares tighter, and are 0 at every point
 //! * `simple_sums` - sums whose terms cancel exactly
 //! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
-//! * `tree`, `guide`, `guided_splits`, `split_places`, `whole_splits`, `search` - the splits, those of the search first
+//! * `tree`, `guide`, `guided_splits`, `split_places`, `whole_splits`, `search` - the splits, those
+//!   of the search first
 //! * `log` - the text
 
 mod block_lemmas;
@@ -79,8 +80,8 @@ use zero_products::ObjectiveTerms;
 pub(crate) struct ProofRequest<'a> {
     /// The lowered program.
     pub(crate) program: &'a Program,
-    /// Multiples of `z^2 - z`, of columns between 0 and 1, that make an objective convex which is not;
-    /// `None` if none do.
+    /// Multiples of `z^2 - z`, of columns between 0 and 1, that make an objective convex which is
+    /// not; `None` if none do.
     pub(crate) squares: Option<&'a [(usize, f64)]>,
     /// The names of its columns and of its rows, as far as there are any.
     pub(crate) names: [&'a [String]; 2],

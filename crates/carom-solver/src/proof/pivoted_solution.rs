@@ -3,8 +3,8 @@
 /// The part of the first pivot below which the others are rounding (no unit).
 const PIVOT_SHARE: f64 = 1e-14;
 
-/// A solution of `sum z_k vectors[k] = right`: few numbers that are not 0, and those where vectors are large. What
-/// no solution reaches is left.
+/// A solution of `sum z_k vectors[k] = right`: few numbers that are not 0, and those where vectors
+/// are large. What no solution reaches is left.
 pub(super) fn pivoted_solution(vectors: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
     let (many, count) = (vectors.len(), right.len());
     // By equation: the coefficients, scaled by the largest, and the right side.

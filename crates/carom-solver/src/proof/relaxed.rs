@@ -1,5 +1,5 @@
-//! Contradictions from relaxations: the multipliers of a node's relaxation, as a sum of facts of the
-//! original program.
+//! Contradictions from relaxations: the multipliers of a node's relaxation, as a sum of facts of
+//! the original program.
 //!
 //! No relaxation is trusted: its multipliers are put together again from facts, tangents and
 //! bounds that the log has, and only a sum that is a contradiction is written.
@@ -156,7 +156,8 @@ impl Relaxer<'_> {
     ///
     /// # Arguments
     ///
-    /// * `is_whole`: whether to keep all rows and columns; `is_tight`: whether big-Ms are made smaller.
+    /// * `is_whole`: whether to keep all rows and columns; `is_tight`: whether big-Ms are made
+    ///   smaller.
     pub(super) fn relax(
         &mut self,
         facts: &Facts,
@@ -166,8 +167,8 @@ impl Relaxer<'_> {
         self.relax_with(facts, bounds, [is_whole, is_tight, false])
     }
 
-    /// As [`relax`](Self::relax); `has_costs`: whether a program without an objective gets one, so that the dual
-    /// simplex method solves it, whose multipliers have fewer wrong digits.
+    /// As [`relax`](Self::relax); `has_costs`: whether a program without an objective gets one, so
+    /// that the dual simplex method solves it, whose multipliers have fewer wrong digits.
     fn relax_with(
         &mut self,
         facts: &Facts,
@@ -237,7 +238,8 @@ impl Relaxer<'_> {
         }
     }
 
-    /// Whether the multipliers of a program without a point close the context, in one way or another.
+    /// Whether the multipliers of a program without a point close the context, in one way or
+    /// another.
     fn closes(&mut self, facts: &Facts, bounds: &Bounds, found: &mut FactRefutation) -> bool {
         self.check(facts, bounds, found).is_some()
             || self.check_simpler(facts, bounds, found).is_some()
@@ -245,8 +247,8 @@ impl Relaxer<'_> {
             || self.check_repaired(facts, bounds, found).is_some()
     }
 
-    /// Whether the multipliers of a bound beyond the claim's close the context, with a fact of a linear objective
-    /// or a tangent at a point.
+    /// Whether the multipliers of a bound beyond the claim's close the context, with a fact of a
+    /// linear objective or a tangent at a point.
     fn closes_by_objective(
         &mut self,
         facts: &Facts,
@@ -307,7 +309,8 @@ impl Relaxer<'_> {
                 continue;
             }
             let candidates = std::iter::once((row, 1.0)).chain(merged);
-            // Of parallel rows, the one whose limit is the nearest in the direction of the multiplier.
+            // Of parallel rows, the one whose limit is the nearest in the direction of the
+            // multiplier.
             let limit = |&(row, ratio): &(usize, f64)| {
                 let fixed = |j: usize| {
                     let [lower, upper] = bounds.of(j);
@@ -337,8 +340,8 @@ impl Relaxer<'_> {
         found
     }
 
-    /// Moves the tangent's point so that the gradient there is the sum of the other facts, as well as it can
-    /// be: then the sum leaves little over that the bounds would multiply.
+    /// Moves the tangent's point so that the gradient there is the sum of the other facts, as well
+    /// as it can be: then the sum leaves little over that the bounds would multiply.
     fn move_tangent(&self, bounds: &Bounds, found: &mut FactRefutation) -> bool {
         let Some(tangent) = &mut found.tangent else { return false };
         let program = &self.program;

@@ -1,5 +1,5 @@
-//! Sums of facts in which columns that have no bound have coefficients of the wrong sign, by rounding: a small
-//! change of all multipliers, and of the tangent's point, turns the signs.
+//! Sums of facts in which columns that have no bound have coefficients of the wrong sign, by
+//! rounding: a small change of all multipliers, and of the tangent's point, turns the signs.
 
 use super::bounds::Bounds;
 use super::conjugate_gradients::conjugate_gradients;
@@ -16,14 +16,15 @@ const MOST_CHANGE_STEPS: usize = 200;
 /// By how much a sign is turned, as a multiple of the coefficient that is wrong (no unit).
 const TURNED_BY: f64 = 2.0;
 
-/// The parts of the largest multiplier below which others are taken for rounding, one try each (no unit).
+/// The parts of the largest multiplier below which others are taken for rounding, one try each (no
+/// unit).
 const SLIGHT_SHARES: [f64; 3] = [0.0, 1e-9, 1e-6];
 
 /// The largest matrix of a change that is solved by elimination.
 const MOST_ELIMINATED: usize = 100_000;
 
-/// The least size of an entry of the tangent's point that changes are measured by, as a part of the largest (no
-/// unit).
+/// The least size of an entry of the tangent's point that changes are measured by, as a part of the
+/// largest (no unit).
 const SLIGHT_ENTRY: f64 = 1e-3;
 
 /// A number that a change moves.
@@ -36,8 +37,8 @@ enum Adjustable {
 }
 
 impl Relaxer<'_> {
-    /// Whether a sum becomes a contradiction by a change of its multipliers, after [`check`](Self::check) has
-    /// refused it.
+    /// Whether a sum becomes a contradiction by a change of its multipliers, after
+    /// [`check`](Self::check) has refused it.
     pub(super) fn check_repaired(
         &mut self,
         facts: &Facts,
@@ -133,8 +134,8 @@ impl Relaxer<'_> {
         }
     }
 
-    /// The change that gives the coefficients of some columns theirs, by elimination with the largest pivots;
-    /// `None` if there is too much to eliminate.
+    /// The change that gives the coefficients of some columns theirs, by elimination with the
+    /// largest pivots; `None` if there is too much to eliminate.
     fn eliminated(
         &self,
         facts: &Facts,
@@ -185,8 +186,8 @@ impl Relaxer<'_> {
         Some(movers.into_iter().zip(steps).map(|((mover, size), z)| (mover, size * z)).collect())
     }
 
-    /// The change of multipliers, small beside them, that changes the coefficients of some columns, by conjugate
-    /// gradients.
+    /// The change of multipliers, small beside them, that changes the coefficients of some columns,
+    /// by conjugate gradients.
     fn change(
         &self,
         facts: &Facts,

@@ -48,8 +48,8 @@ impl ProofWriter<'_, '_> {
         self.close_strengthened(ProofPart::Probing(Box::new(begin)))
     }
 
-    /// Closes the program, or a block of it: at once if that takes few splits besides those of the search, and else
-    /// behind the lemmas of its root.
+    /// Closes the program, or a block of it: at once if that takes few splits besides those of the
+    /// search, and else behind the lemmas of its root.
     pub(super) fn close_strengthened(&mut self, part: ProofPart) -> Result<(), Limit> {
         let has_integers = !self.relaxer.program.integers.is_empty();
         let is_closed =
@@ -57,16 +57,16 @@ impl ProofWriter<'_, '_> {
         if is_closed { Ok(()) } else { self.close(part) }
     }
 
-    /// States what is known of a quadratic objective: a tighter form of it, that it is convex, and bounds that
-    /// follow.
+    /// States what is known of a quadratic objective: a tighter form of it, that it is convex, and
+    /// bounds that follow.
     fn add_curvature(&mut self) {
         self.add_zero_products();
         let program = &self.relaxer.program;
         let is_open = |j: usize| program.lower[j].is_infinite() || program.upper[j].is_infinite();
         self.state_convexity(ConvexityProof::of(&self.relaxer.program, &is_open));
         self.bound_by_curvature();
-        // A proof that is rounded has small deficits, which a column without a bound cannot have. What columns with
-        // bounds pay for its steepness bounds it; then the small deficits do.
+        // A proof that is rounded has small deficits, which a column without a bound cannot have.
+        // What columns with bounds pay for its steepness bounds it; then the small deficits do.
         let lacks_bound = |j: usize| self.bounds.of(j).iter().any(|bound| bound.is_infinite());
         let deficits = self.relaxer.deficits.iter().enumerate();
         if !deficits.into_iter().any(|(j, &lack)| lack > 0.0 && lacks_bound(j)) {
@@ -86,8 +86,8 @@ impl ProofWriter<'_, '_> {
         self.relaxer.deficits = deficits;
     }
 
-    /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`, or twice an
-    /// entry at most the sum of both heads.
+    /// Adds the rows by which the head of a cone bounds each entry of its tail: `|entry| <= head`,
+    /// or twice an entry at most the sum of both heads.
     fn add_cones(&mut self) {
         for cone in 0..self.relaxer.program.cones.len() {
             let own = &self.relaxer.program.cones[cone];
@@ -104,8 +104,8 @@ impl ProofWriter<'_, '_> {
         }
     }
 
-    /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its whole
-    /// coefficients have in common.
+    /// Adds the facts that a linear objective is: it is below the bound, and a multiple of what its
+    /// whole coefficients have in common.
     fn add_objective(&mut self) {
         let Claim::Bound(bound) = self.relaxer.claim else { return };
         let program = &self.relaxer.program;

@@ -12,8 +12,9 @@ use crate::solver::{Control, Heuristics};
 const MOST_NODES: u64 = 2000;
 
 impl Relaxer<'_> {
-    /// Searches a context as it is, without what would make its relaxation tighter. Returns the splits; there are
-    /// none if the search has closed the context by probing it, or has found nothing.
+    /// Searches a context as it is, without what would make its relaxation tighter. Returns the
+    /// splits; there are none if the search has closed the context by probing it, or has found
+    /// nothing.
     pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Guide, Limit> {
         for j in 0..self.program.column_count() {
             [self.within.lower[j], self.within.upper[j]] = self.range(bounds, j);

@@ -1,4 +1,5 @@
-//! Sums of facts with simpler multipliers than those of a relaxation, and with facts of a linear objective.
+//! Sums of facts with simpler multipliers than those of a relaxation, and with facts of a linear
+//! objective.
 
 use super::bounds::Bounds;
 use super::facts::Facts;
@@ -52,8 +53,8 @@ impl Relaxer<'_> {
         None
     }
 
-    /// Tries sums with simpler numbers, whose terms cancel exactly where a column has no bound: parts of the
-    /// least multiplier, and multiples of powers of 2.
+    /// Tries sums with simpler numbers, whose terms cancel exactly where a column has no bound:
+    /// parts of the least multiplier, and multiples of powers of 2.
     pub(super) fn check_simpler(
         &mut self,
         facts: &Facts,

@@ -1,7 +1,7 @@
 //! The root of a search as lemmas: smaller big-Ms, tighter bounds, cuts.
 //!
-//! They are found on the lowered program as a search finds them, and none of that is trusted: each is proved by
-//! a contradiction with a few splits, or left out.
+//! They are found on the lowered program as a search finds them, and none of that is trusted: each
+//! is proved by a contradiction with a few splits, or left out.
 
 use super::claim::Claim;
 use super::lemma::Lemma;
@@ -23,7 +23,8 @@ const MOST_CHANGED_BINARIES: usize = 4;
 /// Lemmas of a kind, in a row, that may have no proof.
 const MOST_UNPROVED: u32 = 25;
 
-/// The least change of a bound of a continuous column that is worth a lemma, relative to the width (no unit).
+/// The least change of a bound of a continuous column that is worth a lemma, relative to the width
+/// (no unit).
 const BOUND_GAIN: f64 = 1e-2;
 
 /// The end of a try to prove a lemma.
@@ -53,7 +54,8 @@ impl ProofWriter<'_, '_> {
         Ok(false)
     }
 
-    /// Proves what the root of a search knows beyond the program. Returns whether that closes the program.
+    /// Proves what the root of a search knows beyond the program. Returns whether that closes the
+    /// program.
     pub(super) fn strengthen(&mut self) -> Result<bool, Limit> {
         let (options, token) = (self.relaxer.options, self.relaxer.token);
         if self.bound_by_cases()? {
@@ -155,7 +157,8 @@ impl ProofWriter<'_, '_> {
         limit.is_finite() && (gain == f64::INFINITY || gain > least)
     }
 
-    /// Proves the rows of a program with smaller big-Ms, and puts them into the place of those that they were.
+    /// Proves the rows of a program with smaller big-Ms, and puts them into the place of those that
+    /// they were.
     fn prove_rows(&mut self, tight: &Program) -> Result<bool, Limit> {
         let before = self.relaxer.program.clone();
         let facts = self.relaxer.fact_of_row.clone();

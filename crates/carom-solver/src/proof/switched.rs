@@ -1,9 +1,10 @@
 //! Products that are 0 at every point, and make the squares that binaries switch off tighter.
 //!
-//! A square `q/2 (x - v)^2` of a column that is `v` while a binary is off lies far below the least cost where
-//! the binary is a fraction. With `w` for 1 when on and 0 when off, the search puts
-//! `q/2 (x - v)^2 + q r (x - v) (1 - w) - q r^2/2 w (1 - w)` in its place. Both products are 0 at every point:
-//! one of their factors is, in either case of the binary. So the log adds them to the objective.
+//! A square `q/2 (x - v)^2` of a column that is `v` while a binary is off lies far below the least
+//! cost where the binary is a fraction. With `w` for 1 when on and 0 when off, the search puts
+//! `q/2 (x - v)^2 + q r (x - v) (1 - w) - q r^2/2 w (1 - w)` in its place. Both products are 0 at
+//! every point: one of their factors is, in either case of the binary. So the log adds them to the
+//! objective.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,13 +16,13 @@ use crate::program::Program;
 use crate::search::{Switched, lifting_slopes, switched_squares};
 use crate::sum::exact_sum;
 
-/// How much more than its part the square of a binary gets, so that the sum is convex in spite of rounding (no
-/// unit).
+/// How much more than its part the square of a binary gets, so that the sum is convex in spite of
+/// rounding (no unit).
 const CONVEX_IN_SPITE: f64 = 1e-10;
 
 impl ProofWriter<'_, '_> {
-    /// Adds products to the objective: those that make it convex, or else those that lift the bound of the
-    /// relaxation.
+    /// Adds products to the objective: those that make it convex, or else those that lift the bound
+    /// of the relaxation.
     pub(super) fn add_zero_products(&mut self) {
         if !self.squares.is_empty() {
             // Where a column is never 0, the product is that of its distance from 1.
@@ -64,8 +65,8 @@ impl ProofWriter<'_, '_> {
         self.relaxer.program = program;
     }
 
-    /// The facts by which the column of a square has its value while the binary is off; none for a side whose
-    /// own bound is the value.
+    /// The facts by which the column of a square has its value while the binary is off; none for a
+    /// side whose own bound is the value.
     fn off_facts(&self, square: &Switched) -> Option<Vec<(bool, usize)>> {
         let (column, bounds) = (square.column, self.bounds.of(square.column));
         let mut found = Vec::new();
@@ -89,7 +90,8 @@ impl ProofWriter<'_, '_> {
         own.is_some_and(|(_, a)| (a > 0.0) == is_upper)
     }
 
-    /// Whether a fact bounds the column of a square by its value while the binary is off, without rounding.
+    /// Whether a fact bounds the column of a square by its value while the binary is off, without
+    /// rounding.
     fn implies(&self, fact: usize, is_upper: bool, square: &Switched) -> bool {
         let &Switched { column, binary, off_at_one, value, .. } = square;
         let is_upper_limit = self.is_upper_limit(fact, (column, is_upper));
@@ -120,8 +122,8 @@ impl ProofWriter<'_, '_> {
         limit.is_finite() && sum.missing(&|_| [0.0, f64::INFINITY]).is_empty()
     }
 
-    /// The products of slopes, with factors with which no entry of the matrix is rounded. What would be is left
-    /// out.
+    /// The products of slopes, with factors with which no entry of the matrix is rounded. What
+    /// would be is left out.
     fn zero_products(&self, slopes: &[(Switched, f64)]) -> Vec<ZeroProduct> {
         let program = &self.relaxer.program;
         let entry = |i: usize, j: usize| {

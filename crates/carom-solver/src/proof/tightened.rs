@@ -1,8 +1,8 @@
 //! Rows whose big-Ms are as small as the bounds of a context allow.
 //!
-//! A row `a x + m z <= u` that has room at one value of the binary `z` is tightened there. The log states
-//! the tightened row as a lemma: at each value of its binaries it follows from the row that it was, or from
-//! the bounds alone.
+//! A row `a x + m z <= u` that has room at one value of the binary `z` is tightened there. The log
+//! states the tightened row as a lemma: at each value of its binaries it follows from the row that
+//! it was, or from the bounds alone.
 
 use super::bounds::Side;
 use super::fact_sum::FactSum;
@@ -12,8 +12,8 @@ use crate::presolve::Reduced;
 /// Most binaries of a row whose coefficients are changed at once.
 const MOST_BINARIES: usize = 8;
 
-/// By how much a lemma is looser than what it was found as, relative to its terms (no unit): what contradicts it must
-/// do so by more than nothing.
+/// By how much a lemma is looser than what it was found as, relative to its terms (no unit): what
+/// contradicts it must do so by more than nothing.
 pub(super) const LOOSENING: f64 = 1e-11;
 
 /// The rows of a program before they are tightened.

@@ -44,7 +44,8 @@ pub(super) enum ProofPart {
     Lemma,
 }
 
-/// A probing of integral columns: each is tried at both values, and what propagation refutes is split off.
+/// A probing of integral columns: each is tried at both values, and what propagation refutes is
+/// split off.
 #[derive(Debug, Clone)]
 pub(super) struct Probing {
     order: Vec<usize>,
@@ -277,7 +278,8 @@ impl ProofWriter<'_, '_> {
             }
         };
         let Some(decision) = self.own_split(point.as_deref()) else {
-            // What the search has closed here has a point, or whole numbers beyond those that are counted in.
+            // What the search has closed here has a point, or whole numbers beyond those that are
+            // counted in.
             self.leave_open()?;
             return Ok(Step::Closed);
         };
@@ -303,7 +305,8 @@ impl ProofWriter<'_, '_> {
         Ok(())
     }
 
-    /// The integral columns to probe: the fractional ones, the most fractional first, then some others.
+    /// The integral columns to probe: the fractional ones, the most fractional first, then some
+    /// others.
     fn probing_order(&self, point: Option<&[f64]>) -> Vec<usize> {
         let program = &self.relaxer.program;
         let Some(point) = point else { return program.integers.clone() };

@@ -1,7 +1,9 @@
-//! Splits of integral columns, at whole numbers that a float can count to: no checker accepts others.
+//! Splits of integral columns, at whole numbers that a float can count to: no checker accepts
+//! others.
 //!
-//! The bounds of an integral column need not be whole: those of the program are as they were stated. A split at the
-//! whole number below such a bound leaves one side empty, and the other one with a bound that is whole.
+//! The bounds of an integral column need not be whole: those of the program are as they were
+//! stated. A split at the whole number below such a bound leaves one side empty, and the other one
+//! with a bound that is whole.
 
 use super::split_places::{LARGEST_PLACE, is_counted, place_of};
 use super::tree::{FRACTIONAL, ProofWriter};
@@ -13,7 +15,8 @@ impl ProofWriter<'_, '_> {
         self.relaxer.program.integral[decision.column] && is_counted(place_of(decision))
     }
 
-    /// The split of an integral column near a value; `None` if none is left, or if it is beyond what is counted.
+    /// The split of an integral column near a value; `None` if none is left, or if it is beyond
+    /// what is counted.
     fn whole_split(&self, column: usize, near: f64) -> Option<Decision> {
         let [lower, upper] = self.bounds.of(column);
         let rounded = |bound: &f64| bound.is_finite() && *bound != bound.round();

@@ -48,8 +48,8 @@ impl Lowering<'_> {
         Ok(add_up(self.most_by_rows(&terms), sign * of.offset()))
     }
 
-    /// The largest value of `sign * of` that a linear program proves if all of `when` are true; infinite if
-    /// none is wanted.
+    /// The largest value of `sign * of` that a linear program proves if all of `when` are true;
+    /// infinite if none is wanted.
     pub(super) fn largest_by_program(&mut self, of: &Affine, sign: f64, when: &[Literal]) -> f64 {
         let terms: Vec<(Variable, f64)> =
             of.terms().into_iter().map(|(v, a)| (v, sign * a)).collect();
@@ -111,7 +111,8 @@ impl Lowering<'_> {
         }))
     }
 
-    /// The first variable that makes `sign * of` unbounded above, and which of its bounds is missing.
+    /// The first variable that makes `sign * of` unbounded above, and which of its bounds is
+    /// missing.
     pub(super) fn unbounded_variable(
         &self,
         of: &Affine,

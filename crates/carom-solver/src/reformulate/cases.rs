@@ -1,4 +1,5 @@
-//! Bounds that hold in every case: of a disjunction, of the conditions of indicators, of a function.
+//! Bounds that hold in every case: of a disjunction, of the conditions of indicators, of a
+//! function.
 //!
 //! Takes the cases of a statement; leaves the bounds that hold in all of them (Van Hentenryck,
 //! Saraswat and Deville, Design, implementation, and evaluation of the constraint language cc(FD),
@@ -193,7 +194,8 @@ fn single_conditions(condition: &Logic) -> Vec<Literal> {
     clauses.iter().filter_map(single).collect()
 }
 
-/// The rows that a conic row implies; none if the bounds do not make it a cone, which is an error elsewhere.
+/// The rows that a conic row implies; none if the bounds do not make it a cone, which is an error
+/// elsewhere.
 fn conic_rows(model: &Model, conic: &StoredConic, name: &Name) -> Vec<CaseRow> {
     let rows = implied_rows(conic, name, model).unwrap_or_default();
     rows.iter().map(|of| row(model, &of.terms, Interval::new(of.lower, of.upper))).collect()

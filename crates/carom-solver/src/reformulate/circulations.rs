@@ -95,8 +95,8 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     found
 }
 
-/// The variables that may be flows: continuous, bounded from below but not from above, and such that
-/// only rows force them to be large.
+/// The variables that may be flows: continuous, bounded from below but not from above, and such
+/// that only rows force them to be large.
 fn candidates(model: &Model, known: &Maximizer<'_>) -> Vec<bool> {
     let mut harm = Harm::without_rows(model);
     for function in model.functions() {

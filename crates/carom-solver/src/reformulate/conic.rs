@@ -3,12 +3,12 @@
 //! Takes a norm or a quadratic row under a condition; leaves it with an M times a binary in its
 //! bound.
 //!
-//! For `z = 1 => |e| <= b` and any `M >= max |e| - min b` over the bounds, the norm `|e| <= b + M (1 - z)` is
-//! equivalent for `z` in {0, 1}. For a convex quadratic row `q <= 0` it is `q <= M (1 - z)`. A row that only
-//! the signs of its variables make a cone, `|e|^2 <= b c`, becomes `|(2 e, b - c)| <= b + c` (Lobo,
-//! Vandenberghe, Boyd and Lebret, Applications of second-order cone programming, Linear Algebra and its
-//! Applications 284, 1998), and so does a row with a constant limit, because a norm is tighter between 0
-//! and 1. M is rounded outward.
+//! For `z = 1 => |e| <= b` and any `M >= max |e| - min b` over the bounds, the norm
+//! `|e| <= b + M (1 - z)` is equivalent for `z` in {0, 1}. For a convex quadratic row `q <= 0` it
+//! is `q <= M (1 - z)`. A row that only the signs of its variables make a cone, `|e|^2 <= b c`,
+//! becomes `|(2 e, b - c)| <= b + c` (Lobo, Vandenberghe, Boyd and Lebret, Applications of
+//! second-order cone programming, Linear Algebra and its Applications 284, 1998), and so does a row
+//! with a constant limit, because a norm is tighter between 0 and 1. M is rounded outward.
 
 use super::big_m::{Need, choose, open_guard};
 use super::linear_program::tidy_up;
@@ -40,7 +40,8 @@ pub(super) enum Raised {
     Square { expression: Quadratic, tail: Vec<Affine>, head: Affine },
 }
 
-/// A conic row that gives by `slack`, in its unit if it is a norm or convex and in that of its root if not.
+/// A conic row that gives by `slack`, in its unit if it is a norm or convex and in that of its root
+/// if not.
 pub(crate) fn with_slack(
     conic: &StoredConic,
     name: &Name,
@@ -118,7 +119,8 @@ impl Raised {
     ///
     /// # Arguments
     ///
-    /// * `in_its_unit`: whether the M is in the unit of a convex quadratic row, because the user gave it.
+    /// * `in_its_unit`: whether the M is in the unit of a convex quadratic row, because the user
+    ///   gave it.
     pub(super) fn of(
         conic: &StoredConic,
         name: &Name,

@@ -145,8 +145,8 @@ fn split(
     Ok(())
 }
 
-/// A conic row over the copies of its variables, its constants times the selector: a norm that is at most
-/// its bound also where the selector is between 0 and 1.
+/// A conic row over the copies of its variables, its constants times the selector: a norm that is
+/// at most its bound also where the selector is between 0 and 1.
 fn perspective(
     conic: &StoredConic,
     name: &Name,

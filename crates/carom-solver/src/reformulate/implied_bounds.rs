@@ -6,12 +6,14 @@
 //! They come from propagation over everything that holds in every case: the rows of the model, what
 //! functions say of their variables, and the bounds that all cases of a statement share
 //! (`reformulate/cases.rs`). A sum of rows may bound what no row alone does, which takes a linear
-//! program. Flows are bounded by what enters the network, once they circulate no more than they must
-//! (`reformulate/circulations.rs`). Ms and the bounds of copies are computed from them; no variable gets them.
+//! program. Flows are bounded by what enters the network, once they circulate no more than they
+//! must (`reformulate/circulations.rs`). Ms and the bounds of copies are computed from them; no
+//! variable gets them.
 //!
-//! An accepted point may miss rows and bounds by a tolerance, and a chain of rows may multiply that:
-//! after `x1 = 10 x0`, a miss of 1e-6 is one of 1e-5. So every row and every bound is loosened by
-//! the tolerance *before* propagation, and the bounds hold for all points that are accepted.
+//! An accepted point may miss rows and bounds by a tolerance, and a chain of rows may multiply
+//! that: after `x1 = 10 x0`, a miss of 1e-6 is one of 1e-5. So every row and every bound is
+//! loosened by the tolerance *before* propagation, and the bounds hold for all points that are
+//! accepted.
 
 use super::cases::{Alternatives, BoundsByColumn};
 use super::circulations::flows;
@@ -31,12 +33,12 @@ use crate::tolerance;
 /// would not switch its row within the tolerances, and proofs do not look further out.
 pub(super) const MAX_IMPLIED_BOUND: f64 = tolerance::FREE_RADIUS;
 
-/// The big-M from implied bounds, in the row's unit, from which a linear program is solved for a smaller
-/// one: times the tolerance of a binary, it is visible.
+/// The big-M from implied bounds, in the row's unit, from which a linear program is solved for a
+/// smaller one: times the tolerance of a binary, it is visible.
 pub(super) const LARGE_BIG_M: f64 = 1e7;
 
-/// The distance beyond implied bounds up to which points are searched if the bounds may not hold, as a
-/// multiple of their magnitude.
+/// The distance beyond implied bounds up to which points are searched if the bounds may not hold,
+/// as a multiple of their magnitude.
 const SEARCH_FACTOR: f64 = 10.0;
 
 /// The smallest gain of a bound that is used, as a fraction of the width between the bounds.
@@ -110,8 +112,8 @@ impl<'a> ImpliedBounds<'a> {
             return own;
         }
         if self.is_empty() {
-            // No point satisfies the model, so any bound holds. All rows stay, so that none satisfies the
-            // lowered one either.
+            // No point satisfies the model, so any bound holds. All rows stay, so that none
+            // satisfies the lowered one either.
             return Interval::point(own.nearest(0.0));
         }
         let implied = self.implied(variable);

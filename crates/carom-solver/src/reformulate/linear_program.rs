@@ -20,8 +20,8 @@ use crate::relaxation::{Ladder, Purpose, RelaxationClaim};
 use crate::solver::{RelaxationMethod, StopToken};
 use crate::tolerance;
 
-/// The amount by which a bound on an expression is raised, relative to its size (at least 1), to cover
-/// rounding in propagation and reduction.
+/// The amount by which a bound on an expression is raised, relative to its size (at least 1), to
+/// cover rounding in propagation and reduction.
 const EXPRESSION_MARGIN: f64 = 1e-9;
 
 /// Ms of at most this magnitude, in the row's unit, become 0, because coefficients like 1e-9 next
@@ -34,8 +34,8 @@ pub(super) fn tidy(m: f64) -> f64 {
     if m.abs() <= NEGLIGIBLE_BIG_M { 0.0 } else { m }
 }
 
-/// As [`tidy`] for a conic row, rounded up: without its M, such a row would hold where it should not, and
-/// its curvature makes much of a little.
+/// As [`tidy`] for a conic row, rounded up: without its M, such a row would hold where it should
+/// not, and its curvature makes much of a little.
 pub(super) fn tidy_up(m: f64) -> f64 {
     if m > 0.0 { m.max(NEGLIGIBLE_BIG_M) } else { tidy(m) }
 }
@@ -69,8 +69,8 @@ impl<'a> Maximizer<'a> {
         Maximizer { token, program, domain, propagator, ladder, empty }
     }
 
-    /// Over some rows and given bounds of their variables. Variables are renumbered; the second part
-    /// maps them.
+    /// Over some rows and given bounds of their variables. Variables are renumbered; the second
+    /// part maps them.
     pub(super) fn of_rows(
         model: &Model,
         rows: &[&StoredRow],

@@ -1,5 +1,6 @@
 //! Lowering: turns a model with indicators, disjunctions, logic, functions, ordered sets and
-//! semi-continuous variables into one with only rows, and norms and quadratic rows without a condition.
+//! semi-continuous variables into one with only rows, and norms and quadratic rows without a
+//! condition.
 //!
 //! The lowered model is equivalent. It has the same variables, followed by auxiliary ones, so
 //! handles carry over. You can compare the text forms of both models, and write the lowered one as
@@ -191,8 +192,8 @@ fn lower_by(model: &Model, method: Option<Method>) -> Result<Lowered, Error> {
     uninterrupted(|token| lower_until(model, method, token))
 }
 
-/// Lowers a model, with one method for all disjunctions if one is given; `None` if the token is over
-/// before the end.
+/// Lowers a model, with one method for all disjunctions if one is given; `None` if the token is
+/// over before the end.
 ///
 /// # Errors
 ///
@@ -226,8 +227,9 @@ pub(crate) fn lower_until(
     Ok(Some(lowered))
 }
 
-/// For each variable, its bounds, or bounds well beyond those that rows imply; some may be infinite.
-/// They need not hold where statements are dropped or give. `None` if the token is over first.
+/// For each variable, its bounds, or bounds well beyond those that rows imply; some may be
+/// infinite. They need not hold where statements are dropped or give. `None` if the token is over
+/// first.
 pub(crate) fn wide_bounds(
     model: &Model,
     token: &StopToken,
@@ -264,8 +266,8 @@ fn lower_with<'a>(
         }
         semicontinuous::apply(&variable, values, &mut lowering)?;
     }
-    // Functions come before the rest because they bound their variables, and in this order because later ones
-    // depend on earlier ones.
+    // Functions come before the rest because they bound their variables, and in this order because
+    // later ones depend on earlier ones.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
         if token.spend(STATEMENT_WORK) {
             return Ok(None);

@@ -8,8 +8,8 @@
 //! most `M_ik = max a'x - b` over the rows of term `k`. Since exactly one selector is true,
 //! `a'x <= b + sum M_ik s_k` over the other terms is equivalent to big-M with the largest of them,
 //! and its relaxation is never weaker. `M_ik` is negative if term `k` implies more than the row.
-//! Inside a term of an outer disjunction, the siblings of that term are other terms as well, because
-//! exactly one of all of them is selected.
+//! Inside a term of an outer disjunction, the siblings of that term are other terms as well,
+//! because exactly one of all of them is selected.
 
 use std::borrow::Cow;
 

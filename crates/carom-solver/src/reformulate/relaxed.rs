@@ -10,12 +10,12 @@ use crate::model::Model;
 /// [`Reformulation`](crate::model::Reformulation) asks for, with all binary and integer variables
 /// continuous between their bounds.
 ///
-/// Its optimum is a bound on that of the model. How good it is depends on the reformulation. Handles
-/// of variables and rows of the model are valid in it; auxiliary variables and the rows of
+/// Its optimum is a bound on that of the model. How good it is depends on the reformulation.
+/// Handles of variables and rows of the model are valid in it; auxiliary variables and the rows of
 /// other statements come after them. Solved by
-/// [`BranchAndBound`](crate::branch_and_bound::BranchAndBound), it has
-/// [shadow prices](crate::solution::Solution::shadow_price) and
-/// [reduced costs](crate::solution::Solution::reduced_cost).
+/// [`BranchAndBound`](crate::branch_and_bound::BranchAndBound), it has [shadow
+/// prices](crate::solution::Solution::shadow_price) and [reduced
+/// costs](crate::solution::Solution::reduced_cost).
 ///
 /// ```
 /// use carom::prelude::*;

@@ -145,8 +145,8 @@ impl BigMEntry {
     }
 }
 
-/// Every big-M of a lowered model. A compound condition may need several rows per side, each with an
-/// entry.
+/// Every big-M of a lowered model. A compound condition may need several rows per side, each with
+/// an entry.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BigMReport {

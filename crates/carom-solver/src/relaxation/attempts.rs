@@ -7,11 +7,11 @@ pub enum Purpose {
     Root,
     /// A node below.
     Node,
-    /// A child on trial, or a step of a dive: a rough answer will do. Its bound is a proved one like
-    /// any other, if not the best.
+    /// A child on trial, or a step of a dive: a rough answer will do. Its bound is a proved one
+    /// like any other, if not the best.
     Trial,
-    /// A round of cuts of cones at a node, which the dual simplex method solves, or nothing: the program with
-    /// its cones is then the better one to solve.
+    /// A round of cuts of cones at a node, which the dual simplex method solves, or nothing: the
+    /// program with its cones is then the better one to solve.
     Round,
     /// A leaf, whose point may become the answer: digits cost an iteration or two.
     Leaf,

@@ -1,13 +1,13 @@
 //! Programs that have a point up to rounding only.
 //!
-//! A corner of the box `x, y <= 1` satisfies `0.1 x + 0.2 y >= 0.3` but for the last digit, and no other
-//! point does. The corner is within every tolerance and accepted, but in floats the program is empty:
-//! multipliers of 1e18 prove any bound, and methods end anywhere. A bound from such multipliers is
-//! *blurred*: rounding of the rows' terms moves it visibly.
+//! A corner of the box `x, y <= 1` satisfies `0.1 x + 0.2 y >= 0.3` but for the last digit, and no
+//! other point does. The corner is within every tolerance and accepted, but in floats the program
+//! is empty: multipliers of 1e18 prove any bound, and methods end anywhere. A bound from such
+//! multipliers is *blurred*: rounding of the rows' terms moves it visibly.
 //!
-//! The program is then solved again with slightly wider limits and bounds. A bound on the wider program
-//! holds for the program as well. If it is lower by more than its own multipliers explain, the bound of
-//! the program was that of an empty set, and the wider one counts.
+//! The program is then solved again with slightly wider limits and bounds. A bound on the wider
+//! program holds for the program as well. If it is lower by more than its own multipliers explain,
+//! the bound of the program was that of an empty set, and the wider one counts.
 //!
 //! Large multipliers also magnify the residuals of an interior-point method: over ten steps of
 //! `x+ = 10 x`, 1e-9 becomes 10. Such a point is *rough*, and a vertex is better.
@@ -16,8 +16,8 @@ use crate::presolve::Reduced;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// The amounts by which bounds and limits are widened, relative to the magnitudes in them (no unit): for
-/// violations by rounding, and for violations below the tolerance.
+/// The amounts by which bounds and limits are widened, relative to the magnitudes in them (no
+/// unit): for violations by rounding, and for violations below the tolerance.
 pub(super) const WIDENINGS: [f64; 2] = [1e-13, 1e-9];
 
 /// The smallest move of a bound, or of a value, that is visible, relative.
@@ -70,8 +70,8 @@ pub(super) fn is_blurred(program: &Reduced, x: &[f64], y: &[f64], bound: f64) ->
         && effect(program, x, y, tolerance::ROUNDING) > VISIBLE_CHANGE * bound.abs().max(1.0)
 }
 
-/// Whether the violations of rows and bounds at a point make a visible part of its value: multipliers of
-/// 1e9 turn rounding into a gain.
+/// Whether the violations of rows and bounds at a point make a visible part of its value:
+/// multipliers of 1e9 turn rounding into a gain.
 pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> bool {
     let miss = |value: f64, lower: f64, upper: f64| (lower - value).max(value - upper).max(0.0);
     let mut slopes = program.linear.clone();
@@ -98,8 +98,8 @@ pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> b
     gain > VISIBLE_CHANGE * value.abs().max(1.0)
 }
 
-/// Whether two bounds, of a program and of the same one with wider limits, are further apart than the
-/// multipliers of the second explain.
+/// Whether two bounds, of a program and of the same one with wider limits, are further apart than
+/// the multipliers of the second explain.
 pub(super) fn is_torn(
     program: &Reduced,
     bounds: [f64; 2],

@@ -5,16 +5,16 @@
 //! `f(x) >= offset - ½ x̂'Px̂ - Σ y_i limit_i + Σ_j g_j x_j`,  `g = q + Px̂ + A'y`,
 //!
 //! over all points that satisfy the rows, and the last sum is smallest at a corner of the box. So
-//! every pair `(x̂, y)` proves *some* bound, and a good pair proves a tight one. Where plain floats lose
-//! too much (see `plain_bound`), sums have twice their digits, and their possible rounding error is
-//! subtracted.
+//! every pair `(x̂, y)` proves *some* bound, and a good pair proves a tight one. Where plain floats
+//! lose too much (see `plain_bound`), sums have twice their digits, and their possible rounding
+//! error is subtracted.
 //!
 //! A column without a finite bound (or with a very large one) on the side that `g` points to needs
 //! `g_j = 0`. The pair is corrected first: `x̂` on columns with curvature and `y` on active rows,
 //! again with twice the digits. The remaining `g_j` (about 1e-30) is charged over
 //! [`tolerance::FREE_RADIUS`] (or more if `x̂` is farther out), or over
-//! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective. A pair whose `g_j` is not slight there
-//! proves nothing: beside an objective of 1e16, a fall of 1e9 would be within the gap.
+//! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective. A pair whose `g_j` is not slight
+//! there proves nothing: beside an objective of 1e16, a fall of 1e9 would be within the gap.
 
 use super::borderline::is_blurred;
 use super::correction::Correction;
@@ -23,15 +23,17 @@ use super::plain_bound::PlainSums;
 use crate::presolve::{Reduced, refill};
 use crate::tolerance;
 
-/// The error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
+/// The error of a sum with twice the digits of a float, relative to the sum of its terms'
+/// magnitudes.
 const EXTENDED_ROUNDING: f64 = 1e-27;
 
-/// The fraction of the largest multiplier, in the unit of the gradient, below which a multiplier probably
-/// belongs to an inactive row; and the fraction of its terms below which a gradient is slight.
+/// The fraction of the largest multiplier, in the unit of the gradient, below which a multiplier
+/// probably belongs to an inactive row; and the fraction of its terms below which a gradient is
+/// slight.
 const SLIGHT_MULTIPLIER: f64 = 1e-6;
 
-/// The magnitude from which a bound of a column turns a slight error of the gradient into a large error
-/// of the proved bound.
+/// The magnitude from which a bound of a column turns a slight error of the gradient into a large
+/// error of the proved bound.
 const FAR_BOUND: f64 = 1e6;
 
 /// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
@@ -51,14 +53,14 @@ pub struct Prover {
 }
 
 impl Prover {
-    /// Whether rounding of the rows' terms would move the last [lower bound](Self::lower_bound) visibly:
-    /// then the program may have no point but up to rounding.
+    /// Whether rounding of the rows' terms would move the last [lower bound](Self::lower_bound)
+    /// visibly: then the program may have no point but up to rounding.
     pub(super) fn is_blurred(&self) -> bool {
         self.blurred
     }
 
-    /// A proved lower bound on the objective of a reduced program, from a claimed solution. `-inf` if
-    /// the pair proves nothing.
+    /// A proved lower bound on the objective of a reduced program, from a claimed solution. `-inf`
+    /// if the pair proves nothing.
     pub fn lower_bound(&mut self, program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
         self.clip(program, y);
         self.blurred = false;
@@ -72,8 +74,8 @@ impl Prover {
 
     /// Proved reduced costs from a claimed solution: a lower bound on the objective, and for each
     /// column the least growth of the objective per unit by which the column moves away from one of
-    /// its bounds: the lower bound if the entry is positive, the upper one if it is negative. Zero if
-    /// nothing is proved.
+    /// its bounds: the lower bound if the entry is positive, the upper one if it is negative. Zero
+    /// if nothing is proved.
     pub fn reduced_costs(&mut self, program: &Reduced, x: &[f64], y: &[f64]) -> (f64, &[f64]) {
         self.clip(program, y);
         if let Some(bound) = self.plain.bound(program, x, &self.y) {
@@ -96,8 +98,8 @@ impl Prover {
 
     /// Whether row multipliers prove that a reduced program has no feasible point.
     ///
-    /// The certificate must survive a disturbance of every limit that it uses. Otherwise it may refute a
-    /// program that is infeasible only by rounding.
+    /// The certificate must survive a disturbance of every limit that it uses. Otherwise it may
+    /// refute a program that is infeasible only by rounding.
     pub fn proves_infeasible(&mut self, program: &Reduced, y: &[f64]) -> bool {
         self.clip(program, y);
         let size = self.y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -298,8 +300,8 @@ impl PrimalDualPair<'_> {
         })
     }
 
-    /// The steepness of a column without the bound that its gradient points to; `None` if it has one or
-    /// is flat.
+    /// The steepness of a column without the bound that its gradient points to; `None` if it has
+    /// one or is flat.
     fn runs_uphill(&self, j: usize, g: f64, error: f64) -> Option<f64> {
         let (lower, upper) = (self.program.lower[j], self.program.upper[j]);
         let is_open =

@@ -136,8 +136,8 @@ const SMALL_LIMITS: f64 = 0.25;
 
 /// Measured on relaxations of wall programs: a static regularisation of 1e-10 and a single
 /// refinement step left no anomaly in 2,398 nodes, where the defaults left up to 26; presolve is
-/// off because infinite sides never get this far. Programs with hundreds of cones stall far from the optimum
-/// with that regularisation, and not with the default.
+/// off because infinite sides never get this far. Programs with hundreds of cones stall far from
+/// the optimum with that regularisation, and not with the default.
 fn settings(effort: &Effort<'_>, has_cones: bool) -> DefaultSettings<f64> {
     DefaultSettings {
         verbose: false,
@@ -215,9 +215,9 @@ impl ConicProgram {
         ConicProgram { matrix, right, cones: kinds, sources, factors, first_of_cones }
     }
 
-    /// The unit of columns, a power of two, in which the limits of a program with cones are not all small:
-    /// Clarabel's tolerances are absolute where numbers are less than 1. Cones have no unit, and multipliers
-    /// stay the same if the objective has the unit of the columns.
+    /// The unit of columns, a power of two, in which the limits of a program with cones are not all
+    /// small: Clarabel's tolerances are absolute where numbers are less than 1. Cones have no unit,
+    /// and multipliers stay the same if the objective has the unit of the columns.
     fn unit(&self, has_cones: bool) -> f64 {
         let largest = self.right.iter().fold(0.0_f64, |most, limit| most.max(limit.abs()));
         let is_small = has_cones && largest > 0.0 && largest < SMALL_LIMITS;

@@ -1,14 +1,15 @@
 //! Cuts of cones: rows that hold in a second-order cone, each proved by its own coefficients.
 //!
-//! `w.tail <= p head` holds in `|tail| <= head` if `|w| <= p`, and `2 w.tail <= p first + q second` in
-//! `|tail|^2 <= first second` if `p` and `q` are at least 0 and `|w|^2 <= p q`, because
-//! `2 |w| |tail| <= 2 sqrt(p first q second) <= p first + q second`. Both conditions are met by the floats
-//! that the rows are made of, with rounding accounted for.
+//! `w.tail <= p head` holds in `|tail| <= head` if `|w| <= p`, and `2 w.tail <= p first + q second`
+//! in `|tail|^2 <= first second` if `p` and `q` are at least 0 and `|w|^2 <= p q`, because
+//! `2 |w| |tail| <= 2 sqrt(p first q second) <= p first + q second`. Both conditions are met by the
+//! floats that the rows are made of, with rounding accounted for.
 
 use crate::presolve::ReducedCone;
 use crate::program::ConeShape;
 
-/// The largest quotient of two coefficients of a cut (no unit); larger ones trouble linear programs.
+/// The largest quotient of two coefficients of a cut (no unit); larger ones trouble linear
+/// programs.
 const MAX_COEFFICIENT_RATIO: f64 = 1e8;
 
 /// A weight of the tail below this part of the largest coefficient is left out (no unit).
@@ -27,7 +28,8 @@ impl ConeCut {
         self.terms.iter().map(|&(j, a)| a * x[j]).sum()
     }
 
-    /// The cut that a point outside a cone violates; `None` if there is none with usable coefficients.
+    /// The cut that a point outside a cone violates; `None` if there is none with usable
+    /// coefficients.
     pub(crate) fn at(cone: &ReducedCone, x: &[f64]) -> Option<ConeCut> {
         let tail: Vec<f64> = cone.tail().iter().map(|entry| entry.at(x)).collect();
         match cone.shape {
@@ -39,8 +41,8 @@ impl ConeCut {
                 let (first, second) = (cone.entries[0], cone.entries[1]);
                 let (a, b) = (first.at(x).max(0.0), second.at(x).max(0.0));
                 let size = length(&tail);
-                // The tangent at the point that the other factor and the tail tell, or, if both factors are
-                // free, at the nearest point.
+                // The tangent at the point that the other factor and the tail tell, or, if both
+                // factors are free, at the nearest point.
                 let tangent = |factor: f64| (factor > 0.0).then(|| size / factor);
                 let is_part = cone.role == crate::program::ConeRole::Part;
                 let along = if second.is_fixed() || (is_part && b > 0.0) {
@@ -63,7 +65,8 @@ impl ConeCut {
         }
     }
 
-    /// The cut that the multipliers of a cone are, and its own multiplier; `None` if they are nothing.
+    /// The cut that the multipliers of a cone are, and its own multiplier; `None` if they are
+    /// nothing.
     ///
     /// # Arguments
     ///

@@ -1,9 +1,9 @@
-//! Relaxations of programs with cones as they are: the conic multipliers become cuts, so that the bound is
-//! proved like any other.
+//! Relaxations of programs with cones as they are: the conic multipliers become cuts, so that the
+//! bound is proved like any other.
 //!
-//! Multipliers `z` of a cone lie in the cone, and `z.s >= 0` for all `s` of the cone: a row that holds in
-//! it (see [`ConeCut`]). The rows of all cones, each with its multiplier, and the multipliers of the other
-//! rows prove the bound of the conic program.
+//! Multipliers `z` of a cone lie in the cone, and `z.s >= 0` for all `s` of the cone: a row that
+//! holds in it (see [`ConeCut`]). The rows of all cones, each with its multiplier, and the
+//! multipliers of the other rows prove the bound of the conic program.
 
 use super::cone_cut::ConeCut;
 use super::conic_form::ConicForm;
@@ -129,8 +129,8 @@ impl Ladder {
     }
 }
 
-/// A point of a program with cones, the multipliers of its rows, and the cuts that the multipliers of its
-/// cones give, each with its own multiplier.
+/// A point of a program with cones, the multipliers of its rows, and the cuts that the multipliers
+/// of its cones give, each with its own multiplier.
 pub(crate) type ConicMultipliers = (Vec<f64>, Vec<f64>, Vec<(ConeCut, f64)>);
 
 impl Ladder {
@@ -160,8 +160,8 @@ impl Ladder {
         })
     }
 
-    /// Solves a program with its cones once. Also returns the rows that the multipliers of its cones are,
-    /// with their own.
+    /// Solves a program with its cones once. Also returns the rows that the multipliers of its
+    /// cones are, with their own.
     fn attempt_conic(
         &mut self,
         program: &Reduced,

@@ -1,8 +1,9 @@
-//! A program with cones as interior-point methods take it: `G x + h` lies in cones `|tail| <= head`.
+//! A program with cones as interior-point methods take it: `G x + h` lies in cones
+//! `|tail| <= head`.
 //!
-//! The cones of a program are over columns. Where such a column is there only to name a sum, `y = a'x + b`,
-//! the sum itself becomes a row of `G`: a column and an equality less, and no column without curvature and
-//! without bounds.
+//! The cones of a program are over columns. Where such a column is there only to name a sum,
+//! `y = a'x + b`, the sum itself becomes a row of `G`: a column and an equality less, and no column
+//! without curvature and without bounds.
 
 use std::borrow::Cow;
 
@@ -47,7 +48,8 @@ pub(super) struct ConicForm<'a> {
     whole: &'a Reduced,
     pub(super) program: Cow<'a, Reduced>,
     pub(super) cones: ConeRows,
-    /// By cone of the whole program, its number here; `None` for parts of others, and for fixed ones.
+    /// By cone of the whole program, its number here; `None` for parts of others, and for fixed
+    /// ones.
     place: Vec<Option<usize>>,
     names: Vec<NamedSum>,
     /// By column and by row of the whole program, whether it is here; empty if all are.
@@ -188,8 +190,8 @@ fn add(terms: &mut Vec<(usize, f64)>, known: usize, (column, a): (usize, f64)) {
     }
 }
 
-/// The columns that name sums, at most one for each row: free but for what their row and their only cone
-/// imply, and without a cost.
+/// The columns that name sums, at most one for each row: free but for what their row and their only
+/// cone imply, and without a cost.
 fn named_sums(program: &Reduced) -> Vec<NamedSum> {
     const NONE: usize = usize::MAX;
     const MANY: usize = usize::MAX - 1;

@@ -11,8 +11,8 @@ use super::bound::{Gradient, PrimalDualPair, is_equality, largest};
 /// The largest number of columns that are corrected at once.
 const MAX_CORRECTED_COLUMNS: usize = 400;
 
-/// The smallest diagonal entry of a factor of scaled curvature that is used alone: the square root of
-/// the smallest curvature.
+/// The smallest diagonal entry of a factor of scaled curvature that is used alone: the square root
+/// of the smallest curvature.
 const MIN_CURVATURE_PIVOT: f64 = 1e-4;
 
 /// A quantity that can be moved to change the gradient.

@@ -1,8 +1,8 @@
-//! The ladder of attempts: which method solves a program, how accurately, and which one follows if the
-//! result is not good enough.
+//! The ladder of attempts: which method solves a program, how accurately, and which one follows if
+//! the result is not good enough.
 //!
-//! `attempts.rs` lists the attempts of each [`Purpose`], and [`LadderMethod::of`] the methods. No other part of
-//! the crate names a method.
+//! `attempts.rs` lists the attempts of each [`Purpose`], and [`LadderMethod::of`] the methods. No
+//! other part of the crate names a method.
 
 use web_time::{Duration, Instant};
 
@@ -31,8 +31,8 @@ enum WarmMethod {
     Simplex,
 }
 
-/// The positions of the records of the cold method, and of the same method for programs with cones, behind
-/// those of the warm methods.
+/// The positions of the records of the cold method, and of the same method for programs with cones,
+/// behind those of the warm methods.
 const COLD_RECORD: usize = 2;
 pub(super) const CONIC_RECORD: usize = 3;
 
@@ -179,9 +179,9 @@ impl Ladder {
         &mut self.reducer
     }
 
-    /// Reduces the program of a leaf, whose point may become the answer. Where the dual simplex method
-    /// suits, only rounding is dropped, because other rows may multiply the freedom that a dropped row
-    /// leaves. A vertex needs no interior.
+    /// Reduces the program of a leaf, whose point may become the answer. Where the dual simplex
+    /// method suits, only rounding is dropped, because other rows may multiply the freedom that a
+    /// dropped row leaves. A vertex needs no interior.
     pub(crate) fn reduce_leaf(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
         let is_linear = program.quadratic.compute_nnz() == 0;
         let has_vertex = self.warm.is_some() && DualSimplex::suits_costs(&program.linear);
@@ -215,8 +215,8 @@ impl Ladder {
         self.spent.iterations += iterations;
     }
 
-    /// The attempts of a purpose at a program. A method that is alone makes the more thorough attempts
-    /// only.
+    /// The attempts of a purpose at a program. A method that is alone makes the more thorough
+    /// attempts only.
     fn attempts(&self, purpose: Purpose, warm: Option<WarmMethod>) -> &'static [MethodAttempt] {
         let all = attempts(purpose);
         let others = match all {
@@ -230,8 +230,8 @@ impl Ladder {
         }
     }
 
-    /// The method that starts from a state and suits a program. Without a state the dual simplex method
-    /// solves roots, and leaves, which are reduced for it.
+    /// The method that starts from a state and suits a program. Without a state the dual simplex
+    /// method solves roots, and leaves, which are reduced for it.
     fn warm_method(
         &self,
         program: &Reduced,
@@ -314,7 +314,8 @@ impl Ladder {
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
     /// result is not good enough.
     ///
-    /// A program with cones that are not cut off gets the rows that the multipliers of its cones are.
+    /// A program with cones that are not cut off gets the rows that the multipliers of its cones
+    /// are.
     pub fn solve(
         &mut self,
         program: &mut Reduced,
@@ -334,9 +335,10 @@ impl Ladder {
         better.unwrap_or(verdict)
     }
 
-    /// Solves a program whose bound is blurred, or whose point is rough, in other ways: at a vertex,
-    /// whose point and multipliers are as exact as the basis, or with wider limits, which tell whether
-    /// the program has points up to rounding only. Returns `None` if that shows nothing new.
+    /// Solves a program whose bound is blurred, or whose point is rough, in other ways: at a
+    /// vertex, whose point and multipliers are as exact as the basis, or with wider limits, which
+    /// tell whether the program has points up to rounding only. Returns `None` if that shows
+    /// nothing new.
     fn resolve_doubt(
         &mut self,
         program: &Reduced,
@@ -371,8 +373,8 @@ impl Ladder {
         None
     }
 
-    /// Solves a linear program by the dual simplex method, if that ends with a vertex and a bound that
-    /// agree.
+    /// Solves a linear program by the dual simplex method, if that ends with a vertex and a bound
+    /// that agree.
     fn solve_at_vertex(
         &mut self,
         program: &Reduced,
@@ -392,8 +394,8 @@ impl Ladder {
         })
     }
 
-    /// Solves the program of a node and verifies what the methods claim. Also returns what is doubtful
-    /// about the verdict.
+    /// Solves the program of a node and verifies what the methods claim. Also returns what is
+    /// doubtful about the verdict.
     fn solve_as_is(
         &mut self,
         program: &Reduced,

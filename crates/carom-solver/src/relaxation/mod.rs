@@ -3,9 +3,10 @@
 //! A method implements the trait [`Relaxation`]. [`DualSimplex`] solves linear programs from their
 //! parent's basis, and [`ActiveSet`] small dense ones with curvature from its multipliers.
 //! [`InteriorPoint`] is quick on the small sparse programs of a tree and gives up early, and
-//! [`ClarabelRelaxation`] solves the rest. The [`Ladder`] chooses the method and its effort; the rest of
-//! the crate uses nothing else. It checks what a method claims: [`Prover`] recomputes a rigorous bound
-//! from the multipliers, and infeasibility is accepted only if the same computation proves it.
+//! [`ClarabelRelaxation`] solves the rest. The [`Ladder`] chooses the method and its effort; the
+//! rest of the crate uses nothing else. It checks what a method claims: [`Prover`] recomputes a
+//! rigorous bound from the multipliers, and infeasibility is accepted only if the same computation
+//! proves it.
 
 mod active_set;
 mod attempts;
@@ -68,8 +69,8 @@ pub struct Effort<'a> {
     pub warm: Option<&'a WarmState>,
 }
 
-/// The relative margin by which a bound must exceed the cutoff before a method stops: the proof of the
-/// bound loses a little.
+/// The relative margin by which a bound must exceed the cutoff before a method stops: the proof of
+/// the bound loses a little.
 const CUTOFF_MARGIN: f64 = 1e-7;
 
 impl Effort<'_> {
@@ -127,6 +128,7 @@ pub trait Relaxation: Send {
     /// Solves a program. It must not panic; its result is checked.
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult;
 
-    /// Takes back a result that is no longer needed, for its memory. It may be that of another method.
+    /// Takes back a result that is no longer needed, for its memory. It may be that of another
+    /// method.
     fn reuse(&mut self, _: RelaxationResult) {}
 }

@@ -1,8 +1,8 @@
 //! Bounds in plain floats, where those lose little.
 //!
-//! The possible rounding error of every sum is subtracted, and the bound is taken if that is slight.
-//! A column without the bound that its gradient `g` points to is bounded by its steepness `s`: with
-//! `f(x) >= .. + g (x - x̂) + s (x - x̂)^2 / 2`, it adds at least `g x̂ - g^2 / 2 s`.
+//! The possible rounding error of every sum is subtracted, and the bound is taken if that is
+//! slight. A column without the bound that its gradient `g` points to is bounded by its steepness
+//! `s`: with `f(x) >= .. + g (x - x̂) + s (x - x̂)^2 / 2`, it adds at least `g x̂ - g^2 / 2 s`.
 
 use crate::presolve::{Reduced, refill};
 
@@ -40,14 +40,15 @@ pub(super) struct PlainSums {
     constant: RoundedSum,
     /// The possible error of the bound's terms.
     error: f64,
-    /// By column, the least growth of the objective per unit by which the column leaves a bound: the lower
-    /// one if the entry is positive, the upper one if it is negative. 0 if no growth is proved.
+    /// By column, the least growth of the objective per unit by which the column leaves a bound:
+    /// the lower one if the entry is positive, the upper one if it is negative. 0 if no growth is
+    /// proved.
     pub(super) slopes: Vec<f64>,
 }
 
 impl PlainSums {
-    /// The bound that a pair proves; `None` if rounding costs more than a slight part of it, or if a
-    /// column has no bound where one is needed.
+    /// The bound that a pair proves; `None` if rounding costs more than a slight part of it, or if
+    /// a column has no bound where one is needed.
     ///
     /// # Arguments
     ///
@@ -62,8 +63,8 @@ impl PlainSums {
         Some(if offset == 0.0 { bound } else { (offset + bound).next_down() })
     }
 
-    /// The bound that row multipliers prove if the objective is zero: the program has no feasible point
-    /// if it is positive. `None` as for [`bound`](Self::bound).
+    /// The bound that row multipliers prove if the objective is zero: the program has no feasible
+    /// point if it is positive. `None` as for [`bound`](Self::bound).
     pub(super) fn certificate(&mut self, program: &Reduced, y: &[f64]) -> Option<f64> {
         self.clear(program);
         self.add_rows(program, y);

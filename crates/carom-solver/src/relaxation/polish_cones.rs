@@ -1,8 +1,8 @@
 //! Moves a point onto the cones that it misses.
 //!
-//! A point of an interior-point method misses a cone by some units of the tolerance. The tangent of each
-//! missed cone is a row, and the point moves onto these rows and the others; some such steps converge as
-//! Newton's method does.
+//! A point of an interior-point method misses a cone by some units of the tolerance. The tangent of
+//! each missed cone is a row, and the point moves onto these rows and the others; some such steps
+//! converge as Newton's method does.
 
 use super::cone_cut::ConeCut;
 use super::polish::polish;
@@ -16,8 +16,8 @@ const MOST_STEPS: usize = 6;
 /// The miss of a cone that needs no step, relative to the reach of its head (no unit).
 const ENOUGH: f64 = 1e-13;
 
-/// Moves a point onto the cones of a reduced program, and keeps it on the rows. Leaves it as it is where that
-/// does not bring it nearer.
+/// Moves a point onto the cones of a reduced program, and keeps it on the rows. Leaves it as it is
+/// where that does not bring it nearer.
 pub(crate) fn polish_cones(program: &Reduced, x: &mut [f64], token: &StopToken) {
     if program.cones.is_empty() {
         return;

@@ -1,9 +1,10 @@
 //! Recession directions: proof that a program has no finite optimum.
 //!
-//! A program may fall for ever along no ray: `x` under `x^2 <= y` along a parabola only, whose direction far
-//! out is that of `y`, which costs nothing. So there are two steps: a ray `r` that costs nothing and along
-//! which such heads grow, and a ray `d` of descent of the program without the cones, rows and bounds that `r`
-//! leaves ever more room. The curve `s d + s^2 r` keeps them all, and the objective falls along it.
+//! A program may fall for ever along no ray: `x` under `x^2 <= y` along a parabola only, whose
+//! direction far out is that of `y`, which costs nothing. So there are two steps: a ray `r` that
+//! costs nothing and along which such heads grow, and a ray `d` of descent of the program without
+//! the cones, rows and bounds that `r` leaves ever more room. The curve `s d + s^2 r` keeps them
+//! all, and the objective falls along it.
 
 use crate::presolve::{Compressed, ConeEntry, FIXED, Reduced, ReducedCone};
 use crate::tolerance;
@@ -11,14 +12,15 @@ use crate::tolerance;
 /// The largest violation of a row by a ray, relative to the row's largest term along it (no unit).
 const ROW_TOLERANCE: f64 = 1e-8;
 
-/// The size of an entry of a ray, relative to its largest one, up to which it may be rounding (no unit).
+/// The size of an entry of a ray, relative to its largest one, up to which it may be rounding (no
+/// unit).
 const RAY_ROUNDING: f64 = 1e-9;
 
 /// The entry of a ray at a bound, or its miss of a cone, that may be rounding (no unit).
 const RAY_TOLERANCE: f64 = 1e-7;
 
-/// The curvature along a ray that may be rounding, relative to its terms (no unit). An error of the ray
-/// enters squared.
+/// The curvature along a ray that may be rounding, relative to its terms (no unit). An error of the
+/// ray enters squared.
 const CURVATURE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The program whose solutions are the steepest recession directions: the rows, bounds and cones
@@ -71,8 +73,8 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
     Some(directions)
 }
 
-/// The program whose solutions are recession directions without cost along which the free heads of rotated
-/// cones grow, where the other head is fixed; `None` if there are no such cones.
+/// The program whose solutions are recession directions without cost along which the free heads of
+/// rotated cones grow, where the other head is fixed; `None` if there are no such cones.
 pub(super) fn growth_program(program: &Reduced) -> Option<Reduced> {
     let mut directions = recession_program(program)?;
     directions.rows.push(program.linear.iter().copied().enumerate().filter(|(_, q)| *q != 0.0));
@@ -95,8 +97,8 @@ fn growing_head(cone: &ReducedCone) -> Option<usize> {
     }
 }
 
-/// The program without the cones, and the sides of rows and bounds, that a ray leaves ever more room; `None` if
-/// the ray does not stay in the program, or if it relaxes no cone.
+/// The program without the cones, and the sides of rows and bounds, that a ray leaves ever more
+/// room; `None` if the ray does not stay in the program, or if it relaxes no cone.
 pub(super) fn relaxed_along(program: &Reduced, ray: &[f64]) -> Option<Reduced> {
     /// The part of the largest entry of a ray beyond which an entry or a row grows.
     const GROWS: f64 = 1e-3;
@@ -135,8 +137,8 @@ pub(super) fn relaxed_along(program: &Reduced, ray: &[f64]) -> Option<Reduced> {
 }
 
 impl Reduced {
-    /// Adds the directions in which a cone of another program goes on for ever. As bounds, if a fixed head
-    /// leaves none but `tail = 0`: such a cone has no interior, which methods need.
+    /// Adds the directions in which a cone of another program goes on for ever. As bounds, if a
+    /// fixed head leaves none but `tail = 0`: such a cone has no interior, which methods need.
     fn add_directions(&mut self, cone: &ReducedCone) {
         if cone.head().iter().any(ConeEntry::is_fixed) {
             for entry in cone.tail().iter().filter(|entry| !entry.is_fixed()) {
@@ -179,8 +181,8 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     if program.steepness.iter().zip(&d).any(is_steep) {
         return false;
     }
-    // The objective falls up to the radius for which bounds are proved, and the curvature along the ray is
-    // rounding.
+    // The objective falls up to the radius for which bounds are proved, and the curvature along the
+    // ray is rounding.
     let (mut curved, mut bent, mut bends) = (vec![0.0; d.len()], 0.0, 0.0);
     for j in 0..d.len() {
         let (rows, entries) = program.quadratic.vector(j);

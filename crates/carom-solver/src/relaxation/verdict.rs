@@ -170,8 +170,9 @@ impl<'a> Findings<'a> {
         AttemptOutcome::TryHarder
     }
 
-    /// The distance that a point of this value may have from its bound. Methods take the gap relative
-    /// to an objective without the constant, which may be large. A leaf also meets the requested gap.
+    /// The distance that a point of this value may have from its bound. Methods take the gap
+    /// relative to an objective without the constant, which may be large. A leaf also meets the
+    /// requested gap.
     fn allowed_distance(&self, value: f64) -> f64 {
         let RelaxationQuestion { options, constant, .. } = *self.question;
         let wanted = 0.1 * options.allowed_gap(value, constant);

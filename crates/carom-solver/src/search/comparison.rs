@@ -1,8 +1,9 @@
 //! The comparison of a strengthened program with the original at accepted points.
 //!
-//! Before the search, big-Ms are tightened, costs are bent, cuts are added, and bounds are probed. All of
-//! that must keep every point with whole integers. An accepted point satisfies the model. A strengthened
-//! program that excludes it, or makes it dearer, was derived wrongly, and none of its bounds can be believed.
+//! Before the search, big-Ms are tightened, costs are bent, cuts are added, and bounds are probed.
+//! All of that must keep every point with whole integers. An accepted point satisfies the model. A
+//! strengthened program that excludes it, or makes it dearer, was derived wrongly, and none of its
+//! bounds can be believed.
 //!
 //! Accepted points miss rows by up to the tolerance, and what is derived from rows multiplies what
 //! they miss. The margins below are far above that, and far below what a wrong rule does.
@@ -33,8 +34,8 @@ pub enum Contradiction {
     Column(usize),
 }
 
-/// Compares the program of a task, and the bounds of its root, with the exact program at an accepted
-/// point. `None` if they agree, or if the task has no exact program.
+/// Compares the program of a task, and the bounds of its root, with the exact program at an
+/// accepted point. `None` if they agree, or if the task has no exact program.
 pub(super) fn contradiction(
     task: &SolveTask<'_>,
     root: &Domain,
@@ -63,9 +64,10 @@ fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64) -> bool {
     miss > if is_integral { 0.5 } else { COEFFICIENT_MISS * value.abs().max(1.0) }
 }
 
-/// Whether the exact program itself excludes an accepted point, which then tells nothing about what was
-/// derived from it. Presolve makes equations of rows that hold as equations at an optimum, and expressions in
-/// cones are columns of which the model knows nothing: a point that the model accepts need not satisfy either.
+/// Whether the exact program itself excludes an accepted point, which then tells nothing about what
+/// was derived from it. Presolve makes equations of rows that hold as equations at an optimum, and
+/// expressions in cones are columns of which the model knows nothing: a point that the model
+/// accepts need not satisfy either.
 fn is_excluded(exact: &Program, x: &[f64]) -> bool {
     let has_cones = !exact.cones.is_empty();
     let miss = if has_cones { ROOTED_MISS } else { [COEFFICIENT_MISS, TERMS_MISS] };
@@ -75,8 +77,8 @@ fn is_excluded(exact: &Program, x: &[f64]) -> bool {
         || exact.cones.iter().any(|cone| is_cone_missed(cone, x))
 }
 
-/// Whether a point misses a cone by so much that bounds from it may be missed: by the root of what the head
-/// is missed by, times twice its size.
+/// Whether a point misses a cone by so much that bounds from it may be missed: by the root of what
+/// the head is missed by, times twice its size.
 fn is_cone_missed(cone: &Cone, x: &[f64]) -> bool {
     let size = cone.columns.iter().fold(1.0_f64, |size, &j| size.max(x[j].abs()));
     8.0 * cone.miss(x) * size > COEFFICIENT_MISS * COEFFICIENT_MISS
@@ -103,8 +105,8 @@ fn is_missed(
     miss > of_coefficient * largest + of_terms * (size + limit.abs())
 }
 
-/// Whether the strengthened objective is above the exact one by more than the point's violations and
-/// rounding explain.
+/// Whether the strengthened objective is above the exact one by more than the point's violations
+/// and rounding explain.
 fn is_dearer(program: &Program, exact: &Program, x: &[f64], feasibility: f64) -> bool {
     let excess = program.objective(x) - exact.objective(x);
     if excess <= 0.0 {

@@ -1,20 +1,21 @@
-//! The choice between the two ways of relaxing a node of a program whose cones are cut off: rounds of cuts,
-//! each a linear program that begins with the basis of the last one, or one conic program.
+//! The choice between the two ways of relaxing a node of a program whose cones are cut off: rounds
+//! of cuts, each a linear program that begins with the basis of the last one, or one conic program.
 //!
-//! Both give the same bound, so the quicker one is used. Which one that is depends on the program, and
-//! changes with the cuts that are known. So the favourite is used for long. The other one is tried for a few
-//! nodes in a row, because a basis helps only the node that follows. Conic programs come first, because they
-//! take about the same time at all nodes.
+//! Both give the same bound, so the quicker one is used. Which one that is depends on the program,
+//! and changes with the cuts that are known. So the favourite is used for long. The other one is
+//! tried for a few nodes in a row, because a basis helps only the node that follows. Conic programs
+//! come first, because they take about the same time at all nodes.
 
 use web_time::Duration;
 
-/// Nodes of a trial, and of the turn of a new favourite between two trials; a turn that follows a trial
-/// that changed nothing is twice as long as the last one.
+/// Nodes of a trial, and of the turn of a new favourite between two trials; a turn that follows a
+/// trial that changed nothing is twice as long as the last one.
 const TRIAL_NODES: u32 = 12;
 const FIRST_TURN: u32 = 100;
 const LONGEST_TURN: u32 = 10_000;
 
-/// A trial ends early if it has taken this many times as long as the favourite would for all its nodes.
+/// A trial ends early if it has taken this many times as long as the favourite would for all its
+/// nodes.
 const FAR_SLOWER: f64 = 4.0;
 
 /// The share of the last node in the average time of a way.
@@ -102,7 +103,8 @@ impl ConeRecord {
         self.trial > FAR_SLOWER * f64::from(TRIAL_NODES) * favourite
     }
 
-    /// Takes note of the time of a node; without a basis to begin with, it does not tell what others take.
+    /// Takes note of the time of a node; without a basis to begin with, it does not tell what
+    /// others take.
     pub(super) fn note(&mut self, method: ConeMethod, time: Duration, is_warm: bool) {
         if self.on_trial && method != self.favourite {
             self.trial += time.as_secs_f64();

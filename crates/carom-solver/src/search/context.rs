@@ -74,13 +74,14 @@ impl<'a> Context<'a> {
         self.task().options
     }
 
-    /// Whether the best points of the model are searched for, which integers of the model tell apart.
+    /// Whether the best points of the model are searched for, which integers of the model tell
+    /// apart.
     pub(super) fn wants_all(&self) -> bool {
         self.options().pool > 1 && self.options().pool_mode == PoolMode::Best
     }
 
-    /// Whether nothing new can come from the node: it fixes all integers that tell points apart, and the pool
-    /// has a point with these integers that is as good as any of the node.
+    /// Whether nothing new can come from the node: it fixes all integers that tell points apart,
+    /// and the pool has a point with these integers that is as good as any of the node.
     ///
     /// # Arguments
     ///

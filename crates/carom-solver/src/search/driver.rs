@@ -118,7 +118,8 @@ pub(crate) fn complete(task: SolveTask<'_>, start: &Start) -> SearchResult {
     SearchResult { bound: found.bound.max(bound), ..found }
 }
 
-/// Whether a point of a program is looked for before its first relaxation, however much time there is.
+/// Whether a point of a program is looked for before its first relaxation, however much time there
+/// is.
 pub(crate) fn wants_first_point(program: &Program) -> bool {
     suits_jumps(program)
 }

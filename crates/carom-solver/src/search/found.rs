@@ -16,11 +16,11 @@ pub struct SearchResult {
     pub points: Vec<Vec<f64>>,
     /// The heuristic that found the best one.
     pub(crate) found_by: Option<Heuristic>,
-    /// Whether a visible part of the value of a point is due to limits that presolve has widened for
-    /// rounding.
+    /// Whether a visible part of the value of a point is due to limits that presolve has widened
+    /// for rounding.
     pub is_widened: bool,
-    /// The part of the strengthened program that an accepted point contradicts, if there is one. Then no
-    /// bound is known.
+    /// The part of the strengthened program that an accepted point contradicts, if there is one.
+    /// Then no bound is known.
     pub contradiction: Option<Contradiction>,
     /// Whether these are proved to be the best ones.
     pub pool_complete: bool,
@@ -34,8 +34,8 @@ pub struct SearchResult {
     pub(crate) proofs: Vec<Proof>,
     /// The splits of nodes, if they are to be kept.
     pub(crate) forks: Vec<Fork>,
-    /// The part of the gap between the relaxed root and the best point that cuts and tighter costs have
-    /// closed, if they were tried.
+    /// The part of the gap between the relaxed root and the best point that cuts and tighter costs
+    /// have closed, if they were tried.
     pub(crate) strengthened: Option<f64>,
     /// The cuts of cones that the program began with.
     pub(crate) cone_cuts: Vec<ConeCut>,

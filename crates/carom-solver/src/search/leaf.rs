@@ -100,8 +100,8 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
     let mut polished = x.to_vec();
     polish(reduced, &mut polished, &ctx.token);
     polish_cones(reduced, &mut polished, &ctx.token);
-    // For columns without bounds and curvature, bounds are proved inside a radius only; a point outside
-    // must not be measured by them.
+    // For columns without bounds and curvature, bounds are proved inside a radius only; a point
+    // outside must not be measured by them.
     let open = |j: usize| {
         let steepness = reduced.steepness.get(j).copied().unwrap_or(0.0);
         steepness <= 0.0 && (reduced.lower[j].is_infinite() || reduced.upper[j].is_infinite())

@@ -30,7 +30,8 @@ fn fix_determined(ctx: &mut Context<'_>) -> bool {
         if value - margin > upper || value + margin < lower {
             return false;
         }
-        // Farther out, products with the objective's curvature round visibly, which slack allows for.
+        // Farther out, products with the objective's curvature round visibly, which slack allows
+        // for.
         if ball.is_sharp() && value.abs() <= tolerance::FREE_RADIUS {
             domain.apply(column, false, value);
             domain.apply(column, true, value);

@@ -17,8 +17,9 @@ const NODE_FAILED_TRIALS: usize = 10;
 /// The credit at first and at most, in trials; about that of ten full nodes.
 const MOST_CREDIT: i64 = 2000;
 
-/// The credit for a bound of an integer that probing moves, and for a refuted node, in trials. A tenth of
-/// these left a pendulum of 40 steps open after 40 s that takes 0.4 s; more changes little.
+/// The credit for a bound of an integer that probing moves, and for a refuted node, in trials. A
+/// tenth of these left a pendulum of 40 steps open after 40 s that takes 0.4 s; more changes
+/// little.
 const CREDIT_PER_BOUND: i64 = 50;
 const CREDIT_PER_REFUTATION: i64 = 400;
 

@@ -12,8 +12,8 @@ use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use web_time::Instant;
 
-/// Most rounds of cuts of cones at a node; most of them in a row that may be idle, and the least lift of the
-/// bound by one that is not, as a share of the gap to the cutoff.
+/// Most rounds of cuts of cones at a node; most of them in a row that may be idle, and the least
+/// lift of the bound by one that is not, as a share of the gap to the cutoff.
 const MAX_CONE_ROUNDS: usize = 20;
 const MAX_IDLE_CONE_ROUNDS: usize = 2;
 const CONE_LIFT: f64 = 0.02;
@@ -140,8 +140,8 @@ fn relax_once(
     ctx.ladder.solve(reduced, &question)
 }
 
-/// Solves a reduced program with cuts in place of its cones, and cuts off its points while that lifts the
-/// bound.
+/// Solves a reduced program with cuts in place of its cones, and cuts off its points while that
+/// lifts the bound.
 fn relax_in_rounds(
     ctx: &mut Context<'_>,
     reduced: &mut Reduced,
@@ -209,8 +209,9 @@ pub(super) fn relax_and_keep(
     (verdict, multipliers)
 }
 
-/// A bound of the leaf of the domain among the points that are better than the best one. Columns of cones
-/// often have bounds only there, and a bound is as rough as the columns of its multipliers are wide.
+/// A bound of the leaf of the domain among the points that are better than the best one. Columns of
+/// cones often have bounds only there, and a bound is as rough as the columns of its multipliers
+/// are wide.
 pub(super) fn bound_below_cutoff(ctx: &mut Context<'_>) -> f64 {
     let activity = ctx.clock.switch(Activity::Propagation);
     let (program, mark) = (ctx.program(), ctx.node.domain.mark());
@@ -246,11 +247,12 @@ pub(super) struct ExactRelaxation {
     pub(super) point: Option<Vec<f64>>,
 }
 
-/// Relaxes the exact program at the node of the domain; `None` if the node was relaxed exactly before.
+/// Relaxes the exact program at the node of the domain; `None` if the node was relaxed exactly
+/// before.
 ///
-/// Tighter costs and rows are those of whole integers. Where a relaxed point is whole up to a tolerance
-/// only, the cost may be a little too low: by what a steep slope makes of `1e-7`. Splitting such a node
-/// further and further would not lift its bound.
+/// Tighter costs and rows are those of whole integers. Where a relaxed point is whole up to a
+/// tolerance only, the cost may be a little too low: by what a steep slope makes of `1e-7`.
+/// Splitting such a node further and further would not lift its bound.
 pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<ExactRelaxation> {
     let exact = ctx.task().exact?;
     let is_linear = exact.quadratic.compute_nnz() == 0 && exact.cones.is_empty();

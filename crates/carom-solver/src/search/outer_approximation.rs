@@ -1,8 +1,9 @@
 //! The outer approximation of cones at the root: rows that the relaxations of all nodes begin with.
 //!
-//! The root is solved as a conic program. The multipliers of its cones are the first cuts, and rounds of
-//! relaxing and cutting off follow until the linear relaxation is as tight as the conic one. Where it does
-//! not become so, or where that takes far longer, nodes are relaxed as conic programs.
+//! The root is solved as a conic program. The multipliers of its cones are the first cuts, and
+//! rounds of relaxing and cutting off follow until the linear relaxation is as tight as the conic
+//! one. Where it does not become so, or where that takes far longer, nodes are relaxed as conic
+//! programs.
 
 use super::cone_pool::separate_cones;
 use super::root::Root;
@@ -15,12 +16,13 @@ use web_time::Instant;
 /// Most rounds.
 const MAX_ROOT_ROUNDS: usize = 60;
 
-/// Relative distances of the linear relaxation from the conic one: rounds end at the first, and the linear
-/// one is used up to the second.
+/// Relative distances of the linear relaxation from the conic one: rounds end at the first, and the
+/// linear one is used up to the second.
 const CLOSE: f64 = 1e-6;
 const CLOSE_ENOUGH: f64 = 1e-3;
 
-/// Largest time of all rounds, as a multiple of the time of the conic program, unless it is short (seconds).
+/// Largest time of all rounds, as a multiple of the time of the conic program, unless it is short
+/// (seconds).
 const TIME_RATIO: f64 = 20.0;
 const SHORT: f64 = 0.5;
 
@@ -31,8 +33,8 @@ const MAX_KEPT_CUTS: usize = 2000;
 /// The outer approximation of the cones of a program.
 #[derive(Debug)]
 pub(crate) struct ConeApproximation {
-    /// The program whose relaxations cut off the cones, and the cuts of the root; `None` if its relaxations
-    /// are better solved with the cones.
+    /// The program whose relaxations cut off the cones, and the cuts of the root; `None` if its
+    /// relaxations are better solved with the cones.
     pub(crate) program: Option<(Program, Vec<ConeCut>)>,
     /// The best bound that a relaxation of the root has proved on the way; `-inf` if none has.
     pub(crate) bound: f64,
@@ -59,7 +61,8 @@ pub(crate) fn approximate_cones(
     ConeApproximation { program, bound }
 }
 
-/// The program with its cuts, as in [`ConeApproximation`]. Raises `proved` to what relaxations prove.
+/// The program with its cuts, as in [`ConeApproximation`]. Raises `proved` to what relaxations
+/// prove.
 fn approximate(
     program: &Program,
     root: &Root,
@@ -131,8 +134,8 @@ fn approximate(
     rounds.program(program, &active, 0)
 }
 
-/// The program with the cuts of an earlier solve, which hold for all values of its parameters, and those of a
-/// few further rounds; `None` if these are not enough.
+/// The program with the cuts of an earlier solve, which hold for all values of its parameters, and
+/// those of a few further rounds; `None` if these are not enough.
 fn approximate_from(
     kept: &[ConeCut],
     program: &Program,
@@ -191,7 +194,8 @@ impl Rounds {
         }
     }
 
-    /// The program with the first cuts, so many, and those of the others that are active; and these cuts.
+    /// The program with the first cuts, so many, and those of the others that are active; and these
+    /// cuts.
     fn program(
         &self,
         program: &Program,

@@ -3,14 +3,14 @@
 //! A column with a quadratic cost, such as the power of a unit, is often fixed at one value while a
 //! binary is off. Where the relaxation has the binary at a fraction, the square is too cheap: the
 //! convex hull of both cases has the perspective `q d^2 / w` as its cost, where `d` is the distance
-//! from the value when off, and `w` is 1 when on and 0 when off. It is no quadratic function, but it
-//! is the largest of the functions
+//! from the value when off, and `w` is 1 when on and 0 when off. It is no quadratic function, but
+//! it is the largest of the functions
 //!
 //! `q d^2 + 2 q r d (1 - w) - q r^2 w (1 - w)`  over all slopes `r`,
 //!
 //! of which each is a convex quadratic, `q (d + r (1 - w))^2 - q r^2 (1 - w)`, never above the
-//! perspective (Jensen), equal to it where `d = r w`, and equal to the square wherever the binary is
-//! whole. So one of them takes the place of each square: no column or row is added, and no point
+//! perspective (Jensen), equal to it where `d = r w`, and equal to the square wherever the binary
+//! is whole. So one of them takes the place of each square: no column or row is added, and no point
 //! with whole binaries changes its cost. The function is concave in `r`, so the best slopes are a
 //! saddle point with the relaxed point: `r = d / w`. A few relaxations of the root find them.
 
@@ -147,8 +147,8 @@ fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
 }
 
 /// Replaces the squares that binaries switch off by tighter functions with the same cost at every
-/// point with whole binaries. Returns `None` if that does not lift the bound of the root enough. The
-/// root gets the relaxed point of the program that is left, where it was computed.
+/// point with whole binaries. Returns `None` if that does not lift the bound of the root enough.
+/// The root gets the relaxed point of the program that is left, where it was computed.
 pub(crate) fn with_perspective(
     program: &Program,
     root: &mut Root,
@@ -172,7 +172,8 @@ pub(crate) fn with_perspective(
     tighter
 }
 
-/// Slopes of squares of a program, with which the bound of its root is lifted enough; none if there are none.
+/// Slopes of squares of a program, with which the bound of its root is lifted enough; none if there
+/// are none.
 pub(crate) fn lifting_slopes(
     program: &Program,
     squares: Vec<Switched>,
@@ -195,8 +196,8 @@ struct Perspective {
     point: RootPoint,
 }
 
-/// The perspective with the best bound, if that is lifted enough, and the relaxed point without it, if there is
-/// one.
+/// The perspective with the best bound, if that is lifted enough, and the relaxed point without it,
+/// if there is one.
 fn best_perspective(
     program: &Program,
     domain: &Domain,

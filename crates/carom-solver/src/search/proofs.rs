@@ -1,11 +1,11 @@
 //! The tree of an earlier solve of nearly the same program: its splits, and the multipliers that
 //! closed its ends.
 //!
-//! A node is closed by multipliers: they prove a bound beyond the cutoff, or that nothing is feasible.
-//! Multipliers prove *some* bound on every program with the same rows, whatever its limits, bounds and costs
-//! are. So the next solve tries the multipliers that closed an end of the tree at the same end. Propagation
-//! and tightening may have changed that end since (see `replay`). The bound is proved as ever; where it falls
-//! short, the end is open.
+//! A node is closed by multipliers: they prove a bound beyond the cutoff, or that nothing is
+//! feasible. Multipliers prove *some* bound on every program with the same rows, whatever its
+//! limits, bounds and costs are. So the next solve tries the multipliers that closed an end of the
+//! tree at the same end. Propagation and tightening may have changed that end since (see `replay`).
+//! The bound is proved as ever; where it falls short, the end is open.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,8 +21,8 @@ const MOST_NUMBERS: usize = 4_000_000;
 /// Split nodes of a large tree.
 const LARGE_TREE: usize = 8;
 
-/// Multipliers of a relaxation, and the point that belongs to them, over all rows and columns of the
-/// program.
+/// Multipliers of a relaxation, and the point that belongs to them, over all rows and columns of
+/// the program.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ProofMultipliers {
     /// Empty if the multipliers prove that nothing is feasible, rather than a bound.
@@ -38,8 +38,8 @@ pub(super) enum End {
     Side(u32, Decision),
 }
 
-/// An end as a key: a node, and the column of a side, whether its upper bound changes, and the bits of
-/// the bound. Sides of one column at several values are different ends.
+/// An end as a key: a node, and the column of a side, whether its upper bound changes, and the bits
+/// of the bound. Sides of one column at several values are different ends.
 pub(super) type EndKey = (u32, Option<(usize, bool, u64)>);
 
 impl End {
@@ -129,8 +129,8 @@ impl Fork {
         self.id
     }
 
-    /// A decision of the split, in order, each without those before it, and the node inside of it; `None`
-    /// for a side that is closed.
+    /// A decision of the split, in order, each without those before it, and the node inside of it;
+    /// `None` for a side that is closed.
     pub(crate) fn decision(&self, place: usize) -> Option<(Decision, Option<u32>)> {
         match self.closed.get(place) {
             Some(&side) => Some((side, None)),

@@ -1,14 +1,14 @@
 //! The root divided as the tree of an earlier solve was.
 //!
-//! The splits of the earlier tree are gone through again, and its inner nodes are not relaxed: each decision
-//! is propagated. Where the earlier tree closed a node or a side, the multipliers that closed it are tried
-//! again. Of a subtree with more than one open end only the top is kept, to be split afresh. In what is kept,
-//! sides that are not closed any more are relaxed if they cut off the relaxed point of the root: most are
-//! closed again, and what they leave is smaller. What is kept of a large tree is found out by a run without
-//! relaxations.
+//! The splits of the earlier tree are gone through again, and its inner nodes are not relaxed: each
+//! decision is propagated. Where the earlier tree closed a node or a side, the multipliers that
+//! closed it are tried again. Of a subtree with more than one open end only the top is kept, to be
+//! split afresh. In what is kept, sides that are not closed any more are relaxed if they cut off
+//! the relaxed point of the root: most are closed again, and what they leave is smaller. What is
+//! kept of a large tree is found out by a run without relaxations.
 //!
-//! The parts cover the root whatever the earlier tree was, since a split always leaves a part for what
-//! none of its children has.
+//! The parts cover the root whatever the earlier tree was, since a split always leaves a part for
+//! what none of its children has.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -290,8 +290,8 @@ impl Replay {
         Some(())
     }
 
-    /// Tries the proof of an earlier end on the domain, and keeps it for the end as it is `now` if it
-    /// holds.
+    /// Tries the proof of an earlier end on the domain, and keeps it for the end as it is `now` if
+    /// it holds.
     fn retry(
         &mut self,
         ctx: &mut Context<'_>,

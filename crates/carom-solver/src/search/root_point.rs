@@ -1,5 +1,5 @@
-//! The relaxed point of a root, and its value: for what strengthens a program before the search, and
-//! for the search, which need not relax the same root again.
+//! The relaxed point of a root, and its value: for what strengthens a program before the search,
+//! and for the search, which need not relax the same root again.
 
 use super::cuts::Cut;
 use crate::presolve::{Domain, tighten_coefficients};
@@ -29,8 +29,8 @@ pub(crate) struct Strengthened {
     pub(crate) program: Program,
     /// The value of the relaxed root before and after.
     pub(crate) values: [f64; 2],
-    /// The cuts of all rounds, in their order: each follows from rows, bounds and those before it. The program has
-    /// some of them.
+    /// The cuts of all rounds, in their order: each follows from rows, bounds and those before it.
+    /// The program has some of them.
     pub(crate) cuts: Vec<Cut>,
 }
 

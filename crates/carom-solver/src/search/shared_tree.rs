@@ -16,8 +16,9 @@ struct OwnPart<'t, 'a> {
     plunge: &'t mut Option<Node>,
 }
 
-/// Tells an exchange that a search begins; whether the nodes below the root are another process's. The root
-/// itself is searched by all of them, because nodes from elsewhere start from the state that it leaves.
+/// Tells an exchange that a search begins; whether the nodes below the root are another process's.
+/// The root itself is searched by all of them, because nodes from elsewhere start from the state
+/// that it leaves.
 pub(super) fn begin(tree: &Tree<'_>, exchange: &mut dyn TreeExchange) -> bool {
     !exchange.begin(fingerprint(tree.task.exact.unwrap_or(tree.task.program)), true)
 }
@@ -199,7 +200,8 @@ impl TreePart for OwnPart<'_, '_> {
     }
 }
 
-/// A number for a program: programs with the same number have, but for chance, the same columns and rows.
+/// A number for a program: programs with the same number have, but for chance, the same columns and
+/// rows.
 fn fingerprint(program: &Program) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |bits: u64| {

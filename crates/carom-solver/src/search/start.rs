@@ -5,19 +5,19 @@ use std::sync::Arc;
 use super::proofs::Proofs;
 use crate::solution::Heuristic;
 
-/// The start of a search, from the user or from earlier searches, in columns of the program. Nothing of
-/// it is trusted.
+/// The start of a search, from the user or from earlier searches, in columns of the program.
+/// Nothing of it is trusted.
 #[derive(Debug, Clone, Default)]
 pub struct Start {
     /// Values of integral columns to complete to a point, the most certain ones first.
     pub integers: Vec<(usize, f64)>,
     /// A point to beat, which was verified before.
     pub(crate) point: Option<StartPoint>,
-    /// Whether rounding and roll-outs have been tried at the search's own root; `None` if the point comes
-    /// from elsewhere.
+    /// Whether rounding and roll-outs have been tried at the search's own root; `None` if the point
+    /// comes from elsewhere.
     pub(crate) is_rounded: Option<bool>,
-    /// The tree of an earlier solve, to be gone through again. `None` if the tree of this search need not
-    /// be kept either.
+    /// The tree of an earlier solve, to be gone through again. `None` if the tree of this search
+    /// need not be kept either.
     pub(crate) proofs: Option<Arc<Proofs>>,
 }
 

@@ -54,7 +54,8 @@ impl<F: Fn(&[f64]) -> bool + Sync> PointJudge for F {
 pub struct SolveTask<'a> {
     /// The program.
     pub program: &'a Program,
-    /// The program before it was strengthened, with the same columns, for points that become answers.
+    /// The program before it was strengthened, with the same columns, for points that become
+    /// answers.
     pub exact: Option<&'a Program>,
     /// The propagated and probed root of the program, if it is known.
     pub root: Option<&'a Root>,

@@ -246,8 +246,8 @@ impl<'a> Tree<'a> {
         state.stop.is_none()
     }
 
-    /// Bytes of all that grows with the search: open nodes, their shared decisions, kept leaves, best
-    /// points.
+    /// Bytes of all that grows with the search: open nodes, their shared decisions, kept leaves,
+    /// best points.
     fn bytes(&self, state: &TreeState) -> u64 {
         let nodes = self.open.load(Ordering::Relaxed) * size_of::<Node>();
         let steps = self.steps.load(Ordering::Relaxed) * Path::STEP_BYTES;
@@ -268,7 +268,8 @@ impl<'a> Tree<'a> {
         state.points.incumbent().map(|best| (best.value, best.point.clone()))
     }
 
-    /// The value of the best point of the pool with a key. In rounds it is that of the last one's end.
+    /// The value of the best point of the pool with a key. In rounds it is that of the last one's
+    /// end.
     pub(super) fn value_of(&self, key: &[i64]) -> Option<f64> {
         self.lock().points.value_of(key)
     }
@@ -470,8 +471,8 @@ pub(crate) fn granularity(program: &Program) -> f64 {
 }
 
 impl Tree<'_> {
-    /// An accepted point with the key that tells points apart: the integers of the user's model. The key is
-    /// empty if one point is enough.
+    /// An accepted point with the key that tells points apart: the integers of the user's model.
+    /// The key is empty if one point is enough.
     pub(super) fn accepted(&self, value: f64, point: Vec<f64>, found_by: Heuristic) -> Accepted {
         let key = if self.task.options.pool > 1 { self.task.judge.key(&point) } else { Vec::new() };
         Accepted { value, key, point, found_by }

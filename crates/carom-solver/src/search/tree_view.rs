@@ -40,8 +40,8 @@ enum Exchange {
     InRounds(RefCell<RoundBuffer>),
 }
 
-/// The cutoff that a worker of the deterministic search sees in a round, and what it keeps back until the
-/// end of the round.
+/// The cutoff that a worker of the deterministic search sees in a round, and what it keeps back
+/// until the end of the round.
 #[derive(Default)]
 pub(super) struct RoundBuffer {
     /// The cutoff at the start, lowered by the worker's own points.
@@ -214,7 +214,8 @@ impl<'a> TreeView<'a> {
         self.tree.lock().completion = Some(completion);
     }
 
-    /// Notes that a visible part of the value of a point is due to limits that presolve has widened.
+    /// Notes that a visible part of the value of a point is due to limits that presolve has
+    /// widened.
     pub(super) fn note_widened(&self) {
         self.tree.lock().is_widened = true;
     }

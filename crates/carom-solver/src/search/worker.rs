@@ -24,8 +24,8 @@ use crate::presolve::{Projection, Reduced};
 use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::solution::{Heuristic, Termination};
 
-/// A trial's bound that is this close to the cutoff, relative to the bound, may be too rough to prune with
-/// (no unit).
+/// A trial's bound that is this close to the cutoff, relative to the bound, may be too rough to
+/// prune with (no unit).
 const NEAR_CUTOFF: f64 = 1e-4;
 
 /// By how much a trial's point may leave the domain that its child has come to (no unit).

@@ -1,5 +1,5 @@
-//! Equalities over whole numbers: propagation keeps every point, and leaves no bound outside the residue
-//! class of its column.
+//! Equalities over whole numbers: propagation keeps every point, and leaves no bound outside the
+//! residue class of its column.
 
 use carom::prelude::*;
 use carom_solver::internals::presolve::{Domain, Propagator};

@@ -1,8 +1,9 @@
 //! What tightens a program keeps the best value of every assignment of the integers, also where
 //! continuous columns have no bounds, one, or huge ones.
 //!
-//! Random programs with squares of their own on such columns, in rows with binaries, are tightened in each
-//! way that the search uses. Then all assignments of the integers are solved exactly, before and after.
+//! Random programs with squares of their own on such columns, in rows with binaries, are tightened
+//! in each way that the search uses. Then all assignments of the integers are solved exactly,
+//! before and after.
 
 use carom::prelude::*;
 use carom::solver::StopToken;

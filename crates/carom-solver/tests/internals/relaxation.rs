@@ -191,7 +191,8 @@ proptest! {
         }
     }
 
-    /// From what a program leaves, another one with other bounds has the same optimum as from nothing.
+    /// From what a program leaves, another one with other bounds has the same optimum as from
+    /// nothing.
     #[test]
     fn a_start_from_the_parent_changes_no_optimum(
         case in case(),
@@ -239,7 +240,8 @@ proptest! {
         let answer = InteriorPoint::new().solve(&program, &effort(&StopToken::default(), cutoff));
         check(&program, &answer, cutoff)?;
         if answer.claim == RelaxationClaim::Solved {
-            // Nothing was beyond the cutoff by more than the gap at which a program counts as solved.
+            // Nothing was beyond the cutoff by more than the gap at which a program counts as
+            // solved.
             prop_assert!(program.objective(&answer.x) >= cutoff - 1e-5 * value.abs().max(1.0));
         }
     }

@@ -18,7 +18,8 @@ type Entries = Vec<(usize, i32)>;
 struct Case {
     /// A lower bound and a width; a width of 7 stands for no upper bound.
     columns: Vec<(i32, i32)>,
-    /// Entries, a lower limit and a width; a width of 0 stands for an equality, 7 for no upper limit.
+    /// Entries, a lower limit and a width; a width of 0 stands for an equality, 7 for no upper
+    /// limit.
     rows: Vec<(Entries, i32, i32)>,
     cost: Vec<i32>,
     /// The column that the child holds, and the part of the way to its upper bound.

@@ -375,8 +375,8 @@ fn a_disjunction_of_two_sides() {
     assert_eq!(projection.lift(&[8.0]), [8.0, 0.0, 1.0]);
 }
 
-/// Three steps of `x' = x / 2 + 1` or `x' = 1 - x / 2` from `x = 1`, each written with a big-M of 200:
-/// `x` is within `[0.5, 1.5]`, then `[0.25, 1.75]`, `[0.125, 1.875]`.
+/// Three steps of `x' = x / 2 + 1` or `x' = 1 - x / 2` from `x = 1`, each written with a big-M of
+/// 200: `x` is within `[0.5, 1.5]`, then `[0.25, 1.75]`, `[0.125, 1.875]`.
 #[test]
 fn cases_bound_what_can_be_reached() {
     let mut model = Model::new("piecewise-affine");
@@ -412,8 +412,9 @@ fn cases_bound_what_can_be_reached() {
     assert!(largest(&tight) < 2.0, "{}", largest(&tight));
 }
 
-/// A spring that pushes back beyond 0.1, as a mode with a big-M of 50: what the two modes have in common
-/// is the hull of the step, so the force is at most 0 everywhere, and none where the spring is off.
+/// A spring that pushes back beyond 0.1, as a mode with a big-M of 50: what the two modes have in
+/// common is the hull of the step, so the force is at most 0 everywhere, and none where the spring
+/// is off.
 #[test]
 fn partners_find_the_hull_of_a_step() {
     let mut model = Model::new("spring");

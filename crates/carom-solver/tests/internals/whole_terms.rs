@@ -31,8 +31,8 @@ fn rows_bound_whole_columns_exactly() {
     }
 }
 
-/// Rows of terms of 1e10 that are missed by less than a billionth of these, or by less than plain sums can
-/// tell.
+/// Rows of terms of 1e10 that are missed by less than a billionth of these, or by less than plain
+/// sums can tell.
 #[test]
 fn rows_over_wide_integers_are_refuted() {
     let mut model = Model::new("m");

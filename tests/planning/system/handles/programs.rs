@@ -29,8 +29,8 @@ fn cart(time_step: f64, most: f64) -> Cart {
 proptest! {
     #![proptest_config(config(16, "tests/regressions/joined.txt"))]
 
-    /// Two systems in one program that have nothing to do with each other cost what they cost alone, and
-    /// a row between them holds.
+    /// Two systems in one program that have nothing to do with each other cost what they cost
+    /// alone, and a row between them holds.
     #[test]
     fn systems_in_one_program_do_not_disturb_each_other(
         most in [1..=3_i32, 1..=3], start in [-4..=4_i32, -4..=4], goal in [-4..=4_i32, -4..=4],

@@ -4,8 +4,8 @@ use carom::hybrid::HybridRun;
 use carom::prelude::*;
 use proptest::prelude::*;
 
-/// A store whose demand is in the flow. It sells in one mode, and has a limit, a guard and an output of
-/// both inputs that are stated before a mode's flow names a second series.
+/// A store whose demand is in the flow. It sells in one mode, and has a limit, a guard and an
+/// output of both inputs that are stated before a mode's flow names a second series.
 fn store(demand: &[f64], gain: &[f64], as_series: bool) -> HybridSystem {
     let mut store = HybridSystem::new(1.0);
     let x = store.state("x", -20.0, 20.0).unwrap();

@@ -120,8 +120,8 @@ impl Contact {
         Contact { wall, restitution, law: ContactLaw::default(), spread: 0.0 }
     }
 
-    /// Says that the restitution is not known: it may be up to `spread` more or less (no unit), in every hit
-    /// anew. [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of it.
+    /// Says that the restitution is not known: it may be up to `spread` more or less (no unit), in
+    /// every hit anew. [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of it.
     #[must_use]
     pub fn with_spread(mut self, spread: f64) -> Self {
         self.spread = spread;

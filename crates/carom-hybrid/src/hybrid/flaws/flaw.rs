@@ -76,14 +76,15 @@ pub enum Flaw {
         /// The transition.
         transition: String,
     },
-    /// From a state, every transition leads out of the domain, whatever the inputs are, although some
-    /// are possible there.
+    /// From a state, every transition leads out of the domain, whatever the inputs are, although
+    /// some are possible there.
     Stuck {
         /// Choices and their modes, in choices with memory.
         modes: Vec<(String, String)>,
         /// The state, without inputs.
         witness: Witness,
-        /// Its distance from the states that can stay inside, as a fraction of the widths of domains.
+        /// Its distance from the states that can stay inside, as a fraction of the widths of
+        /// domains.
         margin: f64,
     },
 }

@@ -1,8 +1,8 @@
 //! Questions about a hybrid system that a slip in its statement answers wrongly.
 //!
 //! Guards become polyhedra of states and inputs (`piece.rs`), small programs look for points in
-//! gaps and overlaps (`programs.rs`) and for states that must leave the domain (`stuck.rs`), and every
-//! point is evaluated again before it is reported.
+//! gaps and overlaps (`programs.rs`) and for states that must leave the domain (`stuck.rs`), and
+//! every point is evaluated again before it is reported.
 
 mod flaw;
 mod moves;
@@ -24,19 +24,19 @@ use piece::{Piece, Units, base, piece};
 use programs::{Found, gap, is_empty_at, overlap};
 
 impl HybridSystem {
-    /// Looks for slips in the statement of the system: gaps and overlaps of guards, transitions that
-    /// are never possible, and dead ends.
+    /// Looks for slips in the statement of the system: gaps and overlaps of guards, transitions
+    /// that are never possible, and dead ends.
     ///
     /// Gaps and overlaps are regions of states and inputs within domains, ranges and limits, with
     /// one such point each. Common boundaries of guards are neither. Guards stated as a
-    /// [limit](super::TransitionMut::limit) do not make a gap: they are limits to be kept.
-    /// A dead end is a state from which no input keeps the state in its domain, such as the end of a
-    /// line at full speed: one is reported for each combination of modes. With several choices, each
+    /// [limit](super::TransitionMut::limit) do not make a gap: they are limits to be kept. A dead
+    /// end is a state from which no input keeps the state in its domain, such as the end of a line
+    /// at full speed: one is reported for each combination of modes. With several choices, each
     /// choice is looked at for gaps and overlaps as if the others changed nothing; only whether a
     /// transition is possible and the domain must be left depends on all.
     ///
-    /// Norms count as polygons around them, which reach up to 2 % farther: a gap and a dead end are ones
-    /// of the norms as well, while an overlap may be no wider than that.
+    /// Norms count as polygons around them, which reach up to 2 % farther: a gap and a dead end are
+    /// ones of the norms as well, while an overlap may be no wider than that.
     ///
     /// Distances are fractions of the widths of domains and ranges; up to 1e-5 they count as none.
     /// If the system depends on the step, every different step is looked at, and a flaw is
@@ -53,7 +53,8 @@ impl HybridSystem {
     /// vehicle.mode("fast")?.rates([v.is(thrust - 0.2 * v)])?.guard(v.ge(12.0))?;
     ///
     /// let flaws = vehicle.flaws(&mut BranchAndBound::default())?;
-    /// assert!(flaws[0].to_string().starts_with("gap in `mode`: no transition is possible at v = 11"));
+    /// let what = "gap in `mode`: no transition is possible at v = 11";
+    /// assert!(flaws[0].to_string().starts_with(what));
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///

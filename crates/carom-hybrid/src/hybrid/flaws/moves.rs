@@ -16,8 +16,8 @@ pub(super) struct Move {
     pub(super) modes: Vec<(String, String)>,
     /// Its conditions, over states and inputs.
     pub(super) piece: Piece,
-    /// The conditions, and that the next state lies in the domain and, as limits for the planner, within
-    /// the limits on states.
+    /// The conditions, and that the next state lies in the domain and, as limits for the planner,
+    /// within the limits on states.
     pub(super) inside: Piece,
 }
 

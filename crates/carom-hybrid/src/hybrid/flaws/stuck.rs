@@ -1,8 +1,8 @@
 //! States from which every way out leads out of the domain, whatever the inputs.
 //!
-//! The states from which a move can end in the domain are a polyhedron: the inputs are eliminated from
-//! its conditions (Fourier and Motzkin). A state outside all of these polyhedra, at which some move is
-//! possible, is stuck.
+//! The states from which a move can end in the domain are a polyhedron: the inputs are eliminated
+//! from its conditions (Fourier and Motzkin). A state outside all of these polyhedra, at which some
+//! move is possible, is stuck.
 
 use super::moves::{Move, joined};
 use super::piece::{Facet, Piece};

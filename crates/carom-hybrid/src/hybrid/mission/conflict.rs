@@ -25,13 +25,13 @@ fn conjuncts(mission: &Mission) -> Vec<Mission> {
 }
 
 impl HybridProgram {
-    /// Which parts of a mission are the reason why the program has no plan that does what it says; `None` if
-    /// there is one, or if the solver's limits leave that open. The program itself must not require the
-    /// mission.
+    /// Which parts of a mission are the reason why the program has no plan that does what it says;
+    /// `None` if there is one, or if the solver's limits leave that open. The program itself must
+    /// not require the mission.
     ///
-    /// The parts are missions themselves, and all are needed: without any of them there is a plan. Windows of
-    /// *always* are as short as that allows. A part for which the run is too short is a reason by itself. Without
-    /// a single part, the program has no plan even without the mission.
+    /// The parts are missions themselves, and all are needed: without any of them there is a plan.
+    /// Windows of *always* are as short as that allows. A part for which the run is too short is a
+    /// reason by itself. Without a single part, the program has no plan even without the mission.
     ///
     /// ```
     /// use carom::hybrid::Mission;
@@ -113,8 +113,8 @@ impl HybridProgram {
     ///
     /// # Arguments
     ///
-    /// * `counts_late`: whether it is a proof, too, that the run ends before a window. It is none for a window
-    ///   that has been moved.
+    /// * `counts_late`: whether it is a proof, too, that the run ends before a window. It is none
+    ///   for a window that has been moved.
     fn refutes(
         &self,
         parts: &[Mission],

@@ -11,9 +11,9 @@ pub(super) const MAX_DEPTH: u32 = 100;
 
 /// A mission: what must be true of a run, and when, in signal temporal logic.
 ///
-/// Its smallest parts are [`holds`](Mission::holds): rows of a system's handles at a sample, under a name.
-/// A mission is read at sample 0, and what is inside a temporal operator at the samples of its window, counted
-/// from the sample at which the operator is read.
+/// Its smallest parts are [`holds`](Mission::holds): rows of a system's handles at a sample, under
+/// a name. A mission is read at sample 0, and what is inside a temporal operator at the samples of
+/// its window, counted from the sample at which the operator is read.
 ///
 /// | written | text | true at sample k if |
 /// | --- | --- | --- |
@@ -133,8 +133,9 @@ impl From<&Mission> for Mission {
 }
 
 impl Mission {
-    /// Rows that all hold at the sample at which this is read, under a name of one or several words: a
-    /// region of a scene's or a system's handles, as for [`require`](crate::hybrid::HybridProgram::require).
+    /// Rows that all hold at the sample at which this is read, under a name of one or several
+    /// words: a region of a scene's or a system's handles, as for
+    /// [`require`](crate::hybrid::HybridProgram::require).
     ///
     /// A norm, as in `norm([x - 4.0, y - 1.0]).le(0.5)`, is a row too, but must not be negated.
     pub fn holds<R: Into<SystemRow>>(
@@ -145,8 +146,8 @@ impl Mission {
         MissionNode::Holds(Predicate { name: name.into(), rows }).into()
     }
 
-    /// The same with rows of their own for each sample, from 0: for things that move, and for families of
-    /// variables of a [`Model`](crate::model::Model) without a system.
+    /// The same with rows of their own for each sample, from 0: for things that move, and for
+    /// families of variables of a [`Model`](crate::model::Model) without a system.
     pub fn holds_by_sample<R: Into<SystemRow>, L: IntoIterator<Item = R>>(
         name: impl Into<String>,
         rows: impl IntoIterator<Item = L>,
@@ -183,14 +184,15 @@ impl Mission {
         MissionNode::Eventually(window.window(), Box::new(self)).into()
     }
 
-    /// `goal` is true at some sample of the window, and this at all samples before it, from the one at which
-    /// the operator is read.
+    /// `goal` is true at some sample of the window, and this at all samples before it, from the one
+    /// at which the operator is read.
     pub fn until(self, window: impl IntoWindow, goal: impl Into<Mission>) -> Mission {
         MissionNode::Until(window.window(), Box::new(self), Box::new(goal.into())).into()
     }
 
-    /// At each sample of the window `kept` is true, or this was true at a sample before it, from the one at
-    /// which the operator is read: the negation of [`until`](Mission::until) of the negations.
+    /// At each sample of the window `kept` is true, or this was true at a sample before it, from
+    /// the one at which the operator is read: the negation of [`until`](Mission::until) of the
+    /// negations.
     pub fn release(self, window: impl IntoWindow, kept: impl Into<Mission>) -> Mission {
         MissionNode::Release(window.window(), Box::new(self), Box::new(kept.into())).into()
     }

@@ -101,23 +101,23 @@ fn narrow(model: &mut Model, ranges: &[Interval]) -> Result<(), Error> {
 }
 
 impl HybridProgram {
-    /// Requires every plan to do what a mission says, from sample 0 on. A negated row is missed by at least
-    /// [`MISSION_SEPARATION`](crate::tolerance::MISSION_SEPARATION), so that a mission and its negation never
-    /// both hold.
+    /// Requires every plan to do what a mission says, from sample 0 on. A negated row is missed by
+    /// at least [`MISSION_SEPARATION`](crate::tolerance::MISSION_SEPARATION), so that a mission and
+    /// its negation never both hold.
     ///
     /// Bounds and rows that the program has already, such as its start, decide parts of the mission
-    /// beforehand: state the start and the goal first, and [`tighten`](HybridProgram::tighten) before this.
-    /// Do not make these rows wider later, except by the value of a [parameter](crate::model::Model::parameter) in
-    /// its range.
+    /// beforehand: state the start and the goal first, and [`tighten`](HybridProgram::tighten)
+    /// before this. Do not make these rows wider later, except by the value of a
+    /// [parameter](crate::model::Model::parameter) in its range.
     ///
-    /// Plans are checked by the mission's [robustness](Mission::robustness), which knows nothing of the rows.
-    /// The statements are `name_1`, `name_2`, ...
+    /// Plans are checked by the mission's [robustness](Mission::robustness), which knows nothing of
+    /// the rows. The statements are `name_1`, `name_2`, ...
     ///
     /// # Errors
     ///
     /// Those of [`at`](HybridProgram::at); [`ErrorKind::NotConicRow`] for a norm that is negated;
-    /// [`ErrorKind::OutOfRange`] for a window without samples, and for a mission that cannot be true because
-    /// the run ends before.
+    /// [`ErrorKind::OutOfRange`] for a window without samples, and for a mission that cannot be
+    /// true because the run ends before.
     #[doc(alias("STL", "signal temporal logic"))]
     pub fn require_mission(&mut self, name: &str, mission: &Mission) -> Result<(), Error> {
         self.state_mission(name, mission, None, Late::Refused).map(drop)
@@ -132,8 +132,9 @@ impl HybridProgram {
         self.state_mission(name, mission, None, Late::NoPlan).map(drop)
     }
 
-    /// Requires the same by a margin, and returns the margin, a variable of the model in the unit of the
-    /// mission's rows that is at most the [robustness](Mission::robustness): maximise it, or have it in a cost.
+    /// Requires the same by a margin, and returns the margin, a variable of the model in the unit
+    /// of the mission's rows that is at most the [robustness](Mission::robustness): maximise it, or
+    /// have it in a cost.
     ///
     /// ```
     /// use carom::hybrid::Mission;
@@ -155,7 +156,8 @@ impl HybridProgram {
     ///
     /// # Arguments
     ///
-    /// * `at_least`: the least margin; `-inf` for none, and then plans may fail the mission, but for its modes.
+    /// * `at_least`: the least margin; `-inf` for none, and then plans may fail the mission, but
+    ///   for its modes.
     ///
     /// # Errors
     ///
@@ -284,8 +286,8 @@ impl Members {
 }
 
 impl HybridPlan {
-    /// By how much the plan does what a mission says, also one that the program does not require: its
-    /// [robustness](Mission::robustness), in the unit of its rows.
+    /// By how much the plan does what a mission says, also one that the program does not require:
+    /// its [robustness](Mission::robustness), in the unit of its rows.
     ///
     /// # Errors
     ///
@@ -312,13 +314,13 @@ impl ValueSource for RunValues<'_> {
 }
 
 impl HybridSystem {
-    /// By how much a run, such as a simulation's or one of a scene's plan, does what a mission says: its
-    /// [robustness](Mission::robustness), in the unit of its rows.
+    /// By how much a run, such as a simulation's or one of a scene's plan, does what a mission
+    /// says: its [robustness](Mission::robustness), in the unit of its rows.
     ///
     /// # Errors
     ///
-    /// Those of [`Mission::robustness`]; [`ErrorKind::ForeignHandle`]; [`ErrorKind::UnknownName`] for the run
-    /// of another system.
+    /// Those of [`Mission::robustness`]; [`ErrorKind::ForeignHandle`]; [`ErrorKind::UnknownName`]
+    /// for the run of another system.
     pub fn robustness(&self, mission: &Mission, run: &HybridRun) -> Result<f64, Error> {
         let samples = run.states.first().map_or(0, |(_, values)| values.len());
         mission.robustness_of(&RunValues { system: self, run }, samples, run.time_step)

@@ -1,14 +1,15 @@
-//! Ranges of a model's variables, from its bounds and rows: they decide predicates before any is written.
+//! Ranges of a model's variables, from its bounds and rows: they decide predicates before any is
+//! written.
 
 use crate::interval::Interval;
 use crate::model::Model;
 
-/// Sweeps over all rows, forwards and backwards in turn: a start comes forwards through the horizon in one
-/// of them, and a goal backwards in the next.
+/// Sweeps over all rows, forwards and backwards in turn: a start comes forwards through the horizon
+/// in one of them, and a goal backwards in the next.
 const RANGE_SWEEPS: usize = 4;
 
-/// Ranges of all variables, by index. Empty ones are left as they are: that there is no plan is for the
-/// solver to prove.
+/// Ranges of all variables, by index. Empty ones are left as they are: that there is no plan is for
+/// the solver to prove.
 pub(super) fn ranges(model: &Model) -> Vec<Interval> {
     // A parameter may still take any value of its range, and a semi-continuous variable may be 0.
     let range =
@@ -56,7 +57,8 @@ fn propagate(
         let value = Interval::new(limits.lower, limits.upper) + (-rest);
         let inverse = 1.0 / factor;
         let found = value * inverse;
-        // The inverse is rounded: give way by more than that. The same for values of a start would only blur them.
+        // The inverse is rounded: give way by more than that. The same for values of a start would
+        // only blur them.
         let is_exact = factor.abs() == 1.0;
         let give = if is_exact { 0.0 } else { 1e-9 * (1.0 + found.magnitude()) };
         let wider = |end: f64, by: f64| if end.is_finite() { end + by } else { end };

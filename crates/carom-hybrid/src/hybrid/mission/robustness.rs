@@ -132,7 +132,8 @@ impl Reading<'_> {
         Ok(values)
     }
 
-    /// The last sample of the run or, for a window that is open, at which all predicates inside have values.
+    /// The last sample of the run or, for a window that is open, at which all predicates inside
+    /// have values.
     fn end(&self, mission: &Mission) -> Result<Option<usize>, Error> {
         let mut end = self.samples.checked_sub(1);
         if mission.window().is_some_and(|window| !window.is_open()) {
@@ -267,22 +268,25 @@ impl<F: Fn(Variable, usize) -> Option<f64>> ValueSource for ValueFunction<F> {
 }
 
 impl Mission {
-    /// The robustness of a run: by how much it does what the mission says, in the unit of the rows. It is at
-    /// least 0 if the mission is true, and then the values may change by less than it before a row fails.
+    /// The robustness of a run: by how much it does what the mission says, in the unit of the rows.
+    /// It is at least 0 if the mission is true, and then the values may change by less than it
+    /// before a row fails.
     ///
-    /// That of a predicate is the least slack of its rows; `&` and `always` are the least of theirs, `|` and
-    /// `eventually` the greatest, `!` the opposite. Beyond the last sample nothing counts as true.
+    /// That of a predicate is the least slack of its rows; `&` and `always` are the least of
+    /// theirs, `|` and `eventually` the greatest, `!` the opposite. Beyond the last sample nothing
+    /// counts as true.
     ///
     /// # Arguments
     ///
     /// * `samples`: the number of samples of the run.
     /// * `time_step`: in s, for windows in seconds.
-    /// * `value`: the value of a handle at a sample; `None` where it has none, as an input at the last sample.
+    /// * `value`: the value of a handle at a sample; `None` where it has none, as an input at the
+    ///   last sample.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NotConicRow`] for a norm that is negated, [`ErrorKind::OutOfRange`] for a window without
-    /// samples.
+    /// [`ErrorKind::NotConicRow`] for a norm that is negated, [`ErrorKind::OutOfRange`] for a
+    /// window without samples.
     pub fn robustness(
         &self,
         samples: usize,

@@ -187,8 +187,8 @@ impl MissionWriter<'_> {
         let rows = open.iter().map(|part| self.rows(*part)).collect::<Result<Vec<_>, _>>()?;
         let convex: Option<Vec<Vec<DemandRow>>> = rows.into_iter().collect();
         match convex {
-            // Several single rows, such as the faces of an obstacle, of which more than one may hold: to select
-            // exactly one would only make equal plans different.
+            // Several single rows, such as the faces of an obstacle, of which more than one may
+            // hold: to select exactly one would only make equal plans different.
             Some(terms) if !shared && (terms.len() == 2 || terms.iter().any(|t| t.len() > 1)) => {
                 self.either(terms)
             }

@@ -73,8 +73,8 @@ impl fmt::Display for Operand<'_> {
 }
 
 impl Mission {
-    /// Reads a mission from its text. Operators bind in the order of the table above, `!`, `G`, `F` and `X`
-    /// most and `->` least; a window that is left out is `[0,]`.
+    /// Reads a mission from its text. Operators bind in the order of the table above, `!`, `G`, `F`
+    /// and `X` most and `->` least; a window that is left out is `[0,]`.
     ///
     /// # Arguments
     ///

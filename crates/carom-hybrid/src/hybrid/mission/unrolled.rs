@@ -1,4 +1,5 @@
-//! A mission over the samples of a run: negations pushed inwards, equal parts once, each with its range.
+//! A mission over the samples of a run: negations pushed inwards, equal parts once, each with its
+//! range.
 
 use std::collections::HashMap;
 

@@ -17,8 +17,8 @@ pub enum Window {
     Seconds(f64, Option<f64>),
 }
 
-/// A window of a [`Mission`](super::Mission)'s operator: `0..=5` and `2..` in steps, `0.0..=2.5` and `1.0..` in
-/// seconds.
+/// A window of a [`Mission`](super::Mission)'s operator: `0..=5` and `2..` in steps, `0.0..=2.5`
+/// and `1.0..` in seconds.
 ///
 /// Seconds are rounded inwards: the window's samples are those whose times are in it.
 pub trait IntoWindow {
@@ -61,7 +61,8 @@ impl IntoWindow for Window {
 const SAME: f64 = 1e-9;
 
 impl Window {
-    /// The window in steps of some length (s): the first step and the last, `None` for the end of the run.
+    /// The window in steps of some length (s): the first step and the last, `None` for the end of
+    /// the run.
     pub(super) fn steps(&self, time_step: f64) -> Result<(usize, Option<usize>), Error> {
         let wrong = |what: &str, value: f64, range: String| {
             Err(Error::out_of_range(format!("the {what} of the window {self}"), value, range))
@@ -100,7 +101,8 @@ impl Window {
         matches!(self, Window::Steps(_, None) | Window::Seconds(_, None))
     }
 
-    /// The samples of the window at a sample of a run that ends at `end`, and whether it reaches beyond.
+    /// The samples of the window at a sample of a run that ends at `end`, and whether it reaches
+    /// beyond.
     pub(super) fn samples(
         &self,
         time_step: f64,

@@ -58,7 +58,8 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`at`](HybridProgram::at); [`ErrorKind::DuplicateName`]. The model then stays as it was.
+    /// Those of [`at`](HybridProgram::at); [`ErrorKind::DuplicateName`]. The model then stays as it
+    /// was.
     pub fn sum_abs(&mut self, name: &str, expression: impl Into<Affine>) -> Result<Affine, Error> {
         let (members, expression) = (self.members.clone(), expression.into());
         self.model.all_or_nothing(|model| {
@@ -82,8 +83,8 @@ impl HybridProgram {
         magnitude(&mut self.model, &self.members, (name, sample), &expression.into())
     }
 
-    /// The sum of the Euclidean norm of some expressions over the steps 0, ..., τ-1, such as the fuel of a
-    /// thrust. Each of them is a variable `name[t]` of the model that is [at least the
+    /// The sum of the Euclidean norm of some expressions over the steps 0, ..., τ-1, such as the
+    /// fuel of a thrust. Each of them is a variable `name[t]` of the model that is [at least the
     /// norm](crate::model::Model::norm), and equal to it where the cost presses it down.
     ///
     /// ```
@@ -120,8 +121,8 @@ impl HybridProgram {
         })
     }
 
-    /// The Euclidean norm of some expressions at a sample: a variable `name[t]` of the model that is [at least
-    /// the norm](crate::model::Model::norm).
+    /// The Euclidean norm of some expressions at a sample: a variable `name[t]` of the model that
+    /// is [at least the norm](crate::model::Model::norm).
     ///
     /// # Errors
     ///
@@ -136,8 +137,8 @@ impl HybridProgram {
         length(&mut self.model, &self.members, (name, sample), &entries)
     }
 
-    /// The sum over the steps 0, ..., τ-1 of the largest magnitude among some expressions. Each of them is
-    /// a variable `name[t]` of the model, a [maximum](crate::model::Model::maximum).
+    /// The sum over the steps 0, ..., τ-1 of the largest magnitude among some expressions. Each of
+    /// them is a variable `name[t]` of the model, a [maximum](crate::model::Model::maximum).
     ///
     /// # Errors
     ///
@@ -162,12 +163,12 @@ impl HybridProgram {
         })
     }
 
-    /// Adds a limit that the plan may exceed, and returns what that costs: over all samples (or steps, if
-    /// the limit depends on inputs, transitions or outputs), the sum of
+    /// Adds a limit that the plan may exceed, and returns what that costs: over all samples (or
+    /// steps, if the limit depends on inputs, transitions or outputs), the sum of
     /// `linear * excess + quadratic * excess²`.
     ///
-    /// The excess of a sample is the variable `name_excess[t]`. A linear price above the limit's shadow
-    /// price keeps the limit wherever it can be kept; a quadratic price alone does not.
+    /// The excess of a sample is the variable `name_excess[t]`. A linear price above the limit's
+    /// shadow price keeps the limit wherever it can be kept; a quadratic price alone does not.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -188,15 +189,16 @@ impl HybridProgram {
     ///
     /// # Arguments
     ///
-    /// * `row`: of states, modes, series, inputs, transitions and outputs; not a limit of the system,
-    ///   which holds without exception. The row may limit a length: `norm([vx, vy]).le(1.0)`.
+    /// * `row`: of states, modes, series, inputs, transitions and outputs; not a limit of the
+    ///   system, which holds without exception. The row may limit a length:
+    ///   `norm([vx, vy]).le(1.0)`.
     /// * `linear`, `quadratic`: cost per unit of the excess, and per unit squared; at least 0.
     ///
     /// # Errors
     ///
-    /// Those of [`at`](HybridProgram::at); those of [`Model::add`](crate::model::Model::add) for the row;
-    /// [`ErrorKind::NotFinite`], and [`ErrorKind::OutOfRange`] for a negative price and if both are 0;
-    /// [`ErrorKind::Misplaced`] for squares. The model then stays as it was.
+    /// Those of [`at`](HybridProgram::at); those of [`Model::add`](crate::model::Model::add) for
+    /// the row; [`ErrorKind::NotFinite`], and [`ErrorKind::OutOfRange`] for a negative price and if
+    /// both are 0; [`ErrorKind::Misplaced`] for squares. The model then stays as it was.
     #[doc(alias("soft constraint", "slack"))]
     pub fn soften(
         &mut self,

@@ -12,14 +12,14 @@ use crate::model::{Model, Variable};
 use crate::tolerance::FEASIBILITY;
 
 impl HybridProgram {
-    /// Requires the plan to begin with a [memory](Memory): in its modes, which have lasted for some samples,
-    /// after some events. So what is left of dwell times holds for the first steps. The choices of a
-    /// [joined](HybridProgram::join) system are named after its name and a blank.
+    /// Requires the plan to begin with a [memory](Memory): in its modes, which have lasted for some
+    /// samples, after some events. So what is left of dwell times holds for the first steps. The
+    /// choices of a [joined](HybridProgram::join) system are named after its name and a blank.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::UnknownName`] for a mode that does not exist; [`ErrorKind::DuplicateName`] at the second
-    /// call. The model then stays as it was.
+    /// [`ErrorKind::UnknownName`] for a mode that does not exist; [`ErrorKind::DuplicateName`] at
+    /// the second call. The model then stays as it was.
     pub fn start_from(&mut self, memory: &Memory) -> Result<(), Error> {
         let members = self.members.clone();
         memory.check_choices(&members.choices())?;
@@ -42,8 +42,8 @@ impl HybridProgram {
 }
 
 impl Members {
-    /// The name of a choice in memories and moves: its own in the first system and in its cases, after the
-    /// system's name in others.
+    /// The name of a choice in memories and moves: its own in the first system and in its cases,
+    /// after the system's name in others.
     fn known_as(&self, number: usize, choice: &str) -> String {
         let name = &self.all[number].0;
         match number == 0 || name.is_empty() || self.cases.contains_key(name) {
@@ -83,7 +83,8 @@ impl Members {
         })
     }
 
-    /// The choices of which a model says at the first sample that they are in another mode than a memory.
+    /// The choices of which a model says at the first sample that they are in another mode than a
+    /// memory.
     pub(crate) fn told_modes(&self, model: &Model, memory: &Memory) -> Vec<String> {
         let all = self.all.iter().enumerate();
         let choices = all.flat_map(|(k, (_, own))| {

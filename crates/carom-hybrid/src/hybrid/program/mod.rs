@@ -41,12 +41,12 @@ use crate::model::{Model, Name, NormSum, Statement, Variable};
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};
 
-/// The program of a [`HybridSystem`] over a horizon of some steps: a model, and the system's states,
-/// inputs, modes, transitions and outputs in it.
+/// The program of a [`HybridSystem`] over a horizon of some steps: a model, and the system's
+/// states, inputs, modes, transitions and outputs in it.
 ///
-/// Everything is stated with the handles of the system. An expression of them is taken at a sample by
-/// [`at`](HybridProgram::at); sample 0 is the start and sample τ the end, and step t leads from sample
-/// t to sample t + 1.
+/// Everything is stated with the handles of the system. An expression of them is taken at a sample
+/// by [`at`](HybridProgram::at); sample 0 is the start and sample τ the end, and step t leads from
+/// sample t to sample t + 1.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -78,15 +78,16 @@ pub struct HybridProgram {
 impl HybridSystem {
     /// The program of the system over a horizon.
     ///
-    /// A part that all transitions of a choice share is stated once. Only what they change about the
-    /// next state is switched, by variables whose bounds come from guards and domains. Statements that
-    /// describe the system are [background](Model::set_background); limits and ranges of inputs are not.
+    /// A part that all transitions of a choice share is stated once. Only what they change about
+    /// the next state is switched, by variables whose bounds come from guards and domains.
+    /// Statements that describe the system are [background](Model::set_background); limits and
+    /// ranges of inputs are not.
     ///
     /// # Errors
     ///
-    /// Those of [`HybridSystem::check`]; [`ErrorKind::OutOfRange`] for a number of steps that is not
-    /// from 1 to [`MAX_STEPS`](crate::tolerance::MAX_STEPS); [`ErrorKind::CrossedBounds`] if an input has
-    /// no value that any transition allows.
+    /// Those of [`HybridSystem::check`]; [`ErrorKind::OutOfRange`] for a number of steps that is
+    /// not from 1 to [`MAX_STEPS`](crate::tolerance::MAX_STEPS); [`ErrorKind::CrossedBounds`] if an
+    /// input has no value that any transition allows.
     pub fn program(&self, steps: usize) -> Result<HybridProgram, Error> {
         let mut model = Model::new("program");
         let variables = self.write(&mut model, "", steps)?;
@@ -101,8 +102,8 @@ impl HybridProgram {
         HybridProgram { model, members }
     }
 
-    /// Adds another system with the same length of steps. Its names in the model begin with `name`, and
-    /// its handles can stand in the same expressions.
+    /// Adds another system with the same length of steps. Its names in the model begin with `name`,
+    /// and its handles can stand in the same expressions.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -127,9 +128,9 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for another length of steps; [`ErrorKind::DuplicateName`] for a name
-    /// that is taken, and for a system that is in the program already (build a second one); those of
-    /// [`HybridSystem::program`].
+    /// [`ErrorKind::OutOfRange`] for another length of steps; [`ErrorKind::DuplicateName`] for a
+    /// name that is taken, and for a system that is in the program already (build a second one);
+    /// those of [`HybridSystem::program`].
     pub fn join(&mut self, name: &str, system: &HybridSystem) -> Result<(), Error> {
         self.members.check_new(name, system)?;
         let steps = self.steps();
@@ -163,15 +164,16 @@ impl HybridProgram {
         self.members.steps
     }
 
-    /// The system, the first one if there are several; its handles [by name](HybridSystem::state_named)
-    /// stand in expressions of the program, also for the program of a scene.
+    /// The system, the first one if there are several; its handles [by
+    /// name](HybridSystem::state_named) stand in expressions of the program, also for the program
+    /// of a scene.
     pub fn system(&self) -> &HybridSystem {
         self.members.first().system()
     }
 
-    /// An expression, a row or a condition of the systems' handles, taken at a sample: states and modes
-    /// at it, inputs, transitions and outputs in the step that starts there. Variables of the model stay
-    /// as they are.
+    /// An expression, a row or a condition of the systems' handles, taken at a sample: states and
+    /// modes at it, inputs, transitions and outputs in the step that starts there. Variables of the
+    /// model stay as they are.
     ///
     /// # Errors
     ///
@@ -190,9 +192,10 @@ impl HybridProgram {
         self.at(expression, self.steps())
     }
 
-    /// The variable of the model for a state at a sample or an input in a step. Where the domain is not of an
-    /// ordinary size (some 0.02 to 2e6), or far from 0, the variable is in a unit of its own and counts from the
-    /// middle of the domain; [`at`](HybridProgram::at) is the value in your unit.
+    /// The variable of the model for a state at a sample or an input in a step. Where the domain is
+    /// not of an ordinary size (some 0.02 to 2e6), or far from 0, the variable is in a unit of its
+    /// own and counts from the middle of the domain; [`at`](HybridProgram::at) is the value in your
+    /// unit.
     ///
     /// # Errors
     ///
@@ -232,20 +235,21 @@ impl HybridProgram {
         self.model.maximize(gain)
     }
 
-    /// Solves the program. The plan is [certified](HybridSystem::certify): replayed against the systems
-    /// as they are stated, by code that shares nothing with the rows.
+    /// Solves the program. The plan is [certified](HybridSystem::certify): replayed against the
+    /// systems as they are stated, by code that shares nothing with the rows.
     ///
-    /// A plan is a run from its start. Rows hold within a tolerance, which an unstable system multiplies at
-    /// every step; where the solver's plan leaves the run of its inputs, they are corrected with the same
-    /// transitions. The solution of the plan is then that of the corrected run, with its own objective, and is
-    /// called optimal only if that is within the gap. A plan that cannot be corrected is refused.
+    /// A plan is a run from its start. Rows hold within a tolerance, which an unstable system
+    /// multiplies at every step; where the solver's plan leaves the run of its inputs, they are
+    /// corrected with the same transitions. The solution of the plan is then that of the corrected
+    /// run, with its own objective, and is called optimal only if that is within the gap. A plan
+    /// that cannot be corrected is refused.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPlan`] if the solver ends without a plan, because there is none or because it was
-    /// stopped: `explain` says why the [model](HybridProgram::model) has none. Errors
-    /// of the solver; those of [`HybridSystem::certify`] for a plan that is not what a system states, or that
-    /// leaves the run of its inputs and cannot be corrected.
+    /// [`ErrorKind::NoPlan`] if the solver ends without a plan, because there is none or because it
+    /// was stopped: `explain` says why the [model](HybridProgram::model) has none. Errors of the
+    /// solver; those of [`HybridSystem::certify`] for a plan that is not what a system states, or
+    /// that leaves the run of its inputs and cannot be corrected.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<HybridPlan, Error> {
         self.solve_with(solver, &mut Control::default())
     }
@@ -273,8 +277,8 @@ impl HybridProgram {
         HybridPlan::of(&self.members, &*self.settled(solution, Some(solver))?)
     }
 
-    /// The certified plan of a solution of the [model](HybridProgram::model), for those who solve it
-    /// themselves.
+    /// The certified plan of a solution of the [model](HybridProgram::model), for those who solve
+    /// it themselves.
     ///
     /// # Errors
     ///
@@ -284,20 +288,20 @@ impl HybridProgram {
         HybridPlan::of(&self.members, &*self.settled(solution, None)?)
     }
 
-    /// Fixes transitions and modes that no plan of a tube takes and narrows bounds. The tube is that of
-    /// the program's system, start, goal and number of steps; no plan is lost.
+    /// Fixes transitions and modes that no plan of a tube takes and narrows bounds. The tube is
+    /// that of the program's system, start, goal and number of steps; no plan is lost.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Length`], [`ErrorKind::OutOfRange`] and [`ErrorKind::UnknownName`] for the tube of
-    /// another system or another number of steps.
+    /// [`ErrorKind::Length`], [`ErrorKind::OutOfRange`] and [`ErrorKind::UnknownName`] for the tube
+    /// of another system or another number of steps.
     pub fn tighten(&mut self, tube: &Tube) -> Result<TighteningReport, Error> {
         let variables = self.members.first().horizon_variables();
         self.tighten_by(tube, &variables)
     }
 
-    /// As [`tighten`](HybridProgram::tighten), with variables of a scene. Remembers which bounds come from the
-    /// tube, because they are about plans without disturbance.
+    /// As [`tighten`](HybridProgram::tighten), with variables of a scene. Remembers which bounds
+    /// come from the tube, because they are about plans without disturbance.
     pub(crate) fn tighten_by(
         &mut self,
         tube: &Tube,
@@ -329,12 +333,14 @@ impl HybridProgram {
         Ok(implied.map_or(own, |known| known.0))
     }
 
-    /// An extreme plan near a plan: the same transitions, and each input as far as it can go to the side
-    /// of its range on which it is. All but a few inputs are then at an end of their range, or idle as
-    /// before. An affine objective keeps the least value that it has with these transitions.
+    /// An extreme plan near a plan: the same transitions, and each input as far as it can go to the
+    /// side of its range on which it is. All but a few inputs are then at an end of their range, or
+    /// idle as before. An affine objective keeps the least value that it has with these
+    /// transitions.
     ///
-    /// If many plans are as good, an interior-point method finds one in the middle of all of them, whose
-    /// inputs change smoothly where a time-optimal controller switches. An extreme plan switches.
+    /// If many plans are as good, an interior-point method finds one in the middle of all of them,
+    /// whose inputs change smoothly where a time-optimal controller switches. An extreme plan
+    /// switches.
     ///
     /// # Returns
     ///

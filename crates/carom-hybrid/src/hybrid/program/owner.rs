@@ -20,8 +20,8 @@ macro_rules! owns_program {
                 self.program.add(name, statement)
             }
 
-            /// Sets the cost, as [`HybridProgram::minimize`](crate::hybrid::HybridProgram::minimize)
-            /// does.
+            /// Sets the cost, as
+            /// [`HybridProgram::minimize`](crate::hybrid::HybridProgram::minimize) does.
             ///
             /// # Errors
             ///
@@ -46,9 +46,10 @@ macro_rules! owns_program {
                 self.program.maximize(gain)
             }
 
-            /// Hands a case over that [`add_case`](Self::add_case) has added, for statements and costs about it:
-            /// within `state` it is a program of its own, with the variables and rules of the case, and what
-            /// it adds to the model has a name that begins with that of the case.
+            /// Hands a case over that [`add_case`](Self::add_case) has added, for statements and
+            /// costs about it: within `state` it is a program of its own, with the variables and
+            /// rules of the case, and what it adds to the model has a name that begins with that of
+            /// the case.
             ///
             /// # Errors
             ///

@@ -16,7 +16,8 @@ use crate::solution::Solution;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HybridPlan {
-    /// The run of the program's system, in numbers and names; of the first one if there are several.
+    /// The run of the program's system, in numbers and names; of the first one if there are
+    /// several.
     pub run: HybridRun,
     /// How it agrees with the system as it is stated, replayed without the program's rows.
     pub certificate: RunCertificate,
@@ -27,9 +28,10 @@ pub struct HybridPlan {
     others: Vec<(HybridRun, RunCertificate)>,
 }
 
-/// A table of comma-separated values with a line per sample, after a comment that says the objective. Further
-/// systems have tables of their own, each after a comment with its name. Where the system states
-/// disturbances, a comment says that the plan is nominal. Comments begin with `#`.
+/// A table of comma-separated values with a line per sample, after a comment that says the
+/// objective. Further systems have tables of their own, each after a comment with its name. Where
+/// the system states disturbances, a comment says that the plan is nominal. Comments begin with
+/// `#`.
 impl fmt::Display for HybridPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.system().is_disturbed() {
@@ -111,8 +113,8 @@ impl HybridPlan {
         self.solution.value(expression.into().at_sample(&self.members, sample)?)
     }
 
-    /// The values of a state or mode at the samples 0, ..., τ, or of an input, a transition or an output
-    /// in the steps 0, ..., τ-1.
+    /// The values of a state or mode at the samples 0, ..., τ, or of an input, a transition or an
+    /// output in the steps 0, ..., τ-1.
     ///
     /// # Errors
     ///

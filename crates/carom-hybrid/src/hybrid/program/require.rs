@@ -62,34 +62,35 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`require`](HybridProgram::require); [`ErrorKind::OutOfRange`] for a value outside the
-    /// domain of its state.
+    /// Those of [`require`](HybridProgram::require); [`ErrorKind::OutOfRange`] for a value outside
+    /// the domain of its state.
     pub fn start(&mut self, region: impl IntoRegion) -> Result<(), Error> {
         self.require(START, region, When::At(0))
     }
 
-    /// Requires the plan to end in a region, as [`require`](HybridProgram::require) does with the name
-    /// `goal`.
+    /// Requires the plan to end in a region, as [`require`](HybridProgram::require) does with the
+    /// name `goal`.
     ///
     /// # Errors
     ///
-    /// Those of [`require`](HybridProgram::require); [`ErrorKind::Misplaced`] for inputs, outputs and
-    /// transitions, which have no value at the last sample.
+    /// Those of [`require`](HybridProgram::require); [`ErrorKind::Misplaced`] for inputs, outputs
+    /// and transitions, which have no value at the last sample.
     pub fn goal(&mut self, region: impl IntoRegion) -> Result<(), Error> {
         self.require(GOAL, region, When::At(self.steps()))
     }
 
-    /// Requires rows of the systems' handles to hold at given samples: starts, goals, way-points, time
-    /// windows. A mode is required by `on.equals(1.0)`, a disc by `norm([x - 4.0, y - 1.0]).le(0.5)`.
+    /// Requires rows of the systems' handles to hold at given samples: starts, goals, way-points,
+    /// time windows. A mode is required by `on.equals(1.0)`, a disc by
+    /// `norm([x - 4.0, y - 1.0]).le(0.5)`.
     ///
-    /// The statements are `name[t]`. If there are several at a sample, a row about a state `x` alone is
-    /// `name_x[t]`, and the `k`-th of all rows, counted from 0, is `name_k[t]` otherwise. For
-    /// [`When::OnceIn`] it is one disjunction, `name`.
+    /// The statements are `name[t]`. If there are several at a sample, a row about a state `x`
+    /// alone is `name_x[t]`, and the `k`-th of all rows, counted from 0, is `name_k[t]` otherwise.
+    /// For [`When::OnceIn`] it is one disjunction, `name`.
     ///
     /// # Errors
     ///
-    /// Those of [`at`](HybridProgram::at); [`ErrorKind::OutOfRange`] for samples beyond the horizon or an
-    /// empty window; [`ErrorKind::DuplicateName`]. The model then stays as it was.
+    /// Those of [`at`](HybridProgram::at); [`ErrorKind::OutOfRange`] for samples beyond the horizon
+    /// or an empty window; [`ErrorKind::DuplicateName`]. The model then stays as it was.
     pub fn require(
         &mut self,
         name: &str,
@@ -139,7 +140,8 @@ fn is_always(row: &SystemRow) -> bool {
     matches!(row, SystemRow::Row(row) if row.is_constant_and_holds())
 }
 
-/// Whether a row has no variables and does not hold, as one about an output that no transition states.
+/// Whether a row has no variables and does not hold, as one about an output that no transition
+/// states.
 fn is_never(row: &SystemRow) -> bool {
     let SystemRow::Row(row) = row else { return false };
     row.expression().terms().is_empty()
@@ -286,7 +288,8 @@ fn families(model: &Model, name: &str, rows: &[SystemRow]) -> Result<Vec<(String
 }
 
 impl HybridProgram {
-    /// Requires a region of the first system at a sample, which is in the coordinates of its variables.
+    /// Requires a region of the first system at a sample, which is in the coordinates of its
+    /// variables.
     pub(crate) fn require_own(
         &mut self,
         name: &str,

@@ -25,15 +25,18 @@ pub(crate) struct Members {
     pub(crate) steps: usize,
     /// By name; the first one has none.
     pub(super) all: Vec<(String, SystemVariables)>,
-    /// The systems that are cases, by name, with the number of first steps in which they share their inputs.
+    /// The systems that are cases, by name, with the number of first steps in which they share
+    /// their inputs.
     pub(crate) cases: BTreeMap<String, usize>,
     /// Missions that plans are checked for.
     pub(crate) missions: Vec<RequiredMission>,
-    /// Bounds before and after what sets have proved about them, which says nothing that the program does not.
+    /// Bounds before and after what sets have proved about them, which says nothing that the
+    /// program does not.
     pub(super) implied: BTreeMap<Variable, (Interval, Interval)>,
     /// The memory with which plans begin, if the program says it.
     pub(crate) memory: Option<Memory>,
-    /// Whether the state says in which modes a step begins, as with bodies at rest, so that no mode is carried.
+    /// Whether the state says in which modes a step begins, as with bodies at rest, so that no mode
+    /// is carried.
     pub(crate) modes_follow_states: bool,
 }
 
@@ -56,7 +59,8 @@ impl Members {
         (self.all.len() == 1).then(|| self.first())
     }
 
-    /// The variables of the system that a controller steers: of the first one, if all others are cases.
+    /// The variables of the system that a controller steers: of the first one, if all others are
+    /// cases.
     pub(crate) fn steered(&self) -> Option<&SystemVariables> {
         (self.all.len() == self.cases.len() + 1).then(|| self.first())
     }
@@ -101,8 +105,8 @@ impl Members {
         Ok(())
     }
 
-    /// The system of a handle with its variables, and what the handle stands for; `None` if it is of no
-    /// system of the program.
+    /// The system of a handle with its variables, and what the handle stands for; `None` if it is
+    /// of no system of the program.
     pub(super) fn meaning(&self, handle: Variable) -> Option<(&SystemVariables, &Meaning)> {
         self.iter().find_map(|own| Some((own, own.system().handles.meaning(handle)?)))
     }
@@ -151,9 +155,9 @@ impl Members {
         }
     }
 
-    /// The power of two that brings a condition on some expressions into the unit in which its states, inputs
-    /// and outputs are computed, so that tolerances mean there what they mean for these; 1 for the user's own
-    /// numbers.
+    /// The power of two that brings a condition on some expressions into the unit in which its
+    /// states, inputs and outputs are computed, so that tolerances mean there what they mean for
+    /// these; 1 for the user's own numbers.
     pub(crate) fn weight<'a>(&self, parts: impl IntoIterator<Item = &'a Affine>) -> f64 {
         let (mut largest, mut is_plain) = (0.0_f64, true);
         for (handle, factor) in parts.into_iter().flat_map(Affine::terms) {
@@ -238,8 +242,8 @@ fn foreign(handle: Variable) -> Error {
     ErrorKind::ForeignHandle { kind: "variable", index, place, name: None }.into()
 }
 
-/// An argument of [`HybridProgram::at`](super::HybridProgram::at): an expression, a row, a comparison of a norm
-/// or of squares, or a condition.
+/// An argument of [`HybridProgram::at`](super::HybridProgram::at): an expression, a row, a
+/// comparison of a norm or of squares, or a condition.
 pub trait AtSample {
     /// The same, of the variables of the program's model.
     type Output;

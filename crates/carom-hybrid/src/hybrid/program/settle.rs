@@ -1,9 +1,9 @@
 //! Solutions whose states are the runs of their inputs.
 //!
-//! A solution satisfies rows within a tolerance, which an unstable system multiplies. Where the plan of a
-//! solution leaves the run from its start, inputs are corrected with its transitions, and the solution becomes
-//! that of the corrected run: its objective is computed anew, and it is optimal no more if it is not within
-//! the gap.
+//! A solution satisfies rows within a tolerance, which an unstable system multiplies. Where the
+//! plan of a solution leaves the run from its start, inputs are corrected with its transitions, and
+//! the solution becomes that of the corrected run: its objective is computed anew, and it is
+//! optimal no more if it is not within the gap.
 
 use std::borrow::Cow;
 use std::error::Error as _;
@@ -18,8 +18,8 @@ use crate::solution::{Outcome, Point, Solution, Termination};
 use crate::solver::Solver;
 use crate::tolerance::{ABSOLUTE_GAP, FEASIBILITY, RELATIVE_GAP};
 
-/// The share of its range that an input leaves free at each end where a plan is looked for that can be corrected
-/// (no unit).
+/// The share of its range that an input leaves free at each end where a plan is looked for that can
+/// be corrected (no unit).
 const INPUT_ROOM: f64 = 1e-4;
 
 /// The drift for which an error refuses a plan, if it does.
@@ -33,7 +33,8 @@ impl HybridProgram {
     ///
     /// # Arguments
     ///
-    /// * `solver`: for values of variables beside the systems, and for another plan with the same transitions.
+    /// * `solver`: for values of variables beside the systems, and for another plan with the same
+    ///   transitions.
     ///
     /// # Errors
     ///
@@ -87,8 +88,8 @@ impl Members {
         Err(drift.into())
     }
 
-    /// Follows the runs of a point from their starts: `None` if all are as planned, and otherwise corrections
-    /// of all runs together, and the drift for which they are made.
+    /// Follows the runs of a point from their starts: `None` if all are as planned, and otherwise
+    /// corrections of all runs together, and the drift for which they are made.
     fn corrected(&self, model: &Model, point: &Point) -> Result<Option<Corrections>, Error> {
         let (mut all, mut drift): (Vec<Vec<HybridRun>>, _) = (Vec::new(), None);
         for own in self.iter() {
@@ -108,8 +109,9 @@ impl Members {
         Ok(drift.map(|drift| ((0..most).filter_map(together).collect(), drift)))
     }
 
-    /// The solution with these runs in the place of its own, if the model and the systems accept it. Other
-    /// variables keep their values in `point` if they can, and the solver chooses them otherwise.
+    /// The solution with these runs in the place of its own, if the model and the systems accept
+    /// it. Other variables keep their values in `point` if they can, and the solver chooses them
+    /// otherwise.
     fn with_runs(
         &self,
         model: &Model,
@@ -213,8 +215,9 @@ fn with_values(
     Ok(found.with_start_report(solution.start_report().cloned()).with_proof(proof))
 }
 
-/// The first sample of a system as bounds and rows about one of its states state it; the point's values satisfy
-/// them within a tolerance only. Rows come last, because bounds may be those of sets, which have margins.
+/// The first sample of a system as bounds and rows about one of its states state it; the point's
+/// values satisfy them within a tolerance only. Rows come last, because bounds may be those of
+/// sets, which have margins.
 fn stated_start(own: &SystemVariables, model: &Model, point: &Point) -> Result<Vec<f64>, Error> {
     let first: Vec<Variable> = own.states().iter().filter_map(|family| family.get(0)).collect();
     let mut start = Vec::with_capacity(first.len());

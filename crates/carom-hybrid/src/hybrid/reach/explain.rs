@@ -122,8 +122,8 @@ impl ReachSets {
         self.explain_until(steps, &StopToken::default())
     }
 
-    /// The same in a limited time: the reason is found first, and then as many of the remedies as there is
-    /// time for. `None` also if there is no time for the reason.
+    /// The same in a limited time: the reason is found first, and then as many of the remedies as
+    /// there is time for. `None` also if there is no time for the reason.
     ///
     /// # Errors
     ///
@@ -407,7 +407,8 @@ impl Finding {
     }
 }
 
-/// The range or combination of states that separates two sets of one system; `None` if none is found.
+/// The range or combination of states that separates two sets of one system; `None` if none is
+/// found.
 fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
     let system = Arc::clone(&reached.system);
     let mut rest = reached.clone();

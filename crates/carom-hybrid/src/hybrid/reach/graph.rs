@@ -1,8 +1,9 @@
 //! Nodes of a step: the modes of the choices with memory, and how long they have lasted.
 //!
-//! States in different nodes are in different sets. A move leads from a node to at most one node. If there
-//! are too many sets, some are merged, by which sets only grow: first those that differ in dwell times, the
-//! longest ones first, then those that differ in numbers of events, then those of different modes.
+//! States in different nodes are in different sets. A move leads from a node to at most one node.
+//! If there are too many sets, some are merged, by which sets only grow: first those that differ in
+//! dwell times, the longest ones first, then those that differ in numbers of events, then those of
+//! different modes.
 
 use std::sync::Arc;
 

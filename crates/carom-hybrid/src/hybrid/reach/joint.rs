@@ -2,7 +2,8 @@
 //!
 //! Three things follow from a guard `n.x + m.u <= l`, and all of them are used:
 //!
-//! * each input is at most as large as the others and the states leave it ([`tightened`](super::inputs::tightened));
+//! * each input is at most as large as the others and the states leave it
+//!   ([`tightened`](super::inputs::tightened));
 //! * the states satisfy `n.x <= l - min m.u`;
 //! * in a block of one or two states, the set of states and of *one* input is cut exactly
 //!   ([`lifted`](super::lifted)), so that an equality such as u = k.x + c replaces the input. The

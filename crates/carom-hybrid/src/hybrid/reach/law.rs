@@ -53,7 +53,8 @@ pub(super) struct Law {
     pub(super) before: Vec<Guard>,
     pub(super) after: Vec<Guard>,
     pub(super) reset: Option<(Mat<f64>, Vec<f64>)>,
-    /// The most by which each next state may differ in addition: disturbance, relaxed choices, rounding.
+    /// The most by which each next state may differ in addition: disturbance, relaxed choices,
+    /// rounding.
     pub(super) loose: Vec<f64>,
     /// Number of resets whose margin is added to the next state.
     pub(super) resets: usize,
@@ -169,8 +170,8 @@ impl Context<'_> {
         (ranges.collect(), is_possible)
     }
 
-    /// The range that a transition of a choice leaves to an input, where given ranges take the place
-    /// of the system's.
+    /// The range that a transition of a choice leaves to an input, where given ranges take the
+    /// place of the system's.
     fn range(&self, choice: &Choice, transition: &Transition, input: usize) -> Option<Interval> {
         let own = self.system.input_range(choice, transition, input, self.step)?;
         let sets = transition.input_range(&self.system.inputs[input].0).is_some();
@@ -293,7 +294,8 @@ impl Context<'_> {
         affine::behaviour(self.system, transition, &[], Vec::new(), self.step)
     }
 
-    /// A guard on a flow's result as a guard on states and inputs, which is `map <= 0` up to rounding.
+    /// A guard on a flow's result as a guard on states and inputs, which is `map <= 0` up to
+    /// rounding.
     fn pulled(&self, halfspace: &Halfspace, map: Map, flow: &[Map], inputs: &[Interval]) -> Guard {
         let reach = self.reach(flow, inputs);
         let size: f64 = halfspace.normal.iter().zip(&reach).map(|(f, r)| f.abs() * r).sum();

@@ -1,10 +1,11 @@
 //! Sets of two states and one input, as images of pieces of polygons.
 //!
-//! For x in a polygon and guards on x and u, the possible u form an interval `[L(x), U(x)]`, where U is the
-//! least of several affine functions and L the largest. The image of all (x, u) under an affine map is the
-//! convex hull of the images of the graphs of L and U. The part of the polygon where one of the affine
-//! functions is the least (or the largest) is cut out by half-planes, and the graph over this part is its
-//! image under an affine map. So polygons are all that is needed, and nothing is lost.
+//! For x in a polygon and guards on x and u, the possible u form an interval `[L(x), U(x)]`, where
+//! U is the least of several affine functions and L the largest. The image of all (x, u) under an
+//! affine map is the convex hull of the images of the graphs of L and U. The part of the polygon
+//! where one of the affine functions is the least (or the largest) is cut out by half-planes, and
+//! the graph over this part is its image under an affine map. So polygons are all that is needed,
+//! and nothing is lost.
 
 use super::polygon::{Point, Polygon, dot};
 use super::rounding::EPSILON;

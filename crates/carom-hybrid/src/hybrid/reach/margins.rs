@@ -1,9 +1,10 @@
 //! By how much accepted plans may miss what a system states, and still lie in its sets.
 //!
-//! A plan may miss inputs and resets by a tolerance at each step. A flow that grows multiplies what sets allow
-//! for that, until they hold everything. But a plan is also near to the run of its inputs from its start
-//! (`simulate/open_run.rs`), so the sets of a system that grows are those of such runs: their starts, inputs
-//! and resets are exact, and conditions and bounds are widened once, by how far a plan may be from its run.
+//! A plan may miss inputs and resets by a tolerance at each step. A flow that grows multiplies what
+//! sets allow for that, until they hold everything. But a plan is also near to the run of its
+//! inputs from its start (`simulate/open_run.rs`), so the sets of a system that grows are those of
+//! such runs: their starts, inputs and resets are exact, and conditions and bounds are widened
+//! once, by how far a plan may be from its run.
 
 use crate::hybrid::affine::Map;
 use crate::hybrid::linear::LinearSystem;

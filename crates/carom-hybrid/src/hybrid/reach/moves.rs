@@ -1,8 +1,8 @@
 //! Moves: what all choices of a step do together.
 //!
-//! A move takes one transition of every choice. If that makes too many moves, the last choices are relaxed:
-//! what any of their transitions changes about the next state is in a box, and the box is added to every
-//! move. Their modes, dwell times and numbers of events are not followed.
+//! A move takes one transition of every choice. If that makes too many moves, the last choices are
+//! relaxed: what any of their transitions changes about the next state is in a box, and the box is
+//! added to every move. Their modes, dwell times and numbers of events are not followed.
 
 use crate::hybrid::system::HybridSystem;
 

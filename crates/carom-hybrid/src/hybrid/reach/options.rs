@@ -21,14 +21,14 @@ pub struct SetOptions {
     /// Number of vertices of a polygon beyond which short edges are merged outward; at least 8,
     /// default 512.
     pub vertices: usize,
-    /// The sets contain every plan that misses its start, its goal, its limits, guards and input ranges by at
-    /// most this, in SI units; for numbers above 1000, times a thousandth of them, and for domains that are not of
-    /// an ordinary size (some 0.02 to 2e6) in a unit of their size. From 0 to 1, default
-    /// [`tolerance::REACH`].
+    /// The sets contain every plan that misses its start, its goal, its limits, guards and input
+    /// ranges by at most this, in SI units; for numbers above 1000, times a thousandth of them, and
+    /// for domains that are not of an ordinary size (some 0.02 to 2e6) in a unit of their size.
+    /// From 0 to 1, default [`tolerance::REACH`].
     pub margin: f64,
-    /// Number of sets of one sample: states that differ in their modes (of choices with memory), dwell times
-    /// or numbers of events are in different sets, as long as there are no more than this; beyond that they
-    /// share sets. At least 1, default 256.
+    /// Number of sets of one sample: states that differ in their modes (of choices with memory),
+    /// dwell times or numbers of events are in different sets, as long as there are no more than
+    /// this; beyond that they share sets. At least 1, default 256.
     pub layers: usize,
     /// Whether each next state may be disturbed by the system's
     /// [disturbance](HybridSystem::disturbance). Then the sets are *robust*: forward sets hold

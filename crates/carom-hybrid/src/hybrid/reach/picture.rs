@@ -45,10 +45,10 @@ impl Tube {
         Ok(Chart::to_svg(&[chart], &title))
     }
 
-    /// Draws the projection of the tube on two states: the forward and backward sets of about a dozen
-    /// samples, and a run with its start and its end, and the names of its transitions where they
-    /// change. The axes of scenes and of the paper have units. Those of a system of your own have the names of its
-    /// states; [`Chart::with_labels`] adds units.
+    /// Draws the projection of the tube on two states: the forward and backward sets of about a
+    /// dozen samples, and a run with its start and its end, and the names of its transitions where
+    /// they change. The axes of scenes and of the paper have units. Those of a system of your own
+    /// have the names of its states; [`Chart::with_labels`] adds units.
     ///
     /// # Arguments
     ///
@@ -153,8 +153,8 @@ impl Tube {
     }
 }
 
-/// The names of the transitions at the samples from which on they are taken: the first time, and again
-/// where there is room.
+/// The names of the transitions at the samples from which on they are taken: the first time, and
+/// again where there is room.
 fn label_transitions(chart: &mut Chart, states: &[[f64; 2]], run: Option<&HybridRun>) {
     let taken = |t: usize| -> Vec<&str> {
         let choices = run.iter().flat_map(|run| &run.transitions);

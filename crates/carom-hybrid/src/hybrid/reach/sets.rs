@@ -105,8 +105,8 @@ impl ReachSets {
         Ok(ReachSets::restated(stated, restated, start, goal, options))
     }
 
-    /// As [`new`](ReachSets::new), in the user's own numbers, for statements that are made in these and whose
-    /// domains are wide for want of a limit.
+    /// As [`new`](ReachSets::new), in the user's own numbers, for statements that are made in these
+    /// and whose domains are wide for want of a limit.
     pub(crate) fn in_plain_numbers(
         system: &HybridSystem,
         start: &Region,
@@ -167,8 +167,9 @@ impl ReachSets {
         sets
     }
 
-    /// How far the polygons that stand for norms reach beyond them, at most, relative to the bounds; 0
-    /// without norms. A polygon around a disc has 16 sides and reaches `1/cos(π/16) - 1`, 2 %, beyond it.
+    /// How far the polygons that stand for norms reach beyond them, at most, relative to the
+    /// bounds; 0 without norms. A polygon around a disc has 16 sides and reaches `1/cos(π/16) - 1`,
+    /// 2 %, beyond it.
     pub fn norm_excess(&self) -> f64 {
         self.norm_excess
     }
@@ -240,8 +241,8 @@ impl ReachSets {
     }
 
     /// The states that can be reached in exactly `steps` steps, by the number of events on the way;
-    /// the last layer has those with that many or more. `None` is the empty set. States in different
-    /// modes share sets.
+    /// the last layer has those with that many or more. `None` is the empty set. States in
+    /// different modes share sets.
     ///
     /// # Errors
     ///
@@ -274,8 +275,8 @@ impl ReachSets {
         Ok(by_events(&graph, self.backward_layers(steps)?))
     }
 
-    /// The states from which the goal can be reached in exactly `steps` steps, by modes, dwell times
-    /// and number of events to come, as [`forward_by_mode`](ReachSets::forward_by_mode).
+    /// The states from which the goal can be reached in exactly `steps` steps, by modes, dwell
+    /// times and number of events to come, as [`forward_by_mode`](ReachSets::forward_by_mode).
     ///
     /// # Errors
     ///

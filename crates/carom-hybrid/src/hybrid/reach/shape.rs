@@ -388,8 +388,8 @@ impl Shape {
         }
     }
 
-    /// A direction that separates this set from another, with its largest value over this set and its
-    /// smallest one over the other. The second is larger. `None` if separation is not certain.
+    /// A direction that separates this set from another, with its largest value over this set and
+    /// its smallest one over the other. The second is larger. `None` if separation is not certain.
     pub(super) fn separation(&self, other: &Shape) -> Option<(Vec<f64>, f64, f64)> {
         if self.is_empty() || other.is_empty() {
             return None;

@@ -201,8 +201,8 @@ impl Polyhedron {
         self.limits.is_empty()
     }
 
-    /// An upper bound of `direction . z`. The combinations of template directions are known, those of
-    /// others are found first.
+    /// An upper bound of `direction . z`. The combinations of template directions are known, those
+    /// of others are found first.
     pub(super) fn support(&self, direction: &[f64]) -> f64 {
         let known = self.template.directions.iter().position(|own| own == direction);
         if let Some(own) = known.and_then(|k| self.template.own.get(k)) {

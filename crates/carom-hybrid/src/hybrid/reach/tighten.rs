@@ -9,18 +9,19 @@ use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Name, Variable};
 use crate::tolerance;
 
-/// The variables of a program that represent the states and transitions of the hybrid system; without
-/// states, nothing is tightened.
+/// The variables of a program that represent the states and transitions of the hybrid system;
+/// without states, nothing is tightened.
 #[doc(hidden)]
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HorizonVariables {
     /// One family per state, in the system's order, each over the samples 0, ..., τ.
     pub states: Vec<Family>,
-    /// Transitions by number, with binaries over the steps that are 1 exactly in those that take them.
+    /// Transitions by number, with binaries over the steps that are 1 exactly in those that take
+    /// them.
     pub transitions: Vec<(usize, Family)>,
-    /// Modes: the name of the choice, the mode's own, and variables over the samples, which are 1 exactly
-    /// where the run is in the mode.
+    /// Modes: the name of the choice, the mode's own, and variables over the samples, which are 1
+    /// exactly where the run is in the mode.
     pub modes: Vec<(String, String, Family)>,
     /// Variables that are affine functions of the predictions.
     pub quantities: Vec<Quantity>,

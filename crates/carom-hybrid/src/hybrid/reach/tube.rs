@@ -449,8 +449,8 @@ impl Tube {
         row.get(transition)?.as_deref()
     }
 
-    /// For drawing: the states that can be reached by transitions that may lead to the goal, one set for each
-    /// number of events so far. They are not intersected with the backward sets.
+    /// For drawing: the states that can be reached by transitions that may lead to the goal, one
+    /// set for each number of events so far. They are not intersected with the backward sets.
     pub fn reached(&self, sample: usize) -> impl Iterator<Item = &ReachSet> {
         self.forward.get(sample).into_iter().flat_map(|layers| layers.iter().flatten())
     }

@@ -3,14 +3,14 @@
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
-/// Words for a system whose states mean something: a scene's, or the paper's. Names without words stand
-/// for themselves.
+/// Words for a system whose states mean something: a scene's, or the paper's. Names without words
+/// stand for themselves.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Words {
     /// Names of states and inputs, with words and units.
     pub(crate) quantities: Vec<(String, String, &'static str)>,
-    /// By the name of a transition and its choice: a sentence that says what cannot be done without it, and
-    /// the unit of what is missing, if that tells something.
+    /// By the name of a transition and its choice: a sentence that says what cannot be done without
+    /// it, and the unit of what is missing, if that tells something.
     pub(crate) transitions: Vec<(String, String, Option<&'static str>)>,
     /// One event.
     pub(crate) event: Option<&'static str>,

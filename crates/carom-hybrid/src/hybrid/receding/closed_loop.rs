@@ -68,16 +68,16 @@ impl RecedingHorizon<'_> {
     /// # Arguments
     ///
     /// * `start`: the first state.
-    /// * `plant`: the state after a move from a state: a simulation of the system with the whole move, such
-    ///   as `system.simulate(state, next)?.end()`, or anything else with other dynamics, noise (see
-    ///   [`Disturbance`](super::Disturbance)), or a delay according to [`Move::time`]. Modes with memory are
-    ///   taken to be those of the moves; where a plant measures them, call [`step`](Self::step) and
-    ///   [`set_memory`](Self::set_memory) in a loop of your own.
+    /// * `plant`: the state after a move from a state: a simulation of the system with the whole
+    ///   move, such as `system.simulate(state, next)?.end()`, or anything else with other dynamics,
+    ///   noise (see [`Disturbance`](super::Disturbance)), or a delay according to [`Move::time`].
+    ///   Modes with memory are taken to be those of the moves; where a plant measures them, call
+    ///   [`step`](Self::step) and [`set_memory`](Self::set_memory) in a loop of your own.
     ///
     /// # Errors
     ///
-    /// A [`BrokenLoop`] with what happened until then and one of the errors of [`step`](Self::step) and of
-    /// the plant; [`ErrorKind::Length`](crate::error::ErrorKind::Length) and
+    /// A [`BrokenLoop`] with what happened until then and one of the errors of [`step`](Self::step)
+    /// and of the plant; [`ErrorKind::Length`](crate::error::ErrorKind::Length) and
     /// [`ErrorKind::NotFinite`](crate::error::ErrorKind::NotFinite) for the states that it returns.
     pub fn run(
         &mut self,
@@ -157,8 +157,8 @@ impl ClosedLoop {
     ///
     /// * `time_step`: Δt, in the unit of `time`.
     /// * `time`: what is along the axis, with its unit.
-    /// * `labels`: states, then inputs, with their units. Those that are missing are called `x0`, ...,
-    ///   `u0`, ....
+    /// * `labels`: states, then inputs, with their units. Those that are missing are called `x0`,
+    ///   ..., `u0`, ....
     pub fn charts(&self, time_step: f64, time: &str, labels: &[&str]) -> Vec<Chart> {
         let states = self.states.first().map_or(0, Vec::len);
         let inputs = self.moves.first().map_or(0, |first| first.input.len());

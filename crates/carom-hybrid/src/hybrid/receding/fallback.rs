@@ -8,7 +8,8 @@ use crate::hybrid::simulate::{Simulation, SimulationOptions};
 use crate::hybrid::system::HybridSystem;
 use crate::hybrid::terminal::TerminalSet;
 
-/// By how much a fallback may violate a condition of the system, in its unit: as much as a plan may.
+/// By how much a fallback may violate a condition of the system, in its unit: as much as a plan
+/// may.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// Where inputs come from when there is no plan.
@@ -41,21 +42,23 @@ pub(super) struct Substitute {
     pub(super) is_admissible: Option<bool>,
 }
 
-/// The options of the simulations that judge a substitute: the transitions of a plan as far as they are possible.
+/// The options of the simulations that judge a substitute: the transitions of a plan as far as they
+/// are possible.
 pub(super) fn judging(memory: &Memory) -> SimulationOptions {
     let options = SimulationOptions { prefers: true, ..SimulationOptions::default() };
     options.with_tolerance(TOLERANCE).with_first_possible(true).with_memory(memory.clone())
 }
 
 impl Fallback<'_> {
-    /// The first input that a simulation allows: of the rest of the last plan, the terminal feedback, the
-    /// given input, and the next input of the last plan alone. If it allows none, the given input, or
-    /// the last.
+    /// The first input that a simulation allows: of the rest of the last plan, the terminal
+    /// feedback, the given input, and the next input of the last plan alone. If it allows none, the
+    /// given input, or the last.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::Length`](crate::error::ErrorKind::Length) and
-    /// [`ErrorKind::NotFinite`](crate::error::ErrorKind::NotFinite) for the input that the user gives.
+    /// [`ErrorKind::NotFinite`](crate::error::ErrorKind::NotFinite) for the input that the user
+    /// gives.
     pub(super) fn instead(
         &mut self,
         present: Present<'_>,
@@ -77,7 +80,8 @@ impl Fallback<'_> {
                     stay.map(|(choice, stay)| (choice.name.clone(), vec![stay.clone()])).collect();
             }
             let own = self.judged(present, plan, MoveSource::TerminalFeedback);
-            // Whether the set may be entered is a matter of the modes, which the region does not know.
+            // Whether the set may be entered is a matter of the modes, which the region does not
+            // know.
             if own.is_admissible != Some(false) {
                 return Ok(Substitute { is_admissible: Some(true), ..own });
             }
@@ -128,8 +132,9 @@ impl Fallback<'_> {
         Ok(Some(self.judged(present, plan, MoveSource::Given)))
     }
 
-    /// A plan with what a simulation says of it: whether it comes to the end, and if it does, with which
-    /// states and transitions. Where it does not, the transitions are those of the plan, or stay in the modes.
+    /// A plan with what a simulation says of it: whether it comes to the end, and if it does, with
+    /// which states and transitions. Where it does not, the transitions are those of the plan, or
+    /// stay in the modes.
     fn judged(&mut self, present: Present<'_>, plan: LoopPlan, source: MoveSource) -> Substitute {
         let Present { system, state, memory } = present;
         if let Some(check) = &mut self.check {

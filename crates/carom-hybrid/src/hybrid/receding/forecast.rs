@@ -20,7 +20,8 @@ impl<'a> Forecasts<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Model::set_parameter`] for one of the values; [`ErrorKind::OutOfRange`] without any.
+    /// Those of [`Model::set_parameter`] for one of the values; [`ErrorKind::OutOfRange`] without
+    /// any.
     pub(super) fn add(
         &mut self,
         model: &Model,

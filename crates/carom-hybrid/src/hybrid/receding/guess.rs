@@ -38,8 +38,8 @@ impl LastIntegers {
         self.ahead += 1;
     }
 
-    /// The values of the same integers in another model, moved ahead, the earliest steps first. Behind
-    /// the end of the last plan, its last values go on.
+    /// The values of the same integers in another model, moved ahead, the earliest steps first.
+    /// Behind the end of the last plan, its last values go on.
     pub(super) fn start(&self, model: &Model) -> Option<MipStart> {
         let mut guess: Vec<(Option<usize>, Variable, f64)> = Vec::new();
         for variable in model.variables().filter(|variable| variable.kind().is_integral()) {
@@ -61,8 +61,8 @@ impl LastIntegers {
     }
 }
 
-/// The transitions and modes that a simulation of the rest of the last plan takes from a measured state, as far
-/// as it comes: those of the plan where they are possible.
+/// The transitions and modes that a simulation of the rest of the last plan takes from a measured
+/// state, as far as it comes: those of the plan where they are possible.
 pub(super) fn simulated(
     program: &SystemVariables,
     state: &[f64],

@@ -44,17 +44,18 @@ use planner::{Clock, Handles, Planner};
 /// A controller that plans anew from every measured state and hands out the first step of the plan.
 ///
 /// The program is prepared once. Each [`step`](Self::step) gives the parameters of the measured
-/// state their values, and begins with the last plan, moved one step ahead. A step always has an input: see [`MoveSource`] for what comes instead of a plan.
+/// state their values, and begins with the last plan, moved one step ahead. A step always has an
+/// input: see [`MoveSource`] for what comes instead of a plan.
 ///
 /// # Recursive feasibility
 ///
 /// Suppose that a plan ends in a [`TerminalSet`] of its system; that the next measured state is the
-/// one that the plan predicts; that nothing in the program depends on the step; and that the program
-/// has no limit beyond those of the system. Then the rest of the plan with one step of the set's
-/// feedback is again a point of the program, so it has one at every later step. If its terminal cost
-/// is the regulator's, the optimal costs do not rise. A disturbance breaks the second assumption:
-/// then limits that are [softened](HybridProgram::soften) keep the program feasible, and a
-/// [fallback](Self::with_fallback) the loop.
+/// one that the plan predicts; that nothing in the program depends on the step; and that the
+/// program has no limit beyond those of the system. Then the rest of the plan with one step of the
+/// set's feedback is again a point of the program, so it has one at every later step. If its
+/// terminal cost is the regulator's, the optimal costs do not rise. A disturbance breaks the second
+/// assumption: then limits that are [softened](HybridProgram::soften) keep the program feasible,
+/// and a [fallback](Self::with_fallback) the loop.
 ///
 /// ```
 /// use carom::hybrid::MoveSource;
@@ -95,25 +96,27 @@ pub struct RecedingHorizon<'a> {
 }
 
 impl<'a> RecedingHorizon<'a> {
-    /// A controller with the horizon of a program, of a system or of a scene, which moves along with it.
+    /// A controller with the horizon of a program, of a system or of a scene, which moves along
+    /// with it.
     ///
     /// The state at the first sample becomes a parameter within the domains of the states. Nothing
-    /// else in the model may fix it. [Cases](HybridProgram::add_case) begin in the same state, as far as their
-    /// states have the same names, and fallbacks are simulated by the first system.
+    /// else in the model may fix it. [Cases](HybridProgram::add_case) begin in the same state, as
+    /// far as their states have the same names, and fallbacks are simulated by the first system.
     ///
-    /// The program is the same in every step of the loop, so nothing in it may depend on the step: a
-    /// limit "x <= 1 from step 4 on" would be four steps ahead for ever. Prices and right-hand sides that
-    /// change can be parameters with a [forecast](Self::with_forecast); for everything else there is
-    /// [`moving`](Self::moving). What you add to the model yourself, such as a price for each step, is not
-    /// checked.
+    /// The program is the same in every step of the loop, so nothing in it may depend on the step:
+    /// a limit "x <= 1 from step 4 on" would be four steps ahead for ever. Prices and right-hand
+    /// sides that change can be parameters with a [forecast](Self::with_forecast); for everything
+    /// else there is [`moving`](Self::moving). What you add to the model yourself, such as a price
+    /// for each step, is not checked.
     ///
     /// # Errors
     ///
     /// Those of [`Solver::prepare`]; [`ErrorKind::OutOfRange`] for a
-    /// [case](HybridProgram::add_case) that does not share the first step; [`ErrorKind::DuplicateName`] if the model has a variable
-    /// `measured_x` for a state `x`; [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of
-    /// the system, or a [series](HybridSystem::series), depends on the step, and for a program that fixes
-    /// the mode or the [memory](HybridProgram::start_from) of its start, which the controller carries.
+    /// [case](HybridProgram::add_case) that does not share the first step;
+    /// [`ErrorKind::DuplicateName`] if the model has a variable `measured_x` for a state `x`;
+    /// [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of the system, or a
+    /// [series](HybridSystem::series), depends on the step, and for a program that fixes the mode
+    /// or the [memory](HybridProgram::start_from) of its start, which the controller carries.
     pub fn new(
         program: impl Into<HybridProgram>,
         solver: &'a mut dyn Solver,
@@ -129,8 +132,8 @@ impl<'a> RecedingHorizon<'a> {
         Ok(RecedingHorizon::of(planner, system))
     }
 
-    /// A controller for any model in which parameters are the measured state. Without a system
-    /// or a [check](Self::with_check) nothing is simulated, and the rest of an old plan is trusted while
+    /// A controller for any model in which parameters are the measured state. Without a system or a
+    /// [check](Self::with_check) nothing is simulated, and the rest of an old plan is trusted while
     /// there is no new one.
     ///
     /// # Arguments
@@ -166,8 +169,8 @@ impl<'a> RecedingHorizon<'a> {
         Ok(RecedingHorizon::of(planner, None))
     }
 
-    /// A controller that plans towards a fixed time: the horizon is a step shorter after every move.
-    /// Each program begins with the last plan.
+    /// A controller that plans towards a fixed time: the horizon is a step shorter after every
+    /// move. Each program begins with the last plan.
     ///
     /// # Arguments
     ///
@@ -183,8 +186,8 @@ impl<'a> RecedingHorizon<'a> {
     }
 
     /// A controller whose programs depend on the step of the loop: limits, prices, references and
-    /// courses of obstacles that change with time. Each program is built anew and begins with the last
-    /// plan, moved one step ahead.
+    /// courses of obstacles that change with time. Each program is built anew and begins with the
+    /// last plan, moved one step ahead.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -218,9 +221,10 @@ impl<'a> RecedingHorizon<'a> {
     /// # Arguments
     ///
     /// * `build`: the program that begins with a step of the loop, of a system or of a scene. See
-    ///   [`HybridSystem::from_step`] and [`Scene::from_step`](super::scene::Scene::from_step). It need not say
-    ///   in which modes it begins; if it does, by [`start_from`](HybridProgram::start_from) or by a row of a
-    ///   mode at sample 0, this counts instead of what the controller remembers.
+    ///   [`HybridSystem::from_step`] and [`Scene::from_step`](super::scene::Scene::from_step). It
+    ///   need not say in which modes it begins; if it does, by
+    ///   [`start_from`](HybridProgram::start_from) or by a row of a mode at sample 0, this counts
+    ///   instead of what the controller remembers.
     pub fn moving<P: Into<HybridProgram>>(
         mut build: impl FnMut(usize) -> Result<P, Error> + 'a,
         solver: &'a mut dyn Solver,
@@ -252,17 +256,17 @@ impl<'a> RecedingHorizon<'a> {
     }
 
     /// Stops each search after this time. A step takes a little longer, because a point is polished
-    /// and verified before it counts. Each search first completes the last plan, moved one step ahead,
-    /// so a plan is at hand early; after a step without a plan, what is left of the last one is simulated
-    /// from the measured state and completed.
+    /// and verified before it counts. Each search first completes the last plan, moved one step
+    /// ahead, so a plan is at hand early; after a step without a plan, what is left of the last one
+    /// is simulated from the measured state and completed.
     #[must_use]
     pub fn with_budget(mut self, budget: Duration) -> Self {
         self.budget = Some(budget);
         self
     }
 
-    /// Stops the first search after this time instead: it has no plan to begin with, and often there is
-    /// time before the loop starts.
+    /// Stops the first search after this time instead: it has no plan to begin with, and often
+    /// there is time before the loop starts.
     #[must_use]
     pub fn with_first_budget(mut self, budget: Duration) -> Self {
         self.first_budget = Some(budget);
@@ -270,8 +274,8 @@ impl<'a> RecedingHorizon<'a> {
     }
 
     /// Gives parameters of the horizon's steps 0, 1, ... values by step of the loop: in step k the
-    /// parameter t has the value `k + t`, and the last value goes on for ever. So prices, right-hand
-    /// sides and references that are parameters move with the loop.
+    /// parameter t has the value `k + t`, and the last value goes on for ever. So prices,
+    /// right-hand sides and references that are parameters move with the loop.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -314,8 +318,8 @@ impl<'a> RecedingHorizon<'a> {
         Ok(self)
     }
 
-    /// Gives parameters values in each step, as a function of the number of the step and of the measured
-    /// state.
+    /// Gives parameters values in each step, as a function of the number of the step and of the
+    /// measured state.
     ///
     /// # Errors
     ///
@@ -338,8 +342,8 @@ impl<'a> RecedingHorizon<'a> {
         self
     }
 
-    /// Judges inputs without a plan by a simulation of one's own instead of the system's: whether from a
-    /// state on the inputs of some steps, an entry per input, are admissible.
+    /// Judges inputs without a plan by a simulation of one's own instead of the system's: whether
+    /// from a state on the inputs of some steps, an entry per input, are admissible.
     #[must_use]
     pub fn with_check(mut self, check: impl FnMut(&[f64], &[Vec<f64>]) -> bool + 'a) -> Self {
         self.fallback.check = Some(Box::new(check));
@@ -361,14 +365,14 @@ impl<'a> RecedingHorizon<'a> {
         self
     }
 
-    /// The memory with which the next step begins, beside the state: the modes to which the moves so far lead, how long they
-    /// have lasted, the number of events.
+    /// The memory with which the next step begins, beside the state: the modes to which the moves
+    /// so far lead, how long they have lasted, the number of events.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    /// Tells what the next step begins with, where it is not what the moves so far lead to: at the start of a
-    /// loop, and where modes are measured.
+    /// Tells what the next step begins with, where it is not what the moves so far lead to: at the
+    /// start of a loop, and where modes are measured.
     ///
     /// ```
     /// use carom::hybrid::Memory;

@@ -19,12 +19,12 @@ impl RecedingHorizon<'_> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Length`] and [`ErrorKind::NotFinite`] for the state; [`ErrorKind::UnknownName`] for a
-    /// [memory](Self::set_memory) of another system; errors of the solver; for a
-    /// shrinking or moving horizon those of building the program, and [`ErrorKind::OutOfRange`] after the
-    /// last step of a shrinking one; those of [`Model::set_parameter`] for
-    /// [parameters](Self::with_parameters). A state outside the declared ranges, an infeasible program and a limit without a
-    /// point are no errors: the move then comes from a fallback.
+    /// [`ErrorKind::Length`] and [`ErrorKind::NotFinite`] for the state; [`ErrorKind::UnknownName`]
+    /// for a [memory](Self::set_memory) of another system; errors of the solver; for a shrinking or
+    /// moving horizon those of building the program, and [`ErrorKind::OutOfRange`] after the last
+    /// step of a shrinking one; those of [`Model::set_parameter`] for
+    /// [parameters](Self::with_parameters). A state outside the declared ranges, an infeasible
+    /// program and a limit without a point are no errors: the move then comes from a fallback.
     pub fn step(&mut self, state: &[f64]) -> Result<Move, Error> {
         let began = Instant::now();
         check_finite("the measured state", "an entry", state.iter().copied())?;

@@ -86,8 +86,8 @@ impl Handles {
         }
     }
 
-    /// Adds parameters for the states at the first sample of a program, and for its memory unless the program
-    /// states that.
+    /// Adds parameters for the states at the first sample of a program, and for its memory unless
+    /// the program states that.
     pub(super) fn measure(program: &mut HybridProgram) -> Result<Self, Error> {
         let HybridProgram { model, members } = program;
         let mut handles = Handles::default();
@@ -264,8 +264,8 @@ impl Planner<'_> {
         }
     }
 
-    /// Builds the program of a step, if each step has its own. What that says of the memory of its start takes
-    /// the place of what is remembered.
+    /// Builds the program of a step, if each step has its own. What that says of the memory of its
+    /// start takes the place of what is remembered.
     pub(super) fn begin(&mut self, number: usize, memory: &mut Memory) -> Result<(), Error> {
         if let Planner::Built { build, clock, program, .. } = self {
             let step = match clock {

@@ -14,7 +14,8 @@ use crate::tolerance::margin_scale;
 /// How often the way between a state with a plan and one without is halved.
 const RECOVERY_HALVINGS: usize = 4;
 
-/// A state whose entries lie in their ranges, if they miss them by rounding or by what a solver leaves.
+/// A state whose entries lie in their ranges, if they miss them by rounding or by what a solver
+/// leaves.
 pub(super) fn rounded_into(state: &[f64], ranges: &[Interval]) -> Vec<f64> {
     let mut rounded = state.to_vec();
     for (value, range) in rounded.iter_mut().zip(ranges) {
@@ -27,8 +28,9 @@ pub(super) fn rounded_into(state: &[f64], ranges: &[Interval]) -> Vec<f64> {
 }
 
 impl RecedingHorizon<'_> {
-    /// A plan from a state near the measured one: from the nearest within the domains; or else from one on the way
-    /// from there to the state that the last plan foresaw, as near to the measured one as a few halvings find.
+    /// A plan from a state near the measured one: from the nearest within the domains; or else from
+    /// one on the way from there to the state that the last plan foresaw, as near to the measured
+    /// one as a few halvings find.
     pub(super) fn recover(&mut self, state: &[f64], since: Instant) -> Result<Option<Move>, Error> {
         let ranges = self.planner.ranges()?;
         let clamped = |state: &[f64]| -> Vec<f64> {

@@ -30,11 +30,11 @@ pub enum MoveSource {
     TerminalFeedback,
     /// The input of the fallback that the user gave.
     Given,
-    /// A plan from another state than the measured one, from which there is none: from the nearest state within
-    /// the domains, or from one on the way to the state that the last plan foresaw.
+    /// A plan from another state than the measured one, from which there is none: from the nearest
+    /// state within the domains, or from one on the way to the state that the last plan foresaw.
     Recovery,
-    /// The next input of the last plan, or no input (0), within the ranges of the inputs, because no input is
-    /// known to be admissible.
+    /// The next input of the last plan, or no input (0), within the ranges of the inputs, because
+    /// no input is known to be admissible.
     Emergency,
 }
 
@@ -53,12 +53,14 @@ impl fmt::Display for MoveSource {
     }
 }
 
-/// A move of a [`RecedingHorizon`](super::RecedingHorizon): what to do now, and what is known of it.
+/// A move of a [`RecedingHorizon`](super::RecedingHorizon): what to do now, and what is known of
+/// it.
 ///
-/// Where the plan has chosen among transitions, a move is more than its input: a plant that is told the
-/// input alone runs another plan. [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) takes the
-/// whole move; a plant of another kind asks for the [`transition`](Move::transition) or the [`mode`](Move::mode)
-/// of a choice.
+/// Where the plan has chosen among transitions, a move is more than its input: a plant that is told
+/// the input alone runs another plan.
+/// [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) takes the whole move; a plant
+/// of another kind asks for the [`transition`](Move::transition) or the [`mode`](Move::mode) of a
+/// choice.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -83,8 +85,8 @@ impl fmt::Display for MoveSource {
 /// # Ok::<(), carom::Error>(())
 /// ```
 ///
-/// Its plan is nominal: it promises nothing under disturbances, unless the controller's program is a
-/// [robust](crate::hybrid::HybridProgram::robust) one, whose plans leave room for them.
+/// Its plan is nominal: it promises nothing under disturbances, unless the controller's program is
+/// a [robust](crate::hybrid::HybridProgram::robust) one, whose plans leave room for them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -100,14 +102,14 @@ pub struct Move {
     /// Whether a simulation says that the system allows the input here; always so for a plan, and
     /// `None` where nothing was simulated.
     pub is_admissible: Option<bool>,
-    /// The planned state at each sample, the measured one first; empty without a plan. A recovery begins in
-    /// another state.
+    /// The planned state at each sample, the measured one first; empty without a plan. A recovery
+    /// begins in another state.
     pub states: Vec<Vec<f64>>,
     /// The planned input of each step.
     pub inputs: Vec<Vec<f64>>,
-    /// For each choice, its name and the planned transition of each step; without a plan that of this step, as
-    /// far as it is known. The choices of a [joined](crate::hybrid::HybridProgram::join) system are named after
-    /// its name and a blank.
+    /// For each choice, its name and the planned transition of each step; without a plan that of
+    /// this step, as far as it is known. The choices of a
+    /// [joined](crate::hybrid::HybridProgram::join) system are named after its name and a blank.
     #[cfg_attr(feature = "serde", serde(default))]
     pub transitions: Vec<(String, Vec<String>)>,
     /// For each choice with memory, its name and the planned mode at each sample.
@@ -121,7 +123,8 @@ pub struct Move {
     pub memory: Memory,
     /// The cost of the plan.
     pub objective: Option<f64>,
-    /// The proved bound on the cost of any plan, in the model's own sense; NaN if nothing was solved.
+    /// The proved bound on the cost of any plan, in the model's own sense; NaN if nothing was
+    /// solved.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub bound: f64,
     /// By how much softened limits are exceeded, if that is reported.
@@ -137,15 +140,15 @@ pub struct Move {
 }
 
 impl Move {
-    /// The transition that a choice (`mode` if there is only one) takes in this step; `None` if nothing says
-    /// which.
+    /// The transition that a choice (`mode` if there is only one) takes in this step; `None` if
+    /// nothing says which.
     pub fn transition(&self, choice: &str) -> Option<&str> {
         let own = self.transitions.iter().find(|(name, _)| name == choice);
         own.and_then(|(_, taken)| taken.first()).map(String::as_str)
     }
 
-    /// The mode with memory that a choice enters or stays in in this step, whose flow acts; `None` without
-    /// memory, and if nothing says which.
+    /// The mode with memory that a choice enters or stays in in this step, whose flow acts; `None`
+    /// without memory, and if nothing says which.
     pub fn mode(&self, choice: &str) -> Option<&str> {
         let own = self.modes.iter().find(|(name, _)| name == choice);
         own.and_then(|(_, modes)| modes.get(1)).map(String::as_str)

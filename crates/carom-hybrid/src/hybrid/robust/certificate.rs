@@ -1,8 +1,10 @@
 //! The certificate of a robust plan: interval simulation of all disturbed runs at once.
 //!
-//! It follows the plan's transitions with boxes of errors, computed with outward rounding, and checks every
-//! condition of the system over them. It takes the plan's numbers and transitions and none of the program's half
-//! widths; transitions as affine functions (`affine.rs`) are those of the rows. No sample is drawn. Domains, guards and ranges hold to the tolerances of nominal certificates.
+//! It follows the plan's transitions with boxes of errors, computed with outward rounding, and
+//! checks every condition of the system over them. It takes the plan's numbers and transitions and
+//! none of the program's half widths; transitions as affine functions (`affine.rs`) are those of
+//! the rows. No sample is drawn. Domains, guards and ranges hold to the tolerances of nominal
+//! certificates.
 
 use super::error::RobustError;
 use super::feedback::Feedback;
@@ -21,8 +23,8 @@ pub(super) const MISS: f64 = FEASIBILITY + REPLAY;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RobustCertificate {
-    /// By how much each state may differ from the plan at the samples 0, ..., τ, in the states' units and
-    /// order.
+    /// By how much each state may differ from the plan at the samples 0, ..., τ, in the states'
+    /// units and order.
     pub states: Vec<Vec<Interval>>,
     /// The largest violation of a condition by any run, in its unit; 0 if none is violated.
     pub largest_violation: f64,
@@ -58,7 +60,8 @@ fn exact(matrix: &faer::Mat<f64>) -> Intervals {
     (0..matrix.nrows()).map(row).collect()
 }
 
-/// Intervals that hold the inverse of a matrix, from an approximate one; `None` if that is too far from it.
+/// Intervals that hold the inverse of a matrix, from an approximate one; `None` if that is too far
+/// from it.
 fn inverse(shape: &faer::Mat<f64>, approximate: &faer::Mat<f64>) -> Option<Intervals> {
     let mut all = exact(approximate);
     let rest = product(&all, &exact(shape));
@@ -104,7 +107,8 @@ struct Flight<'a> {
     scale: f64,
 }
 
-/// Simulates all runs of a plan whose disturbances and errors of the start lie within `scale` times their ranges.
+/// Simulates all runs of a plan whose disturbances and errors of the start lie within `scale` times
+/// their ranges.
 pub(super) fn certify(
     system: &HybridSystem,
     run: &HybridRun,
@@ -176,8 +180,8 @@ impl Flight<'_> {
         map.over(&at) + dot(&self.factors(map), self.errors())
     }
 
-    /// The values of maps of states over all runs, along the directions of the errors: what one parameter adds to
-    /// all states is added up before its magnitude is taken.
+    /// The values of maps of states over all runs, along the directions of the errors: what one
+    /// parameter adds to all states is added up before its magnitude is taken.
     fn along_directions(&self, maps: &[Map], start: &[f64]) -> Vec<Interval> {
         let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
         let factors: Intervals = maps
@@ -330,8 +334,8 @@ impl Flight<'_> {
         Ok(())
     }
 
-    /// The box of errors after a step: the closed loop of the transitions, the disturbance, the spread of
-    /// uncertain parameters, and what the plan's next sample is off.
+    /// The box of errors after a step: the closed loop of the transitions, the disturbance, the
+    /// spread of uncertain parameters, and what the plan's next sample is off.
     fn advance(&mut self, step: usize, start: &[f64], taken: &[&Transition], next: &[f64]) {
         let (n, width) = (next.len(), self.width());
         let behaviours: Vec<Vec<Map>> = taken

@@ -1,5 +1,5 @@
-//! Variables of a program that differ between runs because states and inputs define them: by functions, and by
-//! equations.
+//! Variables of a program that differ between runs because states and inputs define them: by
+//! functions, and by equations.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,8 +10,8 @@ use crate::interval::Interval;
 use crate::model::{Affine, Function, FunctionRef, Model, StoredRow, Variable, VariableKind};
 
 impl StatementTightening<'_> {
-    /// Finds the variables that differ, however they define each other. Returns the positions of the equations
-    /// that define one.
+    /// Finds the variables that differ, however they define each other. Returns the positions of
+    /// the equations that define one.
     pub(super) fn defined(
         &mut self,
         model: &mut Model,
@@ -95,7 +95,8 @@ impl StatementTightening<'_> {
         }
     }
 
-    /// Finds continuous variables that equations define by variables that differ. Whether there is a new one.
+    /// Finds continuous variables that equations define by variables that differ. Whether there is
+    /// a new one.
     fn definitions(
         &mut self,
         model: &mut Model,
@@ -136,8 +137,8 @@ impl StatementTightening<'_> {
         Ok(equations.len() > before)
     }
 
-    /// Whether an equation says where the plan starts: it is about states at the first sample, and about
-    /// parameters.
+    /// Whether an equation says where the plan starts: it is about states at the first sample, and
+    /// about parameters.
     pub(super) fn is_start(
         &self,
         original: &Model,

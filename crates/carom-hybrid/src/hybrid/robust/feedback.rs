@@ -23,8 +23,8 @@ const EIGENVALUE_GAP: f64 = 1e-4;
 /// The largest entry of a basis of directions and of its inverse.
 const CONDITION: f64 = 1e4;
 
-/// A feedback `u = v + K (x - z)` around a plan with the states z and the inputs v. It acts on the measured
-/// state at the start of each step.
+/// A feedback `u = v + K (x - z)` around a plan with the states z and the inputs v. It acts on the
+/// measured state at the start of each step.
 ///
 /// ```
 /// use carom::hybrid::Feedback;
@@ -55,7 +55,8 @@ impl Feedback {
     ///
     /// # Arguments
     ///
-    /// * `gain`: K, a row for each input and a column for each state, in the order of their declaration.
+    /// * `gain`: K, a row for each input and a column for each state, in the order of their
+    ///   declaration.
     ///
     /// # Errors
     ///
@@ -108,10 +109,10 @@ impl Feedback {
         Feedback::new(system, Matrix::zeros(system.inputs.len(), system.states.len()))
     }
 
-    /// The linear-quadratic regulator whose tube takes the least of the limits, or no feedback if that takes
-    /// less: states and inputs are weighted by their ranges, inputs by more or less. The regulators are
-    /// those of the common flow, or of the first transition if there is none. Where a goal is much narrower than
-    /// the domains, a gain of your own may leave more room in it.
+    /// The linear-quadratic regulator whose tube takes the least of the limits, or no feedback if
+    /// that takes less: states and inputs are weighted by their ranges, inputs by more or less. The
+    /// regulators are those of the common flow, or of the first transition if there is none. Where
+    /// a goal is much narrower than the domains, a gain of your own may leave more room in it.
     ///
     /// # Errors
     ///
@@ -156,8 +157,8 @@ impl Feedback {
         &self.gain
     }
 
-    /// A gain with the directions in which its tube is the smallest, and the share of the limits that it
-    /// takes.
+    /// A gain with the directions in which its tube is the smallest, and the share of the limits
+    /// that it takes.
     fn shaped(system: &HybridSystem, gain: &Matrix) -> (Self, f64) {
         let n = system.states.len();
         let identity = || Mat::identity(n, n);
@@ -203,8 +204,8 @@ impl Feedback {
         (0..self.inverse.nrows()).map(row).collect()
     }
 
-    /// The largest share of a range that the tube takes, of states and of inputs, after many steps without
-    /// events and then one of them.
+    /// The largest share of a range that the tube takes, of states and of inputs, after many steps
+    /// without events and then one of them.
     fn share(&self, system: &HybridSystem) -> f64 {
         let (n, m) = (system.states.len(), system.inputs.len());
         let Some(flow) = common_flow(system) else { return f64::INFINITY };
@@ -255,8 +256,8 @@ pub(super) fn disturbance(system: &HybridSystem) -> Vec<f64> {
     (0..system.states.len()).map(of).collect()
 }
 
-/// The most that the uncertain parameters of an event may add to each state, of a typical size: for states at a quarter
-/// of the width of their domains.
+/// The most that the uncertain parameters of an event may add to each state, of a typical size: for
+/// states at a quarter of the width of their domains.
 fn event(system: &HybridSystem) -> Vec<f64> {
     let typical: Vec<f64> = system.states.iter().map(|(_, domain)| 0.25 * domain.width()).collect();
     let mut most = vec![0.0_f64; typical.len()];
@@ -284,8 +285,8 @@ pub(super) fn common_flow(system: &HybridSystem) -> Option<&LinearSystem> {
     system.flow.as_ref().or_else(first)
 }
 
-/// The directions along which a matrix scales, in blocks of states that depend on each other; `None` if a
-/// block turns.
+/// The directions along which a matrix scales, in blocks of states that depend on each other;
+/// `None` if a block turns.
 fn directions(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     let n = matrix.nrows();
     let mut block: Vec<usize> = (0..n).collect();

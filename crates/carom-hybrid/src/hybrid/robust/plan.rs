@@ -20,8 +20,8 @@ use crate::model::{Family, Sense, Variable};
 use crate::number::{DIGITS, rounded};
 use crate::tolerance::margin_scale;
 
-/// A plan that holds for every disturbance within the ranges of its system, which has been certified by
-/// interval simulation.
+/// A plan that holds for every disturbance within the ranges of its system, which has been
+/// certified by interval simulation.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct RobustPlan {
@@ -81,8 +81,8 @@ impl fmt::Display for RobustPlan {
     }
 }
 
-/// The certificate of a plan, found in the coordinates of its program and with the errors of states in the user's
-/// units.
+/// The certificate of a plan, found in the coordinates of its program and with the errors of states
+/// in the user's units.
 fn certified(
     plan: &HybridPlan,
     feedback: &Feedback,
@@ -129,28 +129,29 @@ impl RobustPlan {
         &self.feedback
     }
 
-    /// Certifies the plan again, for ranges that are `scale` times those of the system and of the start.
+    /// Certifies the plan again, for ranges that are `scale` times those of the system and of the
+    /// start.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Other`] with a [`RobustError`] as its source, which names the condition that some
-    /// disturbance may violate.
+    /// [`ErrorKind::Other`] with a [`RobustError`] as its source, which names the condition that
+    /// some disturbance may violate.
     pub fn certify(&self, scale: f64) -> Result<RobustCertificate, Error> {
         let certificate = certified(&self.plan, &self.own_feedback, &self.start, scale)?;
         self.check_statements(&certificate)?;
         Ok(certificate)
     }
 
-    /// By how much the objective is worse than that of a nominal plan: the price of the promise, in the
-    /// objective's unit. `None` if a plan has no objective.
+    /// By how much the objective is worse than that of a nominal plan: the price of the promise, in
+    /// the objective's unit. `None` if a plan has no objective.
     pub fn price(&self, nominal: &HybridPlan) -> Option<f64> {
         let own = self.plan.solution.objective()?;
         let worse = own - nominal.solution.objective()?;
         Some(self.sense.sign() * worse)
     }
 
-    /// Flies the plan in a disturbed world, with its feedback; see [`HybridSystem::fly`]. `draw` is asked for
-    /// the errors of the start first.
+    /// Flies the plan in a disturbed world, with its feedback; see [`HybridSystem::fly`]. `draw` is
+    /// asked for the errors of the start first.
     ///
     /// # Errors
     ///

@@ -17,8 +17,8 @@ use crate::model::{Family, Model};
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};
 
-/// The program of plans that hold for every disturbance within the ranges that its system states, made by
-/// [`HybridProgram::robust`].
+/// The program of plans that hold for every disturbance within the ranges that its system states,
+/// made by [`HybridProgram::robust`].
 #[derive(Debug, Clone)]
 pub struct RobustProgram {
     pub(super) program: HybridProgram,
@@ -32,20 +32,22 @@ pub struct RobustProgram {
 }
 
 impl HybridProgram {
-    /// The program whose plans hold for every disturbance and every uncertain parameter within the ranges of
-    /// its system, if the feedback corrects the inputs: a plan with a *tube* around it.
+    /// The program whose plans hold for every disturbance and every uncertain parameter within the
+    /// ranges of its system, if the feedback corrects the inputs: a plan with a *tube* around it.
     ///
     /// The tube is known at the start, and its half widths are variables: they grow by
-    /// [disturbances](crate::hybrid::HybridSystem::disturbance) and
-    /// [uncertain parameters](crate::hybrid::TransitionMut::uncertain), and shrink or grow by the feedback and by the
-    /// transitions that the plan takes. Domains, limits, guards, ranges of inputs, and everything that the
-    /// program requires of states, inputs and outputs, are tightened by what the tube takes; so all runs
-    /// take the transitions of the plan. The objective is that of the plan without disturbance.
+    /// [disturbances](crate::hybrid::HybridSystem::disturbance) and [uncertain
+    /// parameters](crate::hybrid::TransitionMut::uncertain), and shrink or grow by the feedback and
+    /// by the transitions that the plan takes. Domains, limits, guards, ranges of inputs, and
+    /// everything that the program requires of states, inputs and outputs, are tightened by what
+    /// the tube takes; so all runs take the transitions of the plan. The objective is that of the
+    /// plan without disturbance.
     ///
-    /// A tube never ends a step in one value, so none goes between modes whose invariants meet in one: see
-    /// [`RobustError::NoCrossing`].
+    /// A tube never ends a step in one value, so none goes between modes whose invariants meet in
+    /// one: see [`RobustError::NoCrossing`].
     ///
-    /// In a step, at most one choice changes how an error continues; two of them at once are left out.
+    /// In a step, at most one choice changes how an error continues; two of them at once are left
+    /// out.
     ///
     /// ```
     /// use carom::hybrid::Feedback;
@@ -72,21 +74,22 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Other`] with a [`RobustError`] as its source for a program of several systems, for a
-    /// statement that cannot be tightened, and for one that requires a single value where runs differ;
-    /// [`ErrorKind::DuplicateName`] for names that begin with `tube`.
+    /// [`ErrorKind::Other`] with a [`RobustError`] as its source for a program of several systems,
+    /// for a statement that cannot be tightened, and for one that requires a single value where
+    /// runs differ; [`ErrorKind::DuplicateName`] for names that begin with `tube`.
     #[doc(alias("tube", "robust optimisation", "constraint tightening"))]
     pub fn robust(&self, feedback: &Feedback) -> Result<RobustProgram, Error> {
         let none: [(State, Interval); 0] = [];
         self.robust_from(feedback, none)
     }
 
-    /// As [`robust`](HybridProgram::robust), if the start is not known exactly either: the first state of a
-    /// run may differ from that of the plan by ranges, such as those of a sensor. The tube begins with the box
-    /// of these ranges, and the feedback and the conditions of the first step have to bear it.
+    /// As [`robust`](HybridProgram::robust), if the start is not known exactly either: the first
+    /// state of a run may differ from that of the plan by ranges, such as those of a sensor. The
+    /// tube begins with the box of these ranges, and the feedback and the conditions of the first
+    /// step have to bear it.
     ///
-    /// Equations of states at the first sample say where the plan starts. Everything else that is required
-    /// there is required of all starts.
+    /// Equations of states at the first sample say where the plan starts. Everything else that is
+    /// required there is required of all starts.
     ///
     /// ```
     /// use carom::hybrid::Feedback;
@@ -101,7 +104,8 @@ impl HybridProgram {
     /// program.goal([x.within(2.9, 3.1)])?;
     /// // Half of an error is left after each step.
     /// let feedback = Feedback::new(&cart, [[-0.5]])?;
-    /// let plan = program.robust_from(&feedback, [(x, -0.4..=0.4)])?.solve(&mut BranchAndBound::default())?;
+    /// let program = program.robust_from(&feedback, [(x, -0.4..=0.4)])?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
     /// let run = plan.simulate(&mut |range| range.upper)?;
     /// assert!((run.run.state("x")?[0] - 1.4).abs() < 1e-6);
     /// assert!(run.kept && run.run.state("x")?[4] < 3.1 + 1e-6);
@@ -110,14 +114,15 @@ impl HybridProgram {
     ///
     /// # Arguments
     ///
-    /// * `start`: by how much a state may be off at the first sample, in its unit; 0 for those that are not
-    ///   named.
+    /// * `start`: by how much a state may be off at the first sample, in its unit; 0 for those that
+    ///   are not named.
     ///
     /// # Errors
     ///
-    /// Those of [`robust`](HybridProgram::robust); [`ErrorKind::ForeignHandle`] and [`ErrorKind::Misplaced`]
-    /// for what is no state of the system; [`ErrorKind::DuplicateName`] for one that is named twice;
-    /// [`ErrorKind::NotFinite`] and [`ErrorKind::CrossedBounds`] for a range.
+    /// Those of [`robust`](HybridProgram::robust); [`ErrorKind::ForeignHandle`] and
+    /// [`ErrorKind::Misplaced`] for what is no state of the system; [`ErrorKind::DuplicateName`]
+    /// for one that is named twice; [`ErrorKind::NotFinite`] and [`ErrorKind::CrossedBounds`] for a
+    /// range.
     pub fn robust_from<R: Into<Interval>>(
         &self,
         feedback: &Feedback,
@@ -191,19 +196,21 @@ fn start_errors<R: Into<Interval>>(
 }
 
 impl RobustProgram {
-    /// The program with its tube; its plans by [`HybridProgram::solve`] are the same without the feedback and
-    /// the promise.
+    /// The program with its tube; its plans by [`HybridProgram::solve`] are the same without the
+    /// feedback and the promise.
     pub fn program(&self) -> &HybridProgram {
         &self.program
     }
 
-    /// Solves the program. Plans come with a [certificate](super::RobustCertificate) by interval simulation.
+    /// Solves the program. Plans come with a [certificate](super::RobustCertificate) by interval
+    /// simulation.
     ///
     /// # Errors
     ///
-    /// Those of [`HybridProgram::solve`]; [`ErrorKind::Other`] with a [`RobustError`] as its source for a
-    /// plan that is not certified. If there is no plan, and modes of the system meet in one value, so that no tube
-    /// goes between them, the source of [`ErrorKind::NoPlan`] is [`RobustError::NoCrossing`].
+    /// Those of [`HybridProgram::solve`]; [`ErrorKind::Other`] with a [`RobustError`] as its source
+    /// for a plan that is not certified. If there is no plan, and modes of the system meet in one
+    /// value, so that no tube goes between them, the source of [`ErrorKind::NoPlan`] is
+    /// [`RobustError::NoCrossing`].
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<RobustPlan, Error> {
         self.solve_with(solver, &mut Control::default())
     }

@@ -1,5 +1,5 @@
-//! Scenarios: several cases of a system in one program, whose inputs are the same until the cases can be told
-//! apart.
+//! Scenarios: several cases of a system in one program, whose inputs are the same until the cases
+//! can be told apart.
 
 use std::ops::DerefMut;
 use std::sync::Arc;
@@ -11,13 +11,13 @@ use crate::hybrid::system::{HybridSystem, Restated};
 use crate::model::{Affine, Family, Model, Variable};
 
 impl HybridProgram {
-    /// Adds a case: another system with the same inputs, such as one with another restitution, another push
-    /// or another place of a gate. In the steps before `until` it has the inputs of the first system;
-    /// from then on the cases can be told apart, and each has inputs of its own. Cases that are added with
-    /// different `until` make a tree.
+    /// Adds a case: another system with the same inputs, such as one with another restitution,
+    /// another push or another place of a gate. In the steps before `until` it has the inputs of
+    /// the first system; from then on the cases can be told apart, and each has inputs of its own.
+    /// Cases that are added with different `until` make a tree.
     ///
-    /// Starts, goals and costs are stated for each case by the handles of its system. Costs are added with
-    /// weights, or limited by [`worst`](HybridProgram::worst).
+    /// Starts, goals and costs are stated for each case by the handles of its system. Costs are
+    /// added with weights, or limited by [`worst`](HybridProgram::worst).
     ///
     /// ```
     /// use carom::prelude::*;
@@ -46,9 +46,9 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`join`](HybridProgram::join); [`ErrorKind::UnknownName`] if an input of the first system has
-    /// no counterpart of the same name; [`ErrorKind::OutOfRange`] for steps beyond the horizon. The program
-    /// then stays as it was.
+    /// Those of [`join`](HybridProgram::join); [`ErrorKind::UnknownName`] if an input of the first
+    /// system has no counterpart of the same name; [`ErrorKind::OutOfRange`] for steps beyond the
+    /// horizon. The program then stays as it was.
     #[doc(alias("scenario tree", "multi-stage", "stochastic programming"))]
     pub fn add_case(
         &mut self,
@@ -71,8 +71,8 @@ impl HybridProgram {
         Ok(())
     }
 
-    /// Lets two cases have the same inputs in the steps before `until`, where neither is the first system: so
-    /// that cases which part from the first one together can be told apart later.
+    /// Lets two cases have the same inputs in the steps before `until`, where neither is the first
+    /// system: so that cases which part from the first one together can be told apart later.
     ///
     /// # Arguments
     ///
@@ -81,7 +81,8 @@ impl HybridProgram {
     /// # Errors
     ///
     /// [`ErrorKind::UnknownName`]; [`ErrorKind::OutOfRange`] for steps beyond the horizon;
-    /// [`ErrorKind::DuplicateName`] at the second call for the same cases. The program then stays as it was.
+    /// [`ErrorKind::DuplicateName`] at the second call for the same cases. The program then stays
+    /// as it was.
     pub fn share_inputs(&mut self, cases: [&str; 2], until: usize) -> Result<(), Error> {
         for name in cases {
             if !self.members.cases.contains_key(name) {
@@ -119,8 +120,9 @@ impl HybridProgram {
         Ok(own)
     }
 
-    /// Adds a case whose owner, such as a scene, writes it: into a program in which the case's system stands
-    /// first, and where names begin with that of the case. An error leaves the program as it was.
+    /// Adds a case whose owner, such as a scene, writes it: into a program in which the case's
+    /// system stands first, and where names begin with that of the case. An error leaves the
+    /// program as it was.
     ///
     /// # Returns
     ///
@@ -206,8 +208,8 @@ impl HybridProgram {
         })
     }
 
-    /// The largest of several costs, as a new variable of the model that is at least each of them: to
-    /// minimise it is to plan for the worst case.
+    /// The largest of several costs, as a new variable of the model that is at least each of them:
+    /// to minimise it is to plan for the worst case.
     ///
     /// # Errors
     ///

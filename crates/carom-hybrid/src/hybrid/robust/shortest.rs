@@ -16,9 +16,10 @@ use crate::solution::Solution;
 use crate::solver::Solver;
 
 impl HybridSystem {
-    /// Finds the smallest number of steps for which there is a plan that brings every disturbed run from a
-    /// start to a goal, if the feedback corrects the inputs, and refutes all smaller numbers: as
-    /// [`shortest_with`](HybridSystem::shortest_with), of [robust](HybridProgram::robust) programs.
+    /// Finds the smallest number of steps for which there is a plan that brings every disturbed run
+    /// from a start to a goal, if the feedback corrects the inputs, and refutes all smaller
+    /// numbers: as [`shortest_with`](HybridSystem::shortest_with), of
+    /// [robust](HybridProgram::robust) programs.
     ///
     /// A number is refuted for tubes of this feedback; another feedback may need fewer steps.
     ///
@@ -43,8 +44,8 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// Those of [`shortest_with`](HybridSystem::shortest_with) and of [`robust`](HybridProgram::robust), such as
-    /// for a goal that is a single point.
+    /// Those of [`shortest_with`](HybridSystem::shortest_with) and of
+    /// [`robust`](HybridProgram::robust), such as for a goal that is a single point.
     pub fn shortest_robust(
         &self,
         start: impl IntoRegion,

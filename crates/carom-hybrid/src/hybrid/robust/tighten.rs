@@ -1,8 +1,8 @@
 //! Statements of a program, tightened by the width that a tube has in them.
 //!
-//! A variable of the model differs between runs if it is a state or an input at a sample, what a choice
-//! changes, or defined by such variables. Others, such as binaries and slacks, are parts of the plan: the
-//! same for every run.
+//! A variable of the model differs between runs if it is a state or an input at a sample, what a
+//! choice changes, or defined by such variables. Others, such as binaries and slacks, are parts of
+//! the plan: the same for every run.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -88,7 +88,8 @@ impl<'a> StatementTightening<'a> {
         }
     }
 
-    /// Bounds of states and inputs that are narrower than what the system says, such as those of a goal.
+    /// Bounds of states and inputs that are narrower than what the system says, such as those of a
+    /// goal.
     fn bounds(&mut self, model: &mut Model, program: &HybridProgram) -> Result<(), Error> {
         let own = self.tube.own;
         let system = own.computed();
@@ -116,7 +117,8 @@ impl<'a> StatementTightening<'a> {
         Ok(())
     }
 
-    /// The ranges by which choices change next states and outputs: as wide as under the transition that is taken.
+    /// The ranges by which choices change next states and outputs: as wide as under the transition
+    /// that is taken.
     fn changes(&mut self, model: &mut Model) -> Result<(), Error> {
         let own = self.tube.own;
         for step in self.tube.first..own.horizon().steps() {
@@ -325,7 +327,8 @@ impl<'a> StatementTightening<'a> {
         Ok(())
     }
 
-    /// Half the width of a sum over all runs. Errors at one sample are added before their magnitudes are.
+    /// Half the width of a sum over all runs. Errors at one sample are added before their
+    /// magnitudes are.
     pub(super) fn width(&self, terms: &[(Variable, f64)]) -> Affine {
         let mut errors: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         let mut sum = Affine::zero();

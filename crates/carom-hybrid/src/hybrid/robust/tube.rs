@@ -1,9 +1,10 @@
-//! The tube around a plan as rows: by how much runs may differ from it at each sample, and what that takes
-//! of the limits.
+//! The tube around a plan as rows: by how much runs may differ from it at each sample, and what
+//! that takes of the limits.
 //!
-//! Errors are `x - z = T e`. At each sample e lies in a box whose half widths r are variables, because how
-//! an error grows depends on the transitions: `r⁺ >= |T⁻¹ M T| r + w`, where M is the closed loop of the
-//! transitions that are taken and w the disturbance, with the spread of uncertain parameters.
+//! Errors are `x - z = T e`. At each sample e lies in a box whose half widths r are variables,
+//! because how an error grows depends on the transitions: `r⁺ >= |T⁻¹ M T| r + w`, where M is the
+//! closed loop of the transitions that are taken and w the disturbance, with the spread of
+//! uncertain parameters.
 
 use std::collections::BTreeSet;
 
@@ -50,7 +51,8 @@ impl<'a> ErrorTube<'a> {
     ///
     /// # Arguments
     ///
-    /// * `start`: by how much each state may be off at the first sample, if that is not known exactly.
+    /// * `start`: by how much each state may be off at the first sample, if that is not known
+    ///   exactly.
     pub(super) fn write(
         model: &mut Model,
         own: &'a SystemVariables,
@@ -309,8 +311,8 @@ impl<'a> ErrorTube<'a> {
         self.below(model, &format!("{name}_least"), sample, when, &below)
     }
 
-    /// A limit of a length for every error: of the start of a step, or of what a flow predicts. The sum of
-    /// the entries' widths is at least the length of any error.
+    /// A limit of a length for every error: of the start of a step, or of what a flow predicts. The
+    /// sum of the entries' widths is at least the length of any error.
     fn norm(
         &self,
         model: &mut Model,
@@ -337,7 +339,8 @@ impl<'a> ErrorTube<'a> {
 }
 
 impl NormLimit {
-    /// The entries and then the bound at a step as maps of states and inputs, or of what a flow predicts.
+    /// The entries and then the bound at a step as maps of states and inputs, or of what a flow
+    /// predicts.
     pub(super) fn maps(&self, flow: Option<&[Map]>, width: usize, step: usize) -> Vec<Map> {
         let of = |part: &NormEntry| match flow {
             None => {

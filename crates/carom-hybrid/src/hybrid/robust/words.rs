@@ -1,5 +1,5 @@
-//! The meaning of the rows of a tube, in the names of the system, for explanations; and which transitions no tube
-//! can go between.
+//! The meaning of the rows of a tube, in the names of the system, for explanations; and which
+//! transitions no tube can go between.
 
 use super::error::RobustError;
 use super::tube::ErrorTube;
@@ -12,8 +12,8 @@ pub(super) const GROWTH: &str = "the growth of the tube";
 /// Up to which relative difference two limits are the same value.
 const MEETING: f64 = 1e-9;
 
-/// Two transitions whose guards meet in one value, so that only a run that ends a step exactly there takes the
-/// second after the first.
+/// Two transitions whose guards meet in one value, so that only a run that ends a step exactly
+/// there takes the second after the first.
 pub(super) struct Meeting<'a> {
     choice: usize,
     from: usize,

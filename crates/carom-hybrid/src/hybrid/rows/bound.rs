@@ -35,8 +35,8 @@ pub(super) struct Most {
 
 /// An upper bound of `factors . z + constant` over the box and the rows.
 ///
-/// The multipliers are improved in turns, from several starts, because a single one may end where no
-/// multiplier alone improves the bound.
+/// The multipliers are improved in turns, from several starts, because a single one may end where
+/// no multiplier alone improves the bound.
 ///
 /// # Arguments
 ///

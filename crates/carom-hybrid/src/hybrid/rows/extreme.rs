@@ -39,8 +39,8 @@ impl SystemVariables {
         Ok(values)
     }
 
-    /// A solution near a run of a model: the same transitions, and each input as far as it can go to the
-    /// side of its range on which it is in the run.
+    /// A solution near a run of a model: the same transitions, and each input as far as it can go
+    /// to the side of its range on which it is in the run.
     pub(crate) fn extreme(
         &self,
         model: &Model,
@@ -53,8 +53,8 @@ impl SystemVariables {
     }
 }
 
-/// Solves a model for inputs as far as they can go from the middles of their ranges, to the sides on
-/// which they are.
+/// Solves a model for inputs as far as they can go from the middles of their ranges, to the sides
+/// on which they are.
 pub(crate) fn push_outward(
     mut model: Model,
     inputs: &[(Variable, f64)],

@@ -6,8 +6,8 @@ use crate::model::{Affine, ConicRow, StoredConic, norm};
 /// The relative rounding of a constant length.
 const CONSTANT_ROUNDING: f64 = 1e-12;
 
-/// A row of a length at a step; `None` if it is constant and holds. One that is constant and does not hold
-/// becomes one that never holds.
+/// A row of a length at a step; `None` if it is constant and holds. One that is constant and does
+/// not hold becomes one that never holds.
 pub(super) fn telling(program: &SystemVariables, row: ConicRow, step: usize) -> Option<ConicRow> {
     let StoredConic::Norm { entries, bound } = row.stored() else { return Some(row) };
     if entries.iter().chain([bound]).any(|part| !part.terms().is_empty()) {

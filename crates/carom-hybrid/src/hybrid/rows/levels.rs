@@ -7,7 +7,8 @@ use crate::error::Error;
 use crate::hybrid::system::{HybridSystem, InputValues};
 use crate::model::{Affine, Family, Model, Variable};
 
-/// By how much values may differ from equal distances, relative to the largest, so that a number counts them.
+/// By how much values may differ from equal distances, relative to the largest, so that a number
+/// counts them.
 const EVEN_VALUES: f64 = 1e-13;
 
 /// How the values of an input are written.

@@ -1,4 +1,5 @@
-//! The memory with which a run begins, as rows: its modes, what is left of dwell times, the events so far.
+//! The memory with which a run begins, as rows: its modes, what is left of dwell times, the events
+//! so far.
 
 use super::modes;
 use super::program::SystemVariables;

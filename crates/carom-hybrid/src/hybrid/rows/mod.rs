@@ -46,8 +46,9 @@ use crate::model::{Method, Model};
 
 impl HybridSystem {
     /// Adds the system over a horizon to a model: variables and statements, none of which fix the
-    /// beginning or the end. Names begin with `prefix`. By the default method, two transitions are a pair
-    /// of implications, and three or more a disjunction. An error leaves the model as it was.
+    /// beginning or the end. Names begin with `prefix`. By the default method, two transitions are
+    /// a pair of implications, and three or more a disjunction. An error leaves the model as it
+    /// was.
     #[doc(hidden)]
     pub fn write_by(
         &self,

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::switch::Label;
 
-/// The subject of a statement of a choice: the numbers of the choice and the transition, the row, and
-/// whether it holds in every transition.
+/// The subject of a statement of a choice: the numbers of the choice and the transition, the row,
+/// and whether it holds in every transition.
 pub(super) type Key = (usize, usize, Option<Label>, bool);
 
 /// Gives every family of variables, or of statements, a name of its own.
@@ -29,8 +29,8 @@ impl Names {
         self.words
     }
 
-    /// The parts that are not empty, joined by underscores, after the prefix. White space becomes an
-    /// underscore. A name that is taken gets a number.
+    /// The parts that are not empty, joined by underscores, after the prefix. White space becomes
+    /// an underscore. A name that is taken gets a number.
     pub(super) fn family(&mut self, parts: &[&str]) -> String {
         let all = [&[&self.prefix[..]], parts].concat();
         let parts: Vec<&str> = all.into_iter().filter(|part| !part.is_empty()).collect();

@@ -88,7 +88,8 @@ pub struct SystemVariables {
     pub(super) outputs: Vec<(String, Vec<Affine>)>,
     /// The same for each choice.
     pub(super) own_outputs: Vec<Vec<(String, Vec<Affine>)>>,
-    /// Which statements of the model it has written, by kind; see [`wrote`](SystemVariables::wrote).
+    /// Which statements of the model it has written, by kind; see
+    /// [`wrote`](SystemVariables::wrote).
     pub(super) written: [Range<usize>; 4],
 }
 
@@ -214,7 +215,8 @@ impl SystemVariables {
         self.choices[choice].taken.literal(transition, step)
     }
 
-    /// The variables of what a choice changes in a step, each as a function of the start by transition.
+    /// The variables of what a choice changes in a step, each as a function of the start by
+    /// transition.
     pub(crate) fn change_maps(&self, choice: usize, step: usize) -> Vec<(Variable, Vec<Map>)> {
         let (own, program) = (self.behaviours(choice, step), &self.choices[choice]);
         let of = |(group, family): (usize, &Family)| {

@@ -116,15 +116,15 @@ impl ChoiceStep<'_> {
         Ok(())
     }
 
-    /// Whether the ranges of the changes are stated for all transitions at once. Two transitions need
-    /// it not, because the implications of the reference say the same; the hull implies it.
+    /// Whether the ranges of the changes are stated for all transitions at once. Two transitions
+    /// need it not, because the implications of the reference say the same; the hull implies it.
     fn has_spans(&self) -> bool {
         self.own.len() > 2 && self.method != Some(Method::Hull)
     }
 
-    /// Adds `Σ l_j λ_j <= w <= Σ u_j λ_j` for each group's variable w, which lies within `[l_j, u_j]`
-    /// in the transition j with the binary λ_j. This is all that a transition with a constant change
-    /// needs.
+    /// Adds `Σ l_j λ_j <= w <= Σ u_j λ_j` for each group's variable w, which lies within
+    /// `[l_j, u_j]` in the transition j with the binary λ_j. This is all that a transition with a
+    /// constant change needs.
     fn add_spans(
         &self,
         model: &mut Model,

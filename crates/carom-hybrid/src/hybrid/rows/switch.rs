@@ -147,8 +147,9 @@ pub(super) fn switch(
         row.factors.resize(ranges.len() + groups, 0.0);
         row
     };
-    // More than two transitions state the ranges of changes for all at once. A change of one value is not
-    // stated besides, so that guards and ranges from which the value follows must not follow from it.
+    // More than two transitions state the ranges of changes for all at once. A change of one value
+    // is not stated besides, so that guards and ranges from which the value follows must not follow
+    // from it.
     let is_range = |span: &Interval| regions.len() > 2 && span.width() == 0.0;
     let stated = maps.iter().zip(&spans).map(|(maps, spans)| {
         let each = maps.iter().zip(spans);
@@ -300,8 +301,8 @@ impl Analysis<'_> {
         common.push((from, row));
     }
 
-    /// The rows that hold in a transition besides its own, in states and inputs alone: the rows that
-    /// hold everywhere, and the bounds of the changes.
+    /// The rows that hold in a transition besides its own, in states and inputs alone: the rows
+    /// that hold everywhere, and the bounds of the changes.
     fn given(&self, transition: usize) -> Vec<LinearRow> {
         let split = |row: &LinearRow| {
             let (z, w) = row.factors.split_at(self.width);

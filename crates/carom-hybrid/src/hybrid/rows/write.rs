@@ -277,8 +277,8 @@ fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
     (program.outputs, program.own_outputs) = (outputs, by_choice);
 }
 
-/// Which states every transition of every choice leaves as one common flow has them, so that the next
-/// state is what is predicted.
+/// Which states every transition of every choice leaves as one common flow has them, so that the
+/// next state is what is predicted.
 fn as_predicted(system: &HybridSystem) -> Vec<bool> {
     let flow = system.flow.as_ref().or(system.transitions().next().map(|t| &t.flow));
     let Some(flow) = flow.map(affine::flow) else { return Vec::new() };

@@ -85,7 +85,8 @@ pub struct Body {
     pub acceleration: Vec<Interval>,
     /// The largest length of the input, in m/s², if it is limited.
     pub(super) acceleration_ball: Option<f64>,
-    /// By how much pushes may change its velocity in a step, along each axis, in m/s; empty if none do.
+    /// By how much pushes may change its velocity in a step, along each axis, in m/s; empty if none
+    /// do.
     pub(super) pushes: Vec<Interval>,
     /// Its mass, in kg; default 1.
     pub mass: f64,
@@ -144,24 +145,25 @@ impl Body {
         with_shape(shape: Shape) => shape = shape;
     }
 
-    /// Says by how much pushes, such as gusts, may change its velocity in each step, along each axis, in m/s.
-    /// [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of them, and others for none.
+    /// Says by how much pushes, such as gusts, may change its velocity in each step, along each
+    /// axis, in m/s. [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of them,
+    /// and others for none.
     #[must_use]
     pub fn with_pushes(mut self, pushes: impl IntoIterator<Item: Into<Interval>>) -> Self {
         self.pushes = pushes.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Sets where it starts: positions (m), then velocities (m/s), and last the spin (rad/s) of a body that
-    /// has one, as a point or as a range for each.
+    /// Sets where it starts: positions (m), then velocities (m/s), and last the spin (rad/s) of a
+    /// body that has one, as a point or as a range for each.
     #[must_use]
     pub fn with_start(mut self, region: impl Into<Region>) -> Self {
         self.start = Some(region.into());
         self
     }
 
-    /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each; and last,
-    /// if it matters, the spin (rad/s).
+    /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each;
+    /// and last, if it matters, the spin (rad/s).
     #[must_use]
     pub fn with_goal(mut self, region: impl Into<Region>) -> Self {
         self.goal = Some(region.into());
@@ -191,8 +193,8 @@ impl Body {
         Ok(self.with_goal(region))
     }
 
-    /// Limits the length of the velocity at a sample, in m/s, instead of its entry along each axis: the body
-    /// is as fast in one direction as in any other.
+    /// Limits the length of the velocity at a sample, in m/s, instead of its entry along each axis:
+    /// the body is as fast in one direction as in any other.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Scene};
@@ -219,8 +221,8 @@ impl Body {
         self
     }
 
-    /// Limits the length of the input, in m/s², instead of its entry along each axis: a thrust that can be
-    /// turned in any direction.
+    /// Limits the length of the input, in m/s², instead of its entry along each axis: a thrust that
+    /// can be turned in any direction.
     #[must_use]
     pub fn with_acceleration_ball(mut self, max_acceleration: f64) -> Self {
         self.acceleration = vec![Interval::new(-max_acceleration, max_acceleration); self.axes()];

@@ -7,16 +7,18 @@ use crate::error::Error;
 use crate::error::ErrorKind;
 
 impl SceneProgram {
-    /// Adds a case: another scene with the same bodies' inputs, such as one with another restitution or
-    /// another place of a gate, from its own starts to its own goals and with its own rules. In the steps
-    /// before `until` it has the inputs of the program's scene; from then on the cases can be told apart.
+    /// Adds a case: another scene with the same bodies' inputs, such as one with another
+    /// restitution or another place of a gate, from its own starts to its own goals and with its
+    /// own rules. In the steps before `until` it has the inputs of the program's scene; from then
+    /// on the cases can be told apart.
     ///
-    /// A clone of a scene has its handles, which then stand for the scene that came first; those of the case
-    /// are found by their names, in [`system`](crate::hybrid::HybridProgram::system) of the case.
+    /// A clone of a scene has its handles, which then stand for the scene that came first; those of
+    /// the case are found by their names, in [`system`](crate::hybrid::HybridProgram::system) of
+    /// the case.
     ///
-    /// The objective stays as it is. [`in_case`](SceneProgram::in_case) gives the costs of a case, to be
-    /// added with weights or limited by [`worst`](crate::hybrid::HybridProgram::worst). Plans have those of
-    /// the cases in [`cases`](super::ScenePlan::cases).
+    /// The objective stays as it is. [`in_case`](SceneProgram::in_case) gives the costs of a case,
+    /// to be added with weights or limited by [`worst`](crate::hybrid::HybridProgram::worst). Plans
+    /// have those of the cases in [`cases`](super::ScenePlan::cases).
     ///
     /// ```
     /// use carom::prelude::*;
@@ -26,7 +28,8 @@ impl SceneProgram {
     ///     let drone = Body::new("drone", [0.0..=4.0, 0.0..=2.0], 2.0, 3.0)
     ///         .with_start([0.4, 1.0, 0.0, 0.0])
     ///         .with_goal([3.0..=3.6, 0.8..=1.2, -1.0..=1.0, -1.0..=1.0]);
-    ///     let (below, above) = ([1.8..=2.0, -1.0..=*gate.start()], [1.8..=2.0, *gate.end()..=3.0]);
+    ///     let below = [1.8..=2.0, -1.0..=*gate.start()];
+    ///     let above = [1.8..=2.0, *gate.end()..=3.0];
     ///     Scene::new(0.25)
     ///         .with_body(drone)
     ///         .with_obstacle(Solid::cuboid("below", &below, Surface::avoid()))
@@ -46,9 +49,10 @@ impl SceneProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::program`] for the case; [`ErrorKind::UnknownName`] if an input of the program's
-    /// scene has no counterpart of the same name; [`ErrorKind::OutOfRange`] for steps beyond the horizon
-    /// and another time step; [`ErrorKind::DuplicateName`]. The program then stays as it was.
+    /// Those of [`Scene::program`] for the case; [`ErrorKind::UnknownName`] if an input of the
+    /// program's scene has no counterpart of the same name; [`ErrorKind::OutOfRange`] for steps
+    /// beyond the horizon and another time step; [`ErrorKind::DuplicateName`]. The program then
+    /// stays as it was.
     pub fn add_case(&mut self, name: &str, scene: &Scene, until: usize) -> Result<(), Error> {
         let mut stated = scene.stated()?;
         let tag = stated.system.handles.tag;

@@ -45,8 +45,8 @@ impl fmt::Display for StepComparison {
 }
 
 impl Scene {
-    /// The same scene with half of its time step. Courses get a place in the middle of each step, so
-    /// that what moves moves as before.
+    /// The same scene with half of its time step. Courses get a place in the middle of each step,
+    /// so that what moves moves as before.
     #[must_use]
     pub fn with_half_steps(&self) -> Scene {
         let mut scene = self.clone();
@@ -108,8 +108,8 @@ impl ScenePlan {
         Ok(StepComparison { plan: self.clone(), halved })
     }
 
-    /// The least time step of some with which the scene has a plan of as many steps as this one, and
-    /// refutes all smaller ones of them.
+    /// The least time step of some with which the scene has a plan of as many steps as this one,
+    /// and refutes all smaller ones of them.
     ///
     /// # Arguments
     ///
@@ -119,8 +119,8 @@ impl ScenePlan {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for a list that is empty or not
-    /// ascending, and for a scene with courses, which are stated for one time step; those of
+    /// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for a list that is empty or
+    /// not ascending, and for a scene with courses, which are stated for one time step; those of
     /// [`Scene::program`] and of the solver.
     pub fn least_time_step(
         &self,

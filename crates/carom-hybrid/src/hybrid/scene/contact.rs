@@ -7,8 +7,8 @@ use super::solid::Solid;
 use super::statement::{Pair, Scene};
 use super::surface::Surface;
 
-/// A face of a contact: the body is in front where `normal . x >= limit`, with the position x of the
-/// body, or of the first body relative to the second.
+/// A face of a contact: the body is in front where `normal . x >= limit`, with the position x of
+/// the body, or of the first body relative to the second.
 #[derive(Debug, Clone)]
 pub(super) struct ContactFace {
     pub(super) normal: Vec<f64>,
@@ -85,8 +85,8 @@ impl ContactPair {
         self.faces.iter().any(|face| face.surface.restitution.is_some())
     }
 
-    /// By how many times more an impulse along the surface moves the touching points than the centres:
-    /// `1 + m Σ r²/I`.
+    /// By how many times more an impulse along the surface moves the touching points than the
+    /// centres: `1 + m Σ r²/I`.
     pub(super) fn mobility(&self) -> f64 {
         let turning = self.spins.iter().map(|spin| spin.lever * spin.lever / spin.inertia);
         1.0 + self.mass * turning.sum::<f64>()

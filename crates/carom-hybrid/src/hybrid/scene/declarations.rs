@@ -30,8 +30,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::InvalidName`], [`ErrorKind::DuplicateName`]. What else may be wrong with it is said
-    /// when the scene is used.
+    /// [`ErrorKind::InvalidName`], [`ErrorKind::DuplicateName`]. What else may be wrong with it is
+    /// said when the scene is used.
     pub fn body(&mut self, body: Body) -> Result<BodyHandle, Error> {
         check_name(&body.name, self.names())?;
         self.bodies.push(body);

@@ -1,5 +1,5 @@
-//! Checks that refuse starts and goals: wrong lengths, states beyond the limits of their body, places
-//! inside something.
+//! Checks that refuse starts and goals: wrong lengths, states beyond the limits of their body,
+//! places inside something.
 
 use super::axes::AXES;
 use super::body::Body;

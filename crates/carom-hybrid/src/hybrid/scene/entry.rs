@@ -6,8 +6,8 @@ use super::law::{Writer, at_end, at_start};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::system::{Halfspace, NormLimit, Transition};
 
-/// How much deeper behind a sharp neighbour a step must start to end the same distance in front of it
-/// (no unit).
+/// How much deeper behind a sharp neighbour a step must start to end the same distance in front of
+/// it (no unit).
 ///
 /// A step that starts in the edge of two faces that meet at an acute angle is in front of both, and
 /// within the extent of both. If it leaves in front of one, it has not entered through the other,

@@ -36,8 +36,8 @@ pub(super) fn frame(sides: &[Side], axes: usize) -> Vec<Side> {
     (0..axes).flat_map(|i| [1.0, -1.0].map(|sign| (unit(axes, i, sign), size))).collect()
 }
 
-/// The corners of a set, each with the sides on which it lies. Of a set far from the origin they are found about a
-/// corner of it.
+/// The corners of a set, each with the sides on which it lies. Of a set far from the origin they
+/// are found about a corner of it.
 pub(super) fn corners(sides: &[Side], axes: usize) -> Vec<(Vec<f64>, Vec<usize>)> {
     let size = |sides: &[Side]| sides.iter().map(|(_, b)| b.abs()).fold(0.0, f64::max);
     let first: Vec<usize> = (0..axes).collect();
@@ -137,8 +137,8 @@ pub(super) fn spans(corners: &[&Vec<f64>], axes: usize) -> bool {
     }
 }
 
-/// The prism over a face of a set: sides across the face, which hold the points that are in front of
-/// or behind the face itself. Each names the two faces of which it is made, with the factor of
+/// The prism over a face of a set: sides across the face, which hold the points that are in front
+/// of or behind the face itself. Each names the two faces of which it is made, with the factor of
 /// the face's own limit: `limit = (b_k - c b_face) / length`.
 pub(super) struct Across {
     pub(super) normal: Vec<f64>,

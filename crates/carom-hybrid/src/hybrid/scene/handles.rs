@@ -6,8 +6,8 @@ use crate::model::{ModelTag, Variable};
 /// A body of a [`Scene`](super::Scene), made by [`Scene::body`](super::Scene::body).
 ///
 /// Its positions, velocities and accelerations stand in expressions of the scene's
-/// [programs](super::Scene::program), as those of a [system](crate::hybrid::HybridSystem) do. An axis that the
-/// body does not have gives a handle that programs refuse.
+/// [programs](super::Scene::program), as those of a [system](crate::hybrid::HybridSystem) do. An
+/// axis that the body does not have gives a handle that programs refuse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct BodyHandle {
     pub(super) tag: ModelTag,
@@ -31,8 +31,9 @@ impl BodyHandle {
         self.handle(axis, 4 * self.axes + axis)
     }
 
-    /// A handle of the body by its place in the order of [`Scene::declared`](super::Scene): each state, followed by its
-    /// prediction, the inputs, and then the spin, its prediction and its torque.
+    /// A handle of the body by its place in the order of [`Scene::declared`](super::Scene): each
+    /// state, followed by its prediction, the inputs, and then the spin, its prediction and its
+    /// torque.
     pub(super) fn handle(self, axis: usize, place: usize) -> Variable {
         let own = axis < self.axes;
         let index = if own { (5 * self.axes + 3) * self.number + place } else { usize::MAX };

@@ -53,8 +53,8 @@ impl Writer<'_> {
         self.spread(direction, 0)
     }
 
-    /// `direction . v`, likewise. An entry after those of the axes is the factor of the speed at which
-    /// spin moves the surfaces past each other.
+    /// `direction . v`, likewise. An entry after those of the axes is the factor of the speed at
+    /// which spin moves the surfaces past each other.
     pub(super) fn velocity(&self, direction: &[f64]) -> Vec<f64> {
         let mut factors = self.spread(direction, self.axes());
         if let Some(factor) = direction.get(self.axes()) {
@@ -152,16 +152,17 @@ impl Writer<'_> {
         flight.with_prediction_guard(ends)
     }
 
-    /// The middle control point of the step's parabola is in front of a face, so that the whole step
-    /// is if both ends are: `g + Δt/2 s >= J Δt³/12`, where J bounds the third derivative of g.
+    /// The middle control point of the step's parabola is in front of a face, so that the whole
+    /// step is if both ends are: `g + Δt/2 s >= J Δt³/12`, where J bounds the third derivative of
+    /// g.
     fn no_dip(&self, face: &ContactFace) -> Halfspace {
         let back = minus(&face.normal);
         let limits = minus(&face.limit);
         self.middle("no dip".into(), &back, &limits)
     }
 
-    /// `direction . c <= limit` at the middle control point `c = x + Δt/2 v` of the step's parabola,
-    /// in the middle between the limits at both ends.
+    /// `direction . c <= limit` at the middle control point `c = x + Δt/2 v` of the step's
+    /// parabola, in the middle between the limits at both ends.
     pub(super) fn middle(&self, name: String, direction: &[f64], limits: &[f64]) -> Halfspace {
         let dt = self.scene.time_step;
         let mut factors = self.position(direction);
@@ -278,8 +279,9 @@ impl Writer<'_> {
         norm_of(parts).map(|limit| NormLimit { is_limit: true, ..limit })
     }
 
-    /// The states that a change of the relative velocity changes, with their shares and with its rows: the
-    /// velocities of the bodies, and their spins, which the impulse along the surface turns.
+    /// The states that a change of the relative velocity changes, with their shares and with its
+    /// rows: the velocities of the bodies, and their spins, which the impulse along the surface
+    /// turns.
     pub(super) fn taken<'b>(
         &self,
         change: &'b [Vec<f64>],
@@ -296,8 +298,8 @@ impl Writer<'_> {
         self.contact.shares().flat_map(of).chain(self.contact.spins.iter().map(turn)).collect()
     }
 
-    /// The part that the spread of the restitution adds to the reset of a hit. The reset is affine in e, so the
-    /// part is the reset for e = 1 less that for e = 0.
+    /// The part that the spread of the restitution adds to the reset of a hit. The reset is affine
+    /// in e, so the part is the reset for e = 1 less that for e = 0.
     fn uncertain(&self, face: &ContactFace, law: &Law) -> Option<Uncertain> {
         let spread = face.surface.spread;
         let rebound = |e: f64| Law { rebound: rebound(&face.normal, e), ..law.clone() };
@@ -362,7 +364,8 @@ impl Writer<'_> {
     }
 }
 
-/// The norm limit of half-spaces: the length of the excesses of the first ones is at most that of the last.
+/// The norm limit of half-spaces: the length of the excesses of the first ones is at most that of
+/// the last.
 pub(super) fn norm_of(parts: impl Iterator<Item = Halfspace>) -> Option<NormLimit> {
     let mut name = String::new();
     let part = |part: Halfspace| {

@@ -21,8 +21,9 @@ use crate::interval::Interval;
 use crate::model::{Affine, Family};
 
 impl Contact {
-    /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for a
-    /// [`HybridSystem`](crate::hybrid::HybridSystem): first the flight, then the contact, which is an event.
+    /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for
+    /// a [`HybridSystem`](crate::hybrid::HybridSystem): first the flight, then the contact, which
+    /// is an event.
     ///
     /// Under the reflecting law, the impact has the output `impact speed` (m/s). Under the literal
     /// law, the contact forces the input to `-(1+e) v/Δt`, so give the contact an
@@ -79,12 +80,12 @@ impl Contact {
         contacts(&scene).first().and_then(|contact| rule.most_speed(contact, 0))
     }
 
-    /// A contact that may come to rest, as transitions of the same vehicle: flight, impact, settling
-    /// and rest. It is a law of its own, whatever [`law`](Contact::law) says.
+    /// A contact that may come to rest, as transitions of the same vehicle: flight, impact,
+    /// settling and rest. It is a law of its own, whatever [`law`](Contact::law) says.
     ///
     /// A step in contact ends at the wall. An impact rebounds with e times the approach at the
-    /// *start* of its step, so that bounces die out. A vehicle that does not approach at the start, and
-    /// would end behind the wall, settles there. One at rest at the wall stays as long as its
+    /// *start* of its step, so that bounces die out. A vehicle that does not approach at the start,
+    /// and would end behind the wall, settles there. One at rest at the wall stays as long as its
     /// acceleration does not point away, which is no event.
     ///
     /// Under the reflecting law bounces may go on for ever: what the acceleration adds between the

@@ -7,8 +7,8 @@ use crate::interval::Interval;
 use crate::tolerance::REACH;
 
 /// The system in which conditions that couple axes are replaced by what they say about each axis,
-/// while the other axes are anywhere in their domains. Each of its plans may be impossible, but each
-/// plan of the scene is one of them.
+/// while the other axes are anywhere in their domains. Each of its plans may be impossible, but
+/// each plan of the scene is one of them.
 pub(super) fn loose(stated: &Stated) -> HybridSystem {
     let mut system = stated.system.clone();
     let block = 2 * stated.scene.axes();

@@ -128,11 +128,11 @@ impl Scene {
 }
 
 impl SceneProgram {
-    /// Minimises objectives in turn: each without making those before it worse. The solution is that
-    /// of the last one, or of the first one that is not proved optimal.
+    /// Minimises objectives in turn: each without making those before it worse. The solution is
+    /// that of the last one, or of the first one that is not proved optimal.
     ///
-    /// To have the least damage first, and the least time with it, ask for the damage of each horizon
-    /// that [`Scene::shortest_plan`] leaves open, from the shortest one on.
+    /// To have the least damage first, and the least time with it, ask for the damage of each
+    /// horizon that [`Scene::shortest_plan`] leaves open, from the shortest one on.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Scene, Solid, Surface};
@@ -155,14 +155,14 @@ impl SceneProgram {
     ///
     /// # Arguments
     ///
-    /// * `first`: the linear objectives, the most important one first. Each is kept to a relative and
-    ///   absolute [`FEASIBILITY`].
+    /// * `first`: the linear objectives, the most important one first. Each is kept to a relative
+    ///   and absolute [`FEASIBILITY`].
     /// * `last`: the last objective.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::DuplicateName`](crate::error::ErrorKind::DuplicateName) at the second call with several
-    /// objectives; those of the solver.
+    /// [`ErrorKind::DuplicateName`](crate::error::ErrorKind::DuplicateName) at the second call with
+    /// several objectives; those of the solver.
     pub fn minimize_in_turn(
         &mut self,
         first: &[Affine],
@@ -182,7 +182,8 @@ impl SceneProgram {
     }
 }
 
-/// The largest value that a later objective may give an earlier one, from the least value of that one.
+/// The largest value that a later objective may give an earlier one, from the least value of that
+/// one.
 fn kept(least: f64) -> f64 {
     least + FEASIBILITY * (1.0 + least.abs())
 }

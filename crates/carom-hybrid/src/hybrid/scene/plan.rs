@@ -86,8 +86,8 @@ impl SceneHit {
 }
 
 /// A plan of a scene, replayed. It is nominal: [pushes](super::Body::with_pushes) and
-/// [spreads](super::Surface::with_spread) of the scene are left out; plans that hold under them are made by
-/// [`HybridProgram::robust`](crate::hybrid::HybridProgram::robust).
+/// [spreads](super::Surface::with_spread) of the scene are left out; plans that hold under them are
+/// made by [`HybridProgram::robust`](crate::hybrid::HybridProgram::robust).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -102,8 +102,8 @@ pub struct ScenePlan {
     pub run: HybridRun,
     /// The result of the replay.
     pub certificate: SceneCertificate,
-    /// The solution from which it comes, with its objective, bound and counts; that of the whole program for
-    /// a case. A plan that was stored without one has no answer and no bound.
+    /// The solution from which it comes, with its objective, bound and counts; that of the whole
+    /// program for a case. A plan that was stored without one has no answer and no bound.
     #[cfg_attr(feature = "serde", serde(default = "Solution::unknown"))]
     pub solution: Solution,
     /// The plans of the [cases](SceneProgram::add_case), by name, each replayed in its own scene.
@@ -141,8 +141,8 @@ impl ScenePlan {
     }
 
     /// A plan with the same hits and steps whose inputs are
-    /// [extreme](crate::hybrid::HybridProgram::extreme), at the least price of the scene's rules. The
-    /// plan itself if there is nothing to choose.
+    /// [extreme](crate::hybrid::HybridProgram::extreme), at the least price of the scene's rules.
+    /// The plan itself if there is nothing to choose.
     ///
     /// # Errors
     ///
@@ -163,9 +163,9 @@ impl ScenePlan {
 
 impl Scene {
     /// Replays a plan, such as one that was stored, or one of a scene with other rules. Returns it
-    /// with the hits and the certificate that it has in this scene. What is read of the plan are its
-    /// samples and inputs, and which faces its hits are at. Cases are left out, because they are plans of other
-    /// scenes.
+    /// with the hits and the certificate that it has in this scene. What is read of the plan are
+    /// its samples and inputs, and which faces its hits are at. Cases are left out, because they
+    /// are plans of other scenes.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
@@ -247,13 +247,14 @@ impl SceneProgram {
         Ok(())
     }
 
-    /// Solves the program. The plan is certified: replayed through the [scene](Scene::replay) by code that
-    /// reads neither the program nor its system.
+    /// Solves the program. The plan is certified: replayed through the [scene](Scene::replay) by
+    /// code that reads neither the program nor its system.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because it was
-    /// stopped; [`SceneError::Replay`] for a plan that is not what the scene does; errors of the solver.
+    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because
+    /// it was stopped; [`SceneError::Replay`] for a plan that is not what the scene does; errors of
+    /// the solver.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<ScenePlan, Error> {
         self.solve_with(solver, &mut Control::default())
     }
@@ -281,8 +282,8 @@ impl SceneProgram {
         self.read(&*self.program.settled(solution, Some(solver))?)
     }
 
-    /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for those who
-    /// solve it themselves.
+    /// The certified plan of a solution of the [model](crate::hybrid::HybridProgram::model), for
+    /// those who solve it themselves.
     ///
     /// # Errors
     ///

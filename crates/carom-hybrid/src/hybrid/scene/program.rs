@@ -16,8 +16,8 @@ use crate::model::{Affine, Family, Literal, Model, Quadratic, either};
 /// The program of a scene over a horizon: the [`HybridProgram`] of the scene's
 /// [system](Scene::hybrid_system), with the rules of the scene.
 ///
-/// All that a hybrid program offers can be asked of it too. Its objective is the price of the rules, until
-/// [`minimize`](HybridProgram::minimize) sets another one.
+/// All that a hybrid program offers can be asked of it too. Its objective is the price of the
+/// rules, until [`minimize`](HybridProgram::minimize) sets another one.
 #[derive(Debug, Clone)]
 pub struct SceneProgram {
     pub(super) program: HybridProgram,
@@ -39,11 +39,11 @@ impl Scene {
     /// The program of the scene over a horizon, from starts to goals. Bodies without a start or a
     /// goal may begin or end anywhere.
     ///
-    /// [Sets](Scene::reach_sets) of each axis fix transitions that no plan takes and narrow bounds. No
-    /// plan is lost. If they prove that there is none, the row `no_plan_by_reach_sets` contradicts the
-    /// bounds, and [`ReachSets::explain`](crate::hybrid::reach::ReachSets::explain) says why. Where hits
-    /// couple axes, by friction, slanted faces or pairs of bodies, there are such sets only if a step has
-    /// few combinations of modes.
+    /// [Sets](Scene::reach_sets) of each axis fix transitions that no plan takes and narrow bounds.
+    /// No plan is lost. If they prove that there is none, the row `no_plan_by_reach_sets`
+    /// contradicts the bounds, and [`ReachSets::explain`](crate::hybrid::reach::ReachSets::explain)
+    /// says why. Where hits couple axes, by friction, slanted faces or pairs of bodies, there are
+    /// such sets only if a step has few combinations of modes.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Solid, Scene, Surface};
@@ -75,7 +75,8 @@ impl Scene {
     /// # Errors
     ///
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself, or whose
-    /// courses are shorter than the horizon; those of [`HybridSystem::program`](crate::hybrid::HybridSystem::program).
+    /// courses are shorter than the horizon; those of
+    /// [`HybridSystem::program`](crate::hybrid::HybridSystem::program).
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let stated = self.stated()?;
         let mut program = stated.program(steps)?;
@@ -164,9 +165,10 @@ impl SceneProgram {
         Ok(effort)
     }
 
-    /// The fuel of all bodies, in m/s², without that of torques; adds variables to the model. Of a body with an [acceleration
-    /// ball](super::Body::with_acceleration_ball), whose thrust can be turned, it is the sum of the lengths of
-    /// the inputs, and of others the sum of their magnitudes along each axis.
+    /// The fuel of all bodies, in m/s², without that of torques; adds variables to the model. Of a
+    /// body with an [acceleration ball](super::Body::with_acceleration_ball), whose thrust can be
+    /// turned, it is the sum of the lengths of the inputs, and of others the sum of their
+    /// magnitudes along each axis.
     ///
     /// # Errors
     ///
@@ -333,8 +335,8 @@ impl SceneProgram {
         Ok(())
     }
 
-    /// Bodies start outside convex obstacles, where the first step does not say so: if only the ends
-    /// of steps count, and the start is not a point.
+    /// Bodies start outside convex obstacles, where the first step does not say so: if only the
+    /// ends of steps count, and the start is not a point.
     fn start_outside(&mut self) -> Result<(), Error> {
         if self.scene.estimate == ImpactEstimate::Sound {
             return Ok(());

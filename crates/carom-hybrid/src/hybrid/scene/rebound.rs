@@ -1,9 +1,10 @@
 //! The change of velocities by a hit: restitution along the normal, and the law along the surface.
 //!
-//! A law is linear in the relative velocity `r` of the centres and, in the plane, in the speed `s` at
-//! which spin moves the surfaces of the bodies past each other, so that the touching points slide with
-//! `u = t . r + s`, for the normal turned left, t. An impulse along the surface changes u by `k` times
-//! as much as `t . r`, where k is the [mobility](super::contact::ContactPair::mobility), 1 without spin.
+//! A law is linear in the relative velocity `r` of the centres and, in the plane, in the speed `s`
+//! at which spin moves the surfaces of the bodies past each other, so that the touching points
+//! slide with `u = t . r + s`, for the normal turned left, t. An impulse along the surface changes
+//! u by `k` times as much as `t . r`, where k is the
+//! [mobility](super::contact::ContactPair::mobility), 1 without spin.
 
 use std::f64::consts::PI;
 
@@ -11,8 +12,8 @@ use super::contact::ContactFace;
 use super::geometry::{around, tangents};
 use super::surface::Tangential;
 
-/// A linear function of the relative velocity, and after its entries of s, that must be at most 0: its
-/// factors, and a name.
+/// A linear function of the relative velocity, and after its entries of s, that must be at most 0:
+/// its factors, and a name.
 #[derive(Clone)]
 pub(super) struct Guard {
     pub(super) name: &'static str,
@@ -21,8 +22,8 @@ pub(super) struct Guard {
     pub(super) at_start: Vec<f64>,
 }
 
-/// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies. In the plane,
-/// rows have an entry for s after those of r.
+/// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies. In the
+/// plane, rows have an entry for s after those of r.
 #[derive(Clone)]
 pub(super) struct Law {
     pub(super) name: String,
@@ -30,13 +31,15 @@ pub(super) struct Law {
     pub(super) change: Vec<Vec<f64>>,
     /// The part that the rebound adds to it: `-e n n'`.
     pub(super) rebound: Vec<Vec<f64>>,
-    /// The factors of the relative velocity at the start of the step in the change; 0 in mirrored hits.
+    /// The factors of the relative velocity at the start of the step in the change; 0 in mirrored
+    /// hits.
     pub(super) at_start: Vec<Vec<f64>>,
-    /// In the plane, the change along the normal turned left, of which spins take their part; and its
-    /// factors of the relative velocity at the start of the step.
+    /// In the plane, the change along the normal turned left, of which spins take their part; and
+    /// its factors of the relative velocity at the start of the step.
     pub(super) along: [Vec<f64>; 2],
     pub(super) guards: Vec<Guard>,
-    /// Functions of which the length of the first ones is at most the last one; empty if there is no cone.
+    /// Functions of which the length of the first ones is at most the last one; empty if there is
+    /// no cone.
     pub(super) cone: Vec<Guard>,
 }
 
@@ -54,8 +57,8 @@ impl Law {
         }
     }
 
-    /// Adds `factor b . (r, s)` along a direction d of the surface, which is `sign` times the normal
-    /// turned left in the plane.
+    /// Adds `factor b . (r, s)` along a direction d of the surface, which is `sign` times the
+    /// normal turned left in the plane.
     fn add(&mut self, factor: f64, (d, sign): (&[f64], f64), b: &[f64]) {
         add(&mut self.change, factor, d, b);
         self.along[0].iter_mut().zip(b).for_each(|(a, b)| *a += sign * factor * b);
@@ -86,8 +89,9 @@ fn with_spin(direction: &[f64], factor: f64) -> Vec<f64> {
     direction.iter().copied().chain([factor]).collect()
 }
 
-/// The laws of a face: one, or those of sticking and slipping. The velocity along the normal changes
-/// by `1 + e` times the approach at the end of the step and `start` times that at its start.
+/// The laws of a face: one, or those of sticking and slipping. The velocity along the normal
+/// changes by `1 + e` times the approach at the end of the step and `start` times that at its
+/// start.
 pub(super) fn laws(face: &ContactFace, mobility: f64, e: f64, start: f64) -> Vec<Law> {
     let (n, end) = (&face.normal, 1.0 + e);
     let smooth = || Law::smooth(n, e, start);

@@ -44,8 +44,8 @@ impl SceneUnits {
         [self.length, self.speed(), 1.0 / self.time]
     }
 
-    /// Replays paths in these units through a scene in these units. The hits and the certificate are then in
-    /// the user's.
+    /// Replays paths in these units through a scene in these units. The hits and the certificate
+    /// are then in the user's.
     pub(super) fn replayed(
         &self,
         scene: &Scene,
@@ -63,7 +63,8 @@ impl SceneUnits {
         }
     }
 
-    /// A certificate that was found in these units, in the user's; see [`kinds`](SceneUnits::kinds).
+    /// A certificate that was found in these units, in the user's; see
+    /// [`kinds`](SceneUnits::kinds).
     fn stated_certificate(&self, own: SceneCertificate) -> SceneCertificate {
         let (length, speed) = (self.length, self.speed());
         let energy = speed * speed;

@@ -1,9 +1,9 @@
 //! A contact that may come to rest: the time-stepping law of Moreau.
 //!
 //! A mirrored hit rebounds with the approach at the end of its step, which the acceleration of the
-//! rest of the step has enlarged, and which it lifts by the depth once more. Bounces therefore settle
-//! at a height instead of dying out. At a surface with rest, with the approach `f0` at the start of
-//! the step and `f` at its end:
+//! rest of the step has enlarged, and which it lifts by the depth once more. Bounces therefore
+//! settle at a height instead of dying out. At a surface with rest, with the approach `f0` at the
+//! start of the step and `f` at its end:
 //!
 //! * *hit*: `f0 >= 0`. The step ends at the surface, with the rebound `e f0`;
 //! * *settle*: `f0 <= 0`. What brought the body here is the acceleration of this step alone, and a

@@ -39,11 +39,12 @@ impl Scene {
     /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
     /// and refutes all smaller numbers.
     ///
-    /// [Sets](Scene::reach_sets) are kept for each axis of each body, and refute most horizons. With many
-    /// convex obstacles, the last of them are left to the search. Where slanted faces or pairs of bodies
-    /// avoid each other, sets know only what that says about each axis. Where hits couple axes, by
-    /// friction, slanted faces or pairs, there are sets of the coupled axes together if a step has up to 8
-    /// combinations of modes; otherwise all of it is left to the search.
+    /// [Sets](Scene::reach_sets) are kept for each axis of each body, and refute most horizons.
+    /// With many convex obstacles, the last of them are left to the search. Where slanted faces or
+    /// pairs of bodies avoid each other, sets know only what that says about each axis. Where hits
+    /// couple axes, by friction, slanted faces or pairs, there are sets of the coupled axes
+    /// together if a step has up to 8 combinations of modes; otherwise all of it is left to the
+    /// search.
     ///
     /// # Errors
     ///
@@ -73,9 +74,9 @@ impl Scene {
         found.try_map(|Solved { program, solution }| program.plan(&solution))
     }
 
-    /// The smallest number of steps for which a plan brings all disturbed bodies from their starts to their
-    /// goals, if the feedback corrects the inputs: as
-    /// [`HybridSystem::shortest_robust`], with the rules of the scene.
+    /// The smallest number of steps for which a plan brings all disturbed bodies from their starts
+    /// to their goals, if the feedback corrects the inputs: as [`HybridSystem::shortest_robust`],
+    /// with the rules of the scene.
     ///
     /// # Errors
     ///
@@ -114,13 +115,14 @@ impl Scene {
 }
 
 impl SceneProgram {
-    /// Fixes transitions and narrows bounds by [quick sets](Stated::quick_sets). `false` if they prove
-    /// that there is no plan.
+    /// Fixes transitions and narrows bounds by [quick sets](Stated::quick_sets). `false` if they
+    /// prove that there is no plan.
     pub(super) fn tighten_by_sets(&mut self, stated: &Stated) -> Result<bool, Error> {
         self.tighten_until(stated, &StopToken::default())
     }
 
-    /// As [`tighten_by_sets`](Self::tighten_by_sets); if the token is over first, the program stays as it is.
+    /// As [`tighten_by_sets`](Self::tighten_by_sets); if the token is over first, the program stays
+    /// as it is.
     pub(super) fn tighten_until(
         &mut self,
         stated: &Stated,
@@ -171,9 +173,9 @@ impl Stated {
         Ok(sets)
     }
 
-    /// Sets that take no longer than a few nodes of a search: of the scene where few moves couple its
-    /// axes or none does, and otherwise of the scene with [looser conditions](loose), if hits keep axes
-    /// apart.
+    /// Sets that take no longer than a few nodes of a search: of the scene where few moves couple
+    /// its axes or none does, and otherwise of the scene with [looser conditions](loose), if hits
+    /// keep axes apart.
     pub(super) fn quick_sets(&self) -> Result<Option<ReachSets>, Error> {
         let is_aligned = |contact: &ContactPair| {
             let along_axis = |face: &ContactFace| face.normal.iter().any(|n| n.abs() == 1.0);
@@ -200,8 +202,8 @@ impl Stated {
         self.sets_of(&system).map(Some)
     }
 
-    /// That corners are not planned, if every run of a body moves into one: if it ends the same step behind two
-    /// faces, whatever its input is.
+    /// That corners are not planned, if every run of a body moves into one: if it ends the same
+    /// step behind two faces, whatever its input is.
     fn corner_hint(&self) -> Option<String> {
         if self.scene.corners {
             return None;
@@ -222,8 +224,8 @@ impl Stated {
         ))
     }
 
-    /// The step in which a body first ends behind a wall, if that is the same for all inputs; the body starts at one
-    /// state, and nothing but its input moves it.
+    /// The step in which a body first ends behind a wall, if that is the same for all inputs; the
+    /// body starts at one state, and nothing but its input moves it.
     fn certain_hit(&self, contact: &ContactPair) -> Option<usize> {
         let body = &self.scene.bodies[contact.body];
         let start = &body.start.as_ref()?.ranges;

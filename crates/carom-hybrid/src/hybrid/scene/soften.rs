@@ -12,15 +12,16 @@ use crate::interval::Interval;
 use crate::model::{Affine, Either, Model, Row};
 
 impl SceneProgram {
-    /// Adds an obstacle that bodies may enter, and returns the sum of their depths in it over all steps,
-    /// in m, for an objective. The obstacle is not one of the scene's: nothing bounces off it, whatever
-    /// its surface, and the certificate of a [plan](SceneProgram::solve) does not speak of it.
+    /// Adds an obstacle that bodies may enter, and returns the sum of their depths in it over all
+    /// steps, in m, for an objective. The obstacle is not one of the scene's: nothing bounces off
+    /// it, whatever its surface, and the certificate of a [plan](SceneProgram::solve) does not
+    /// speak of it.
     ///
-    /// The depth of a body in a step is by how far it is behind the face that it is nearest to being in
-    /// front of, at both ends of the step and at the middle control point of its parabola. A price above
-    /// what entering saves keeps plans outside wherever they can be; a program with soft obstacles only
-    /// has a plan for every state, for [controllers](crate::hybrid::RecedingHorizon) that must always
-    /// have one.
+    /// The depth of a body in a step is by how far it is behind the face that it is nearest to
+    /// being in front of, at both ends of the step and at the middle control point of its parabola.
+    /// A price above what entering saves keeps plans outside wherever they can be; a program with
+    /// soft obstacles only has a plan for every state, for
+    /// [controllers](crate::hybrid::RecedingHorizon) that must always have one.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Scene, Solid, Surface};
@@ -44,9 +45,9 @@ impl SceneProgram {
     ///
     /// # Errors
     ///
-    /// [`SceneError`] for an obstacle without faces, of another dimension or with a course shorter than
-    /// the horizon; [`ErrorKind::InvalidName`]; [`ErrorKind::DuplicateName`] for the name of a body or an
-    /// obstacle of the scene, or of another soft one. The model then stays as it was.
+    /// [`SceneError`] for an obstacle without faces, of another dimension or with a course shorter
+    /// than the horizon; [`ErrorKind::InvalidName`]; [`ErrorKind::DuplicateName`] for the name of a
+    /// body or an obstacle of the scene, or of another soft one. The model then stays as it was.
     pub fn soften_obstacle(&mut self, obstacle: &Solid) -> Result<Affine, Error> {
         let (axes, steps) = (self.scene.axes(), self.steps());
         let checked = obstacle.checked(axes)?;
@@ -78,9 +79,9 @@ impl SceneProgram {
         Ok(if self.units.is_plain() { sum } else { self.units.length * sum })
     }
 
-    /// Adds the walls of a room along the axes, in m, that bodies may leave, and returns the sum of their
-    /// distances outside over all steps and walls, in m. The domains of the bodies hold without exception,
-    /// so they must be wider than the room.
+    /// Adds the walls of a room along the axes, in m, that bodies may leave, and returns the sum of
+    /// their distances outside over all steps and walls, in m. The domains of the bodies hold
+    /// without exception, so they must be wider than the room.
     ///
     /// # Errors
     ///

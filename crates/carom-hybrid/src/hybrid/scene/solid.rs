@@ -57,8 +57,8 @@ impl Solid {
         Solid::polytope(name, [(normal.into(), offset)], surface)
     }
 
-    /// The walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the lower and
-    /// the upper side of each axis.
+    /// The walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the
+    /// lower and the upper side of each axis.
     pub(super) fn room(
         name: &str,
         sides: impl IntoIterator<Item: Into<Interval>>,

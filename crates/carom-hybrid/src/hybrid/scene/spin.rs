@@ -1,6 +1,7 @@
 //! Spin of discs in the plane: a rate and an inertia more, which hits with friction change.
 //!
-//! States and inputs of spins come after those of all bodies, so that scenes without spin have none.
+//! States and inputs of spins come after those of all bodies, so that scenes without spin have
+//! none.
 
 use super::body::{Body, Shape, Spin};
 use super::contact::ContactSpin;
@@ -12,17 +13,17 @@ use crate::hybrid::system::State;
 use crate::model::Variable;
 
 impl Body {
-    /// Lets a disc in the plane spin: `dω/dt = torque / inertia`, with the torque held over each step. Hits
-    /// with friction or a [linear map](super::Surface::with_linear_map) change the spin, and the spin
-    /// changes them; without friction it stays as it is. Counter-clockwise is positive. A start has the
-    /// spin (rad/s) after the velocities, and a goal may.
+    /// Lets a disc in the plane spin: `dω/dt = torque / inertia`, with the torque held over each
+    /// step. Hits with friction or a [linear map](super::Surface::with_linear_map) change the spin,
+    /// and the spin changes them; without friction it stays as it is. Counter-clockwise is
+    /// positive. A start has the spin (rad/s) after the velocities, and a goal may.
     ///
     /// ```
     /// use carom::hybrid::Restitution;
     /// use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
     /// use carom::prelude::*;
     ///
-    /// // A solid disc of 1 kg that spins at 20 rad/s, dropped straight onto a floor where it sticks.
+    /// // A solid disc of 1 kg that spins at 20 rad/s, dropped onto a floor where it sticks.
     /// let disc = Body::new("disc", [-1.0..=1.0, 0.0..=1.0], 5.0, 0.0)
     ///     .with_shape(Shape::Ball(0.1))
     ///     .with_spin(0.005, 20.0, 0.0)
@@ -40,8 +41,8 @@ impl Body {
     ///
     /// # Arguments
     ///
-    /// * `inertia`: around the centre, in kg m²; `m r²/2` for a solid disc, `2/5 m r²` for a solid ball that
-    ///   moves in the plane.
+    /// * `inertia`: around the centre, in kg m²; `m r²/2` for a solid disc, `2/5 m r²` for a solid
+    ///   ball that moves in the plane.
     /// * `max_rate`: at a sample, either way, in rad/s; `max_torque`: either way, in N m.
     #[must_use]
     pub fn with_spin(mut self, inertia: f64, max_rate: f64, max_torque: f64) -> Self {

@@ -34,9 +34,10 @@ pub(super) struct Pair {
 
 /// Bodies and obstacles on a line, in the plane or in space.
 ///
-/// [`body`](Scene::body) and [`obstacle`](Scene::obstacle) return the handles with which pairs, rules and
-/// rows are stated; a scene that needs none is one expression, by [`with_body`](Scene::with_body) and
-/// [`with_obstacle`](Scene::with_obstacle). A clone has the same handles.
+/// [`body`](Scene::body) and [`obstacle`](Scene::obstacle) return the handles with which pairs,
+/// rules and rows are stated; a scene that needs none is one expression, by
+/// [`with_body`](Scene::with_body) and [`with_obstacle`](Scene::with_obstacle). A clone has the
+/// same handles.
 ///
 /// The scene is a [`HybridSystem`](crate::hybrid::HybridSystem) whose choices are its contacts:
 /// each body and obstacle, and each pair of bodies, chooses in every step whether and at which face
@@ -108,11 +109,11 @@ impl Scene {
         /// Sets how impacts within a step are counted.
         with_estimate(estimate: ImpactEstimate) => estimate = estimate;
         /// Lets bodies hit several faces in one step. The effects add, which is the law of a corner
-        /// whose faces are at right angles. Without it, a body that cannot but move into a corner has no plan, and the
-        /// text of the search says so.
+        /// whose faces are at right angles. Without it, a body that cannot but move into a corner
+        /// has no plan, and the text of the search says so.
         with_corners(wanted: bool) => corners = wanted;
-        /// Keeps every step of a plan away from ties, in m: a step that ends exactly at a surface to
-        /// bounce off may hit it or fly, so that what really happens is left to chance. With a
+        /// Keeps every step of a plan away from ties, in m: a step that ends exactly at a surface
+        /// to bounce off may hit it or fly, so that what really happens is left to chance. With a
         /// margin, free flight ends at least this far in front of every such surface, or at least
         /// this far behind the one that is hit. A body can then not lie at a surface.
         with_margin(margin: f64) => margin = margin;
@@ -125,15 +126,16 @@ impl Scene {
         self
     }
 
-    /// As [`obstacle`](Scene::obstacle), in one expression; names are checked when the scene is used.
+    /// As [`obstacle`](Scene::obstacle), in one expression; names are checked when the scene is
+    /// used.
     #[must_use]
     pub fn with_obstacle(mut self, obstacle: Solid) -> Self {
         self.obstacles.push(obstacle);
         self
     }
 
-    /// Adds the walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the
-    /// lower and the upper side of each axis.
+    /// Adds the walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at
+    /// the lower and the upper side of each axis.
     #[must_use]
     pub fn with_room(
         mut self,
@@ -152,7 +154,8 @@ impl Scene {
         self
     }
 
-    /// Lets two bodies avoid each other, or hit. Bodies without such a statement pass through each other.
+    /// Lets two bodies avoid each other, or hit. Bodies without such a statement pass through each
+    /// other.
     ///
     /// The direction of a hit is one of a few normals: in the plane, if one of the two is a disc, 8
     /// around the circle; otherwise two along each axis, so that points and boxes in the plane
@@ -160,8 +163,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::DuplicateName`] for bodies that are a pair already, and
-    /// for a body with itself.
+    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::DuplicateName`] for bodies that are a pair
+    /// already, and for a body with itself.
     pub fn pair(
         &mut self,
         first: BodyHandle,
@@ -172,8 +175,8 @@ impl Scene {
         self.pair_along(first, second, surface, normals.iter().copied())
     }
 
-    /// As [`pair`](Scene::pair), with the normals along which they hit, from the second body towards the
-    /// first. They must surround the second body.
+    /// As [`pair`](Scene::pair), with the normals along which they hit, from the second body
+    /// towards the first. They must surround the second body.
     ///
     /// # Errors
     ///
@@ -206,8 +209,8 @@ impl Scene {
         Ok((numbers, name))
     }
 
-    /// The scene as it is from a step on: courses are those of that step at step 0, and end where they
-    /// end. For the programs of a [moving horizon](crate::hybrid::RecedingHorizon::moving).
+    /// The scene as it is from a step on: courses are those of that step at step 0, and end where
+    /// they end. For the programs of a [moving horizon](crate::hybrid::RecedingHorizon::moving).
     #[must_use]
     pub fn from_step(&self, step: usize) -> Self {
         let mut scene = self.clone();

@@ -65,23 +65,23 @@ impl Surface {
         /// The same with another number of directions in space, from 3 to 32.
         with_friction_along(coefficient: f64, directions: usize) =>
             tangential = Tangential::Coulomb { coefficient, directions };
-        /// Says that the restitution e is not known: it may be up to `spread` more or less (no unit), in every
-        /// hit anew. [Robust programs](crate::hybrid::HybridProgram::robust) plan for all of it, and others
-        /// for e.
+        /// Says that the restitution e is not known: it may be up to `spread` more or less (no
+        /// unit), in every hit anew. [Robust programs](crate::hybrid::HybridProgram::robust) plan
+        /// for all of it, and others for e.
         with_spread(spread: f64) => spread = spread;
-        /// A linear law, as identified from experiments: the velocity u with which the touching points
-        /// slide along the surface becomes `keep u + from_normal f`, where f is the impact speed (both no
-        /// unit). With a [spin](super::Body::with_spin), `-keep` is the tangential restitution: 1 of
-        /// Garwin's ideal superball, 0 where it sticks. In the plane, u is counted along the normal turned
-        /// left; on a line and in space `from_normal` is 0.
+        /// A linear law, as identified from experiments: the velocity u with which the touching
+        /// points slide along the surface becomes `keep u + from_normal f`, where f is the impact
+        /// speed (both no unit). With a [spin](super::Body::with_spin), `-keep` is the tangential
+        /// restitution: 1 of Garwin's ideal superball, 0 where it sticks. In the plane, u is
+        /// counted along the normal turned left; on a line and in space `from_normal` is 0.
         with_linear_map(keep: f64, from_normal: f64) =>
             tangential = Tangential::Linear { keep, from_normal };
     }
 
     /// Lets bodies come to rest at it. A hit then ends its step at the surface, and rebounds with e
-    /// times the approach at the *start* of the step; a body that does not approach at the start and
-    /// would end behind the surface settles there; and one that is at rest there stays as long as
-    /// the net acceleration points into it, which is no hit. Bounces die out, as those of a real
+    /// times the approach at the *start* of the step; a body that does not approach at the start
+    /// and would end behind the surface settles there; and one that is at rest there stays as long
+    /// as the net acceleration points into it, which is no hit. Bounces die out, as those of a real
     /// ball do, instead of settling at a height that the step makes; the law errs on the side of
     /// slower rebounds. See the [module](super).
     #[must_use]
@@ -158,13 +158,14 @@ impl Surface {
         }
     }
 
-    /// Refuses a linear map that adds energy in a contact of a [mobility](super::contact::ContactPair::mobility).
+    /// Refuses a linear map that adds energy in a contact of a
+    /// [mobility](super::contact::ContactPair::mobility).
     pub(super) fn check_energy(&self, obstacle: &str, mobility: f64) -> Result<(), SceneError> {
         let Tangential::Linear { keep, from_normal } = self.tangential else { return Ok(()) };
         let e = self.restitution.map_or(0.0, |e| e.value());
-        // Spin and sliding share u: the angular momentum about the touching points stays, and the rest of
-        // the energy is m (f² + u²/k)/2. The largest singular value of [[e, 0], [from_normal/√k, keep]] is
-        // at most 1.
+        // Spin and sliding share u: the angular momentum about the touching points stays, and the
+        // rest of the energy is m (f² + u²/k)/2. The largest singular value of [[e, 0],
+        // [from_normal/√k, keep]] is at most 1.
         let square = from_normal * from_normal / mobility;
         let (trace, det) = (e * e + square + keep * keep, e * keep);
         if trace - det * det <= 1.0 + 1e-12 && det.abs() <= 1.0 && trace.is_finite() {

@@ -44,13 +44,14 @@ impl Stated {
 impl Scene {
     /// The scene as a hybrid system. For a body `puck` in the plane, its states are `puck x`,
     /// `puck y` (m), `puck vx` and `puck vy` (m/s), its inputs `puck ax` and `puck ay` (m/s²); its
-    /// choices are the contacts, such as `puck at wall`, and `a and b` for two bodies. After those of all
-    /// bodies, a body with spin has the state `puck spin` (rad/s) and the input `puck torque` (N m).
+    /// choices are the contacts, such as `puck at wall`, and `a and b` for two bodies. After those
+    /// of all bodies, a body with spin has the state `puck spin` (rad/s) and the input
+    /// `puck torque` (N m).
     ///
     /// A convex obstacle has a transition `beyond k` for each face k, in front of which the whole
     /// step stays, and `hit k`, or `stick k` and `slip ... k`, for each face to bounce off. With a
-    /// single face they are `clear`, `hit`, `stick`, `slip ...`. A surface with rest adds `settle` and `rest`,
-    /// or with friction `settle, stick`, `rest, slip ...` and so on.
+    /// single face they are `clear`, `hit`, `stick`, `slip ...`. A surface with rest adds `settle`
+    /// and `rest`, or with friction `settle, stick`, `rest, slip ...` and so on.
     ///
     /// # Errors
     ///
@@ -214,8 +215,8 @@ impl Scene {
     }
 }
 
-/// A contact with a single face holds its body outside at every sample: by its domain if that can say
-/// it, otherwise by a limit.
+/// A contact with a single face holds its body outside at every sample: by its domain if that can
+/// say it, otherwise by a limit.
 fn outside(
     scene: &Scene,
     contact: &ContactPair,

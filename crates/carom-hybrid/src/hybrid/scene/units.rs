@@ -1,9 +1,9 @@
-//! The units in which a scene is computed: a power of two as the unit of length, another one as that of time,
-//! and an origin among its bodies.
+//! The units in which a scene is computed: a power of two as the unit of length, another one as
+//! that of time, and an origin among its bodies.
 //!
-//! Tolerances of contacts, rows and sets are absolute, and mean something for numbers of an ordinary size.
-//! A scene of another size, or far from the origin of its map, is restated before anything is computed; what is
-//! found is in the user's units again. Masses stay as they are.
+//! Tolerances of contacts, rows and sets are absolute, and mean something for numbers of an
+//! ordinary size. A scene of another size, or far from the origin of its map, is restated before
+//! anything is computed; what is found is in the user's units again. Masses stay as they are.
 
 use super::axes::AXES;
 use super::body::{Body, Shape, Spin};

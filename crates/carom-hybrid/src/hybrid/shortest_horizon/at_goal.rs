@@ -7,7 +7,8 @@ use crate::interval::Interval;
 use crate::tolerance::FEASIBILITY;
 
 impl HybridSystem {
-    /// A run without steps whose only sample is in two regions, if the middle of what their ranges share is one.
+    /// A run without steps whose only sample is in two regions, if the middle of what their ranges
+    /// share is one.
     pub(super) fn common_sample(
         &self,
         first: &Region,

@@ -37,8 +37,8 @@ impl Guess {
         }
     }
 
-    /// Searches the coarser grid, if there is one, for a plan that takes about as long as some steps, with
-    /// a share of the remaining time.
+    /// Searches the coarser grid, if there is one, for a plan that takes about as long as some
+    /// steps, with a share of the remaining time.
     pub(super) fn ask<B: HorizonModel + ?Sized>(
         builder: &B,
         steps: usize,
@@ -52,7 +52,8 @@ impl Guess {
         options.time_limit = token.left().map(|left| left / SHARE);
         if let (Some(own), Some(coarse)) = (builder.time_step(), coarser.time_step()) {
             let most = (AS_LONG * steps as f64 * own / coarse).ceil() as usize + 1;
-            // A search that is as long as the one it helps does not help, nor one on ever coarser grids.
+            // A search that is as long as the one it helps does not help, nor one on ever coarser
+            // grids.
             if most >= steps {
                 return Ok(nothing);
             }

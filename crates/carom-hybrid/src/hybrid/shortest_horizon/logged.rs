@@ -1,4 +1,5 @@
-//! The shortest horizon of a family of programs: the search, and behind it the logs, if they are asked for.
+//! The shortest horizon of a family of programs: the search, and behind it the logs, if they are
+//! asked for.
 
 use super::HorizonModel;
 use super::event::HorizonEvent;

@@ -12,7 +12,8 @@ const NODES: u64 = 200;
 /// The share of the remaining time that a look may take.
 const SHARE: u32 = 8;
 
-/// How many times longer than an open horizon the longest is that is looked at, and how many steps more.
+/// How many times longer than an open horizon the longest is that is looked at, and how many steps
+/// more.
 const LONGER: (usize, usize) = (4, 16);
 
 /// The time of a look.
@@ -21,8 +22,8 @@ pub(super) fn look_token(token: &StopToken) -> StopToken {
 }
 
 impl<B: HorizonModel + ?Sized> Search<'_, B> {
-    /// Decides a horizon by a look. `false` if that is not enough; the horizon is then open for a full
-    /// search.
+    /// Decides a horizon by a look. `false` if that is not enough; the horizon is then open for a
+    /// full search.
     pub(super) fn look(&mut self, steps: usize) -> Result<bool, Error> {
         let open = self.undecided.len();
         self.attempt(steps, Some(NODES))?;
@@ -31,8 +32,8 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         Ok(is_decided)
     }
 
-    /// Looks for a plan of more steps than an open horizon has: one more, two, four, ...; and then in the
-    /// middle between the open horizon and the plan, as long as that finds a shorter one.
+    /// Looks for a plan of more steps than an open horizon has: one more, two, four, ...; and then
+    /// in the middle between the open horizon and the plan, as long as that finds a shorter one.
     pub(super) fn look_above(&mut self, open: usize) -> Result<(), Error> {
         let (mut below, mut more) = (open, 1);
         let longest = (LONGER.0 * open + LONGER.1).min(self.options.max_steps);

@@ -69,8 +69,8 @@ pub trait HorizonModel {
     /// Reach sets of the system that the programs describe, with the same start and goal; `None` by
     /// default.
     ///
-    /// They refute most horizons before a program is built. Every solution of a program must be a run
-    /// of the system.
+    /// They refute most horizons before a program is built. Every solution of a program must be a
+    /// run of the system.
     ///
     /// # Errors
     ///
@@ -93,12 +93,13 @@ pub trait HorizonModel {
         false
     }
 
-    /// The solution whose states are the run of its inputs: the same one by default, or a corrected one.
+    /// The solution whose states are the run of its inputs: the same one by default, or a corrected
+    /// one.
     ///
     /// # Errors
     ///
-    /// A [`RunError::Drift`](crate::hybrid::RunError::Drift) if there is none leaves the horizon open; any
-    /// other error ends the search.
+    /// A [`RunError::Drift`](crate::hybrid::RunError::Drift) if there is none leaves the horizon
+    /// open; any other error ends the search.
     #[doc(hidden)]
     fn settled(
         &self,
@@ -128,8 +129,8 @@ pub trait HorizonModel {
     }
 
     /// Hands a program with a hybrid system to `statements`, for the
-    /// [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the options; by
-    /// default it does not, and then such options are refused.
+    /// [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the
+    /// options; by default it does not, and then such options are refused.
     fn with_hybrid(
         &self,
         program: &mut Self::Program,
@@ -138,9 +139,9 @@ pub trait HorizonModel {
         let _ = (program, statements);
     }
 
-    /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps the
-    /// binaries of transitions may be needed. A good guess saves most of a search; a bad one only costs
-    /// time.
+    /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps
+    /// the binaries of transitions may be needed. A good guess saves most of a search; a bad one
+    /// only costs time.
     #[doc(hidden)]
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Self::Program> + '_>> {
         None

@@ -14,9 +14,10 @@ pub struct ShortestOptions {
     /// The largest horizon tried, in steps (`1..=`[`MAX_STEPS`](crate::tolerance::MAX_STEPS));
     /// default 10 000.
     pub max_steps: usize,
-    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time. The limits of the
-    /// solver's own [`Options`](crate::solver::Options) are those of each solve, of which a search makes many: with
-    /// a time limit there alone, a search may take many times as long.
+    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time. The
+    /// limits of the solver's own [`Options`](crate::solver::Options) are those of each solve, of
+    /// which a search makes many: with a time limit there alone, a search may take many times as
+    /// long.
     pub time_limit: Option<Duration>,
     /// Stops the search and the current solve.
     pub interrupt: Interrupt,

@@ -35,8 +35,9 @@ pub enum Verdict {
     Refuted(Refutation),
     /// The solver stopped without a point and without a proof.
     Undecided(Termination),
-    /// The program that was restricted to the modes of a plan on a coarser grid has no plan, or none was found in
-    /// time. Nothing is said about the horizon: it is solved without the restriction next.
+    /// The program that was restricted to the modes of a plan on a coarser grid has no plan, or
+    /// none was found in time. Nothing is said about the horizon: it is solved without the
+    /// restriction next.
     NotAsGuessed,
 }
 
@@ -115,8 +116,8 @@ impl Attempt {
     }
 }
 
-/// The log of a horizon that [`Options::with_proof`](crate::solver::Options::with_proof) has asked for, with a report
-/// if there is one.
+/// The log of a horizon that [`Options::with_proof`](crate::solver::Options::with_proof) has asked
+/// for, with a report if there is one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct HorizonProof {
@@ -124,8 +125,9 @@ pub struct HorizonProof {
     pub steps: usize,
     /// The file of its log: `steps_000007.proof` in the folder of the option for 7 steps.
     pub path: PathBuf,
-    /// The report on the log. `None` if there is none: a limit or an interrupt came first, the solver writes
-    /// none, or the solve of the horizon's own program came to another answer than the search.
+    /// The report on the log. `None` if there is none: a limit or an interrupt came first, the
+    /// solver writes none, or the solve of the horizon's own program came to another answer than
+    /// the search.
     pub report: Option<ProofReport>,
 }
 
@@ -170,8 +172,8 @@ fn seconds(steps: usize, time_step: f64) -> String {
     format!("{} s", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// The outcome of a search for the shortest horizon: of a system, of a scene, of the paper's vehicle, or
-/// of any [`HorizonModel`](super::HorizonModel).
+/// The outcome of a search for the shortest horizon: of a system, of a scene, of the paper's
+/// vehicle, or of any [`HorizonModel`](super::HorizonModel).
 ///
 /// `{}` prints what is proved, with the law and the time step that it is about.
 #[derive(Debug, Clone)]
@@ -188,11 +190,11 @@ pub struct Shortest<P> {
     /// The largest horizon, in steps, that is proved infeasible together with every smaller one: by
     /// reach sets or by a solver, each separately or (if waiting is free) by monotonicity.
     pub refuted_steps: Option<usize>,
-    /// Δt of the time-stepped law, in s: what is found and what is refuted is said of it. `None` if the
-    /// search does not know it.
+    /// Δt of the time-stepped law, in s: what is found and what is refuted is said of it. `None` if
+    /// the search does not know it.
     pub time_step: Option<f64>,
-    /// Whether waiting is free, and why: whether smaller horizons were refuted by monotonicity or each
-    /// separately.
+    /// Whether waiting is free, and why: whether smaller horizons were refuted by monotonicity or
+    /// each separately.
     pub waiting: Waiting,
     /// The reach sets that were used, for further questions.
     pub sets: Option<ReachSets>,
@@ -201,19 +203,21 @@ pub struct Shortest<P> {
     /// Every refuted horizon and every solve, in order. Restricted programs without a point are
     /// undecided.
     pub attempts: Vec<Attempt>,
-    /// The horizons that are open because the solver's plan is not the run of its inputs and could not be
-    /// corrected, with why. Their verdict is undecided.
+    /// The horizons that are open because the solver's plan is not the run of its inputs and could
+    /// not be corrected, with why. Their verdict is undecided.
     pub drifts: Vec<(usize, RunError)>,
-    /// The logs that [`Options::with_proof`](crate::solver::Options::with_proof) of the solver has asked for,
-    /// in ascending order: one for each horizon up to `refuted_steps`, and one for `steps`, each about the
-    /// program as the model states it. The plan is then the point in its log. Empty without that option.
+    /// The logs that [`Options::with_proof`](crate::solver::Options::with_proof) of the solver has
+    /// asked for, in ascending order: one for each horizon up to `refuted_steps`, and one for
+    /// `steps`, each about the program as the model states it. The plan is then the point in its
+    /// log. Empty without that option.
     pub proofs: Vec<HorizonProof>,
     /// Wall-clock time of the search, building included and logs not.
     pub time: Duration,
-    /// Whether the start is in the goal, so that no step is needed. A plan has at least one step; `steps` and `plan`
-    /// are then the shortest one that ends in the goal again. Known of systems, scenes and the paper's vehicle, for
-    /// starts of which one in the goal is easily found, and with missions if they hold after no step; `false` with
-    /// windows and rows, of which nothing is known.
+    /// Whether the start is in the goal, so that no step is needed. A plan has at least one step;
+    /// `steps` and `plan` are then the shortest one that ends in the goal again. Known of systems,
+    /// scenes and the paper's vehicle, for starts of which one in the goal is easily found, and
+    /// with missions if they hold after no step; `false` with windows and rows, of which nothing is
+    /// known.
     pub starts_in_goal: bool,
     /// Whether the limit of the whole search has stopped it.
     pub(super) is_time_up: bool,
@@ -321,7 +325,8 @@ impl<P> Shortest<P> {
         self.attempts.iter().filter(|attempt| matches!(attempt.verdict, Verdict::Refuted(_)))
     }
 
-    /// The horizons whose claim is to be believed without a complete log: all of them if none was asked for.
+    /// The horizons whose claim is to be believed without a complete log: all of them if none was
+    /// asked for.
     pub fn unlogged(&self) -> impl Iterator<Item = usize> + '_ {
         let is_logged = |steps: &usize| {
             let at = self.proofs.binary_search_by_key(steps, |proof| proof.steps);

@@ -1,8 +1,9 @@
-//! The logs of a search, for another program to check: one for each refuted horizon and one for the plan.
+//! The logs of a search, for another program to check: one for each refuted horizon and one for the
+//! plan.
 //!
-//! Behind a search, the program of each horizon is solved as the model states it, without what sets say about
-//! it, and that solve writes its proof. So the sets, the argument that waiting is free and the tightened
-//! programs of the search need not be trusted.
+//! Behind a search, the program of each horizon is solved as the model states it, without what sets
+//! say about it, and that solve writes its proof. So the sets, the argument that waiting is free
+//! and the tightened programs of the search need not be trusted.
 
 use std::borrow::Borrow;
 use std::fs;
@@ -18,8 +19,8 @@ use crate::model::Model;
 use crate::solution::Solution;
 use crate::solver::{MipStart, Solver, StopToken};
 
-/// Runs a search whose own solves write no logs, and tells it the folder in which the solver was asked for
-/// them, which is made if it is missing.
+/// Runs a search whose own solves write no logs, and tells it the folder in which the solver was
+/// asked for them, which is made if it is missing.
 ///
 /// # Errors
 ///
@@ -95,8 +96,8 @@ impl<'a> HorizonLogs<'a> {
         Ok(self.proofs)
     }
 
-    /// Solves the program of the plan once more, as the model states it, and writes its log. The plan
-    /// is then the point in the log.
+    /// Solves the program of the plan once more, as the model states it, and writes its log. The
+    /// plan is then the point in the log.
     pub(super) fn repeat<B: HorizonModel + ?Sized>(
         &mut self,
         builder: &B,
@@ -124,8 +125,8 @@ impl<'a> HorizonLogs<'a> {
         Ok(())
     }
 
-    /// Solves the program of a horizon and writes its log. Returns the solution if it is the answer that the
-    /// log is for.
+    /// Solves the program of a horizon and writes its log. Returns the solution if it is the answer
+    /// that the log is for.
     ///
     /// # Errors
     ///

@@ -17,8 +17,8 @@ impl HybridSystem {
     /// Finds the smallest number of steps in which the system gets from a start to a goal, and
     /// refutes all smaller numbers.
     ///
-    /// Rows, [reach sets](crate::hybrid::reach) and the question whether waiting is free all come from
-    /// this statement of the system.
+    /// Rows, [reach sets](crate::hybrid::reach) and the question whether waiting is free all come
+    /// from this statement of the system.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -44,8 +44,8 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// The errors of [`HybridSystem::check`] and of [`HybridSystem::region`]; [`ErrorKind::OutOfRange`]
-    /// for a start or a goal outside the domains; errors of the solver;
+    /// The errors of [`HybridSystem::check`] and of [`HybridSystem::region`];
+    /// [`ErrorKind::OutOfRange`] for a start or a goal outside the domains; errors of the solver;
     /// those of [`HybridSystem::certify`] for a plan that is not what the system states.
     #[doc(alias("minimum time", "time-optimal"))]
     pub fn shortest(
@@ -61,7 +61,8 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// Those of [`shortest`](HybridSystem::shortest); [`ErrorKind::OutOfRange`] for a bad `max_steps`.
+    /// Those of [`shortest`](HybridSystem::shortest); [`ErrorKind::OutOfRange`] for a bad
+    /// `max_steps`.
     pub fn shortest_with(
         &self,
         start: impl IntoRegion,

@@ -1,5 +1,5 @@
-//! The search without logs: reach sets first; then short looks, so that a plan is at hand early; then galloping and
-//! bisection if waiting is free, otherwise an ascent.
+//! The search without logs: reach sets first; then short looks, so that a plan is at hand early;
+//! then galloping and bisection if waiting is free, otherwise an ascent.
 
 use std::borrow::{Borrow, BorrowMut};
 
@@ -126,8 +126,8 @@ pub(super) struct Search<'a, B: HorizonModel + ?Sized> {
     pub(super) attempts: Vec<Attempt>,
     /// Horizons whose point is no run, and why.
     drifts: Vec<(usize, RunError)>,
-    /// How many of the attempts came before the search proper: the first ascent by forward sets, and
-    /// looks at longer horizons.
+    /// How many of the attempts came before the search proper: the first ascent by forward sets,
+    /// and looks at longer horizons.
     pub(super) ascended: usize,
     /// Every horizon up to this one was tried, in ascending order.
     ascent: usize,

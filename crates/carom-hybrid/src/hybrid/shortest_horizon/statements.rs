@@ -38,9 +38,10 @@ impl fmt::Debug for Statements {
 impl ShortestOptions {
     /// Requires every run to be in a region at given samples, as [`HybridProgram::require`] does.
     ///
-    /// A window may reach beyond the end of a run; what is left of it counts. A run that ends before
-    /// the first sample of a window does not meet it, so the shortest run may be longer. Since
-    /// windows depend on the step, waiting is not free, and every smaller horizon is refuted separately.
+    /// A window may reach beyond the end of a run; what is left of it counts. A run that ends
+    /// before the first sample of a window does not meet it, so the shortest run may be longer.
+    /// Since windows depend on the step, waiting is not free, and every smaller horizon is refuted
+    /// separately.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -67,8 +68,8 @@ impl ShortestOptions {
     /// logic over the states, inputs and transitions of the system.
     ///
     /// The callback is called for each horizon that is solved. Nothing is known of what it adds, so
-    /// waiting is not free, and every smaller horizon is refuted separately. Sets still refute what the
-    /// system alone cannot do.
+    /// waiting is not free, and every smaller horizon is refuted separately. Sets still refute what
+    /// the system alone cannot do.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -99,12 +100,13 @@ impl ShortestOptions {
     }
 
     /// Requires every run to do what a mission says, as
-    /// [`require_mission`](HybridProgram::require_mission) does: the shortest horizon is that at which the
-    /// mission is true.
+    /// [`require_mission`](HybridProgram::require_mission) does: the shortest horizon is that at
+    /// which the mission is true.
     ///
-    /// Samples beyond the end of a run make nothing true, so a horizon for which windows are too long is
-    /// refuted: an *eventually* must be true in time, and an *always* holds when its window is over, or at once
-    /// if that is open, as in `always(0..)`. Waiting is not free, and every smaller horizon is refuted separately.
+    /// Samples beyond the end of a run make nothing true, so a horizon for which windows are too
+    /// long is refuted: an *eventually* must be true in time, and an *always* holds when its window
+    /// is over, or at once if that is open, as in `always(0..)`. Waiting is not free, and every
+    /// smaller horizon is refuted separately.
     ///
     /// ```
     /// use carom::hybrid::Mission;
@@ -130,7 +132,8 @@ impl ShortestOptions {
         self
     }
 
-    /// Sets how the programs of all horizons are lowered: their conditions, disjunctions and choices.
+    /// Sets how the programs of all horizons are lowered: their conditions, disjunctions and
+    /// choices.
     #[must_use]
     pub fn with_reformulation(mut self, reformulation: Reformulation) -> Self {
         self.statements.reformulation = Some(reformulation);
@@ -143,7 +146,8 @@ impl ShortestOptions {
         !windows.is_empty() || !rows.is_empty() || !missions.is_empty()
     }
 
-    /// Whether a start is in the goal, and missions hold after no step. Nothing is known with windows and rows.
+    /// Whether a start is in the goal, and missions hold after no step. Nothing is known with
+    /// windows and rows.
     pub(crate) fn start_in_goal(
         &self,
         system: &HybridSystem,
@@ -229,8 +233,8 @@ impl ShortestOptions {
     }
 }
 
-/// The part of a window in a run of some steps; `None` if it begins after the end. An empty window is
-/// returned as it is.
+/// The part of a window in a run of some steps; `None` if it begins after the end. An empty window
+/// is returned as it is.
 fn within(when: &When, steps: usize) -> Option<When> {
     let clipped = |window: &RangeInclusive<usize>| match window.is_empty() {
         // It is refused as it is.

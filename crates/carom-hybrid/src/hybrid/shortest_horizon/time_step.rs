@@ -108,9 +108,9 @@ pub struct LeastTimeStep {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for an empty grid, for one that is not
-/// ascending, and for a bad number of steps; errors of `task`, of a start or goal that does not
-/// fit, and of the solver.
+/// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for an empty grid, for one that
+/// is not ascending, and for a bad number of steps; errors of `task`, of a start or goal that does
+/// not fit, and of the solver.
 pub fn least_time_step<R: IntoRegion>(
     task: impl Fn(f64) -> Result<(HybridSystem, R, R), Error>,
     grid: &TimeStepGrid,

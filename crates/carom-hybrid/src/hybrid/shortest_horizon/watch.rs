@@ -22,9 +22,10 @@ impl fmt::Debug for Watch {
 }
 
 impl ShortestOptions {
-    /// Sets who is told what the search does: which horizons are refuted, which one is solved, its bound and
-    /// nodes. A [`Log`] writes that for people. It holds for every search with these options: of systems, scenes,
-    /// robust plans and the paper's vehicle. Events come on the thread of the search.
+    /// Sets who is told what the search does: which horizons are refuted, which one is solved, its
+    /// bound and nodes. A [`Log`] writes that for people. It holds for every search with these
+    /// options: of systems, scenes, robust plans and the paper's vehicle. Events come on the thread
+    /// of the search.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -62,13 +63,13 @@ impl ShortestOptions {
 }
 
 impl HorizonEvent {
-    /// Writes the line of this event to a log, see
-    /// [`ShortestOptions::with_progress`]: how many steps are refuted by reach sets; what each solve has
-    /// decided; and about once a second at first, later less often, the solve at work.
+    /// Writes the line of this event to a log, see [`ShortestOptions::with_progress`]: how many
+    /// steps are refuted by reach sets; what each solve has decided; and about once a second at
+    /// first, later less often, the solve at work.
     ///
-    /// The columns of the solve at work are: its number of steps, up to how many steps are refuted, the fewest steps
-    /// for which there is a plan, nodes processed, nodes open, the bound of the solve, and seconds since the search
-    /// began.
+    /// The columns of the solve at work are: its number of steps, up to how many steps are refuted,
+    /// the fewest steps for which there is a plan, nodes processed, nodes open, the bound of the
+    /// solve, and seconds since the search began.
     pub fn record<W: Write>(&self, log: &mut Log<W>) {
         match self {
             HorizonEvent::Started { steps: _, refuted, feasible } => {

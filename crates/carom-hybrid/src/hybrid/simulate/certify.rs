@@ -1,5 +1,5 @@
-//! The certificate of a run: every step, from the run's own samples, satisfies what is stated, and the samples
-//! are where the inputs lead from the first one.
+//! The certificate of a run: every step, from the run's own samples, satisfies what is stated, and
+//! the samples are where the inputs lead from the first one.
 
 use super::condition::{Slack, tightest};
 use super::error::RunError;
@@ -33,8 +33,8 @@ pub struct RunCertificate {
     /// Largest violation of a condition, in its unit; 0 if none is violated.
     pub largest_violation: f64,
     /// Largest difference between a sample and the state to which the transitions and inputs lead
-    /// from the first sample alone, in the states' units. It is computed in as many digits as that needs;
-    /// unstable flows amplify small residuals.
+    /// from the first sample alone, in the states' units. It is computed in as many digits as that
+    /// needs; unstable flows amplify small residuals.
     pub drift: f64,
     /// The number of events.
     pub events: usize,
@@ -44,13 +44,13 @@ pub struct RunCertificate {
 
 impl HybridSystem {
     /// Checks a run against the system as it is stated: replays each step from the run's own
-    /// samples and compares domains, limits, guards, ranges, modes, dwell times, events, next states
-    /// and outputs. This shares no code with the rows of programs.
+    /// samples and compares domains, limits, guards, ranges, modes, dwell times, events, next
+    /// states and outputs. This shares no code with the rows of programs.
     ///
     /// At a tie, a run may take any of the possible transitions.
     ///
-    /// A run is one from its start: the samples must also be near those to which its transitions and inputs
-    /// lead from the first sample, computed in many digits.
+    /// A run is one from its start: the samples must also be near those to which its transitions
+    /// and inputs lead from the first sample, computed in many digits.
     ///
     /// # Errors
     ///
@@ -58,10 +58,10 @@ impl HybridSystem {
     /// states: next states and outputs differ by more than [`tolerance::REPLAY`], or a condition is
     /// violated by more than that and [`tolerance::FEASIBILITY`] together; beyond a magnitude of
     /// 1000 both grow in proportion, and for domains that are not of an ordinary size (some 0.02 to
-    /// 2e6) they are relative to the domain. [`RunError::Drift`] if a sample is farther from the run of the
-    /// inputs than [`tolerance::REPLAY`] a step and [`tolerance::DRIFT`] of the state's domain.
-    /// [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run
-    /// of another system. The errors of [`HybridSystem::check`].
+    /// 2e6) they are relative to the domain. [`RunError::Drift`] if a sample is farther from the
+    /// run of the inputs than [`tolerance::REPLAY`] a step and [`tolerance::DRIFT`] of the state's
+    /// domain. [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run of another system.
+    /// The errors of [`HybridSystem::check`].
     ///
     /// [`tolerance::DRIFT`]: crate::tolerance::DRIFT
     /// [`tolerance::REPLAY`]: crate::tolerance::REPLAY
@@ -111,15 +111,15 @@ impl HybridSystem {
     }
 }
 
-/// The difference of two values of a state that a tolerance of 1 allows, in the state's unit: that of its domain,
-/// and more for large numbers.
+/// The difference of two values of a state that a tolerance of 1 allows, in the state's unit: that
+/// of its domain, and more for large numbers.
 fn difference_scale(measure: Measure, first: f64, second: f64) -> f64 {
     measure.scale * margin_scale(measure.inward(first).abs(), measure.inward(second))
 }
 
 impl SystemVariables {
-    /// Reads a solution and [certifies](HybridSystem::certify) its run: a solution whose run is not what
-    /// the system states is an error.
+    /// Reads a solution and [certifies](HybridSystem::certify) its run: a solution whose run is not
+    /// what the system states is an error.
     pub fn certified(&self, solution: &Solution) -> Result<(HybridRun, RunCertificate), Error> {
         let run = self.read(solution)?;
         let certificate = match self.coordinates().is_plain() {

@@ -83,8 +83,8 @@ pub(super) struct Slack {
     pub(super) condition: Condition,
     /// In the condition's unit; negative if it is violated.
     pub(super) slack: f64,
-    /// The violation that a tolerance of 1 allows, in the condition's unit: more than 1 for large numbers, and
-    /// that of the domains in the condition where these are not of an ordinary size.
+    /// The violation that a tolerance of 1 allows, in the condition's unit: more than 1 for large
+    /// numbers, and that of the domains in the condition where these are not of an ordinary size.
     pub(super) scale: f64,
     /// The violation that rounding of numbers far from 0 explains, in the condition's unit.
     pub(super) rounding: f64,

@@ -1,9 +1,9 @@
 //! Numbers with as many digits as the run of an unstable system needs.
 //!
-//! Most runs need no more than floats with a bound of their rounding. Beyond, a value is a sum of floats that
-//! do not overlap (J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
-//! predicates", Discrete & Computational Geometry 18, 1997, sections 2.4 and 2.8). Only so many are kept; what
-//! is dropped is added up.
+//! Most runs need no more than floats with a bound of their rounding. Beyond, a value is a sum of
+//! floats that do not overlap (J. R. Shewchuk, "Adaptive precision floating-point arithmetic and
+//! fast robust geometric predicates", Discrete & Computational Geometry 18, 1997, sections 2.4 and
+//! 2.8). Only so many are kept; what is dropped is added up.
 
 use crate::sum::{exact_product, exact_sum};
 

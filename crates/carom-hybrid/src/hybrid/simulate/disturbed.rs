@@ -18,10 +18,11 @@ use crate::interval::Interval;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DisturbedRun {
-    /// States, inputs and transitions of the run, up to where it ends: a run that no transition continues has
-    /// fewer samples than the plan.
+    /// States, inputs and transitions of the run, up to where it ends: a run that no transition
+    /// continues has fewer samples than the plan.
     pub run: HybridRun,
-    /// Whether it took the transitions of the plan in every step, to the tolerances of certificates.
+    /// Whether it took the transitions of the plan in every step, to the tolerances of
+    /// certificates.
     pub kept: bool,
     /// The first step in which it took another transition or ended.
     pub deviation: Option<usize>,
@@ -55,13 +56,13 @@ impl HybridSystem {
         drawn
     }
 
-    /// Flies a planned run in a disturbed world: the inputs are those of the plan, corrected by the feedback
-    /// with a gain, and `draw` says what happens within each range, in every step for each uncertain parameter
-    /// and each disturbance of the system.
+    /// Flies a planned run in a disturbed world: the inputs are those of the plan, corrected by the
+    /// feedback with a gain, and `draw` says what happens within each range, in every step for each
+    /// uncertain parameter and each disturbance of the system.
     ///
-    /// A plan of a [robust program](crate::hybrid::HybridProgram::robust) keeps its transitions and conditions
-    /// under every draw; another one may not. Where the planned transition is not possible, the run takes one
-    /// that is.
+    /// A plan of a [robust program](crate::hybrid::HybridProgram::robust) keeps its transitions and
+    /// conditions under every draw; another one may not. Where the planned transition is not
+    /// possible, the run takes one that is.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -86,12 +87,13 @@ impl HybridSystem {
     ///
     /// # Arguments
     ///
-    /// * `gain`: K of the feedback `u = v + K (x - z)`, a row for each input and a column for each state.
+    /// * `gain`: K of the feedback `u = v + K (x - z)`, a row for each input and a column for each
+    ///   state.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Shape`] for a gain of another size; [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for
-    /// a run of another system.
+    /// [`ErrorKind::Shape`] for a gain of another size; [`ErrorKind::UnknownName`] and
+    /// [`ErrorKind::Length`] for a run of another system.
     pub fn fly(
         &self,
         plan: &HybridRun,

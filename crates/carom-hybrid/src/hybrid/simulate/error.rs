@@ -87,8 +87,8 @@ pub enum RunError {
         /// The largest allowed difference, in the same unit.
         allowed: f64,
     },
-    /// The samples leave the run to which the inputs and transitions lead from the first one, because the
-    /// system multiplies what they miss.
+    /// The samples leave the run to which the inputs and transitions lead from the first one,
+    /// because the system multiplies what they miss.
     #[error(
         "the run is not certified: the plan lives on violations within the tolerance: {violation:.0e} at \
          step {step} grows to {drift:.2e} (state `{state}` at sample {sample}), more than {allowed:.0e}; \

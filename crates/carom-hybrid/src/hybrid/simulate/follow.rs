@@ -12,8 +12,8 @@ use crate::hybrid::system::HybridSystem;
 pub(crate) enum Followed {
     /// It is the run of its inputs, up to what is allowed.
     AsPlanned,
-    /// It leaves that run. These runs have the same transitions and other inputs, and need not keep what is
-    /// stated.
+    /// It leaves that run. These runs have the same transitions and other inputs, and need not keep
+    /// what is stated.
     Leaves(Vec<HybridRun>, RunError),
 }
 
@@ -22,7 +22,8 @@ impl HybridSystem {
     ///
     /// # Arguments
     ///
-    /// * `start`: the first sample as it is stated, of which that of the run may be off by a tolerance.
+    /// * `start`: the first sample as it is stated, of which that of the run may be off by a
+    ///   tolerance.
     pub(crate) fn follow(&self, run: &HybridRun, start: &[f64]) -> Result<Followed, Error> {
         let plan = PlannedRun::new(self, run)?;
         let inputs = plan.inputs_within();

@@ -1,11 +1,12 @@
 //! Simulators of hybrid systems as they are stated.
 //!
 //! They work in `f64` and share no code with the rows of programs, so they check plans
-//! independently: [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) evaluates flows,
-//! guards and resets and says which transitions were possible, and
-//! [`HybridSystem::certify`](crate::hybrid::HybridSystem::certify) does the same for a given run. What
-//! happens inside a step, [scenes](crate::hybrid::scene) locate. Whether a plan is the run of its inputs is
-//! decided in as many digits as that needs (`open_run.rs`), and its inputs are corrected by `track.rs`.
+//! independently: [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) evaluates
+//! flows, guards and resets and says which transitions were possible, and
+//! [`HybridSystem::certify`](crate::hybrid::HybridSystem::certify) does the same for a given run.
+//! What happens inside a step, [scenes](crate::hybrid::scene) locate. Whether a plan is the run of
+//! its inputs is decided in as many digits as that needs (`open_run.rs`), and its inputs are
+//! corrected by `track.rs`.
 
 mod certify;
 mod condition;

@@ -1,9 +1,9 @@
-//! The run to which inputs and transitions lead from a start, in as many digits as it needs, and by how much
-//! a plan's samples differ from it.
+//! The run to which inputs and transitions lead from a start, in as many digits as it needs, and by
+//! how much a plan's samples differ from it.
 //!
-//! A sample of a plan may miss the next state by a tolerance. The flow of an unstable system multiplies that
-//! miss at every further step, so it can carry a plan to where no input leads. This is seen only from the
-//! start.
+//! A sample of a plan may miss the next state by a tolerance. The flow of an unstable system
+//! multiplies that miss at every further step, so it can carry a plan to where no input leads. This
+//! is seen only from the start.
 
 use super::digits::{Digits, RoundedFloat, RunNumber};
 use super::error::RunError;
@@ -115,8 +115,8 @@ pub(super) fn differences<N: RunNumber>(state: &[N], plan: &[f64]) -> Vec<f64> {
 }
 
 impl OpenRun {
-    /// The run of a plan's transitions from a start with some inputs, in so many digits that what is lost is
-    /// small beside the drift that is allowed.
+    /// The run of a plan's transitions from a start with some inputs, in so many digits that what
+    /// is lost is small beside the drift that is allowed.
     pub(super) fn of(plan: &PlannedRun<'_>, start: &[f64], inputs: &[Vec<f64>]) -> Self {
         let suffices = |run: &OpenRun| {
             run.lost.iter().enumerate().all(|(sample, lost)| {
@@ -153,8 +153,8 @@ impl OpenRun {
         run
     }
 
-    /// The largest difference between a sample of the plan and the run, in the states' units. Infinite if it
-    /// has left the range of floats.
+    /// The largest difference between a sample of the plan and the run, in the states' units.
+    /// Infinite if it has left the range of floats.
     pub(super) fn largest_drift(&self) -> f64 {
         self.differences
             .iter()
@@ -163,8 +163,8 @@ impl OpenRun {
             .fold(0.0, f64::max)
     }
 
-    /// Where the plan differs from the run by more than is allowed: the sample and the state at which it does
-    /// so the most beside what is allowed there, the difference, and what is allowed.
+    /// Where the plan differs from the run by more than is allowed: the sample and the state at
+    /// which it does so the most beside what is allowed there, the difference, and what is allowed.
     pub(super) fn worst(&self, plan: &PlannedRun<'_>) -> Option<Departure> {
         let mut worst: Option<(f64, Departure)> = None;
         for (sample, (differences, lost)) in self.differences.iter().zip(&self.lost).enumerate() {

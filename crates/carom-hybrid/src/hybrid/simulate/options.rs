@@ -7,24 +7,26 @@ use crate::setters::setters;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SimulationOptions {
-    /// Modes, how long they have lasted and the number of events at the first sample. The mode of a choice
-    /// that is not named is open, and its first transition decides.
+    /// Modes, how long they have lasted and the number of events at the first sample. The mode of a
+    /// choice that is not named is open, and its first transition decides.
     pub memory: Memory,
-    /// The transitions that are taken, by name: a list per step with an entry per choice. The run ends
-    /// where one of them is not possible. In the steps after the last list, the only possible ones are
-    /// taken.
+    /// The transitions that are taken, by name: a list per step with an entry per choice. The run
+    /// ends where one of them is not possible. In the steps after the last list, the only possible
+    /// ones are taken.
     pub transitions: Vec<Vec<String>>,
     /// The disturbance that is added to the next state, by step; none after the last entry.
     pub disturbances: Vec<Vec<f64>>,
     /// By how much a condition may be violated, in its unit; 1e-9 by default, for rounding. Beyond
     /// a magnitude of 1000 it grows in proportion.
     pub tolerance: f64,
-    /// Whether the first transition is taken where several are possible that lead to different states or
-    /// modes and nothing says which, instead of an error; false by default. With several choices it is the
-    /// first combination whose next state is allowed, where the last choice varies first.
+    /// Whether the first transition is taken where several are possible that lead to different
+    /// states or modes and nothing says which, instead of an error; false by default. With several
+    /// choices it is the first combination whose next state is allowed, where the last choice
+    /// varies first.
     pub first_possible: bool,
-    /// Whether a run ends where a domain or a limit of the system is violated; true by default. A plant goes
-    /// on beyond what is allowed: guards, ranges of inputs and modes still say what is possible.
+    /// Whether a run ends where a domain or a limit of the system is violated; true by default. A
+    /// plant goes on beyond what is allowed: guards, ranges of inputs and modes still say what is
+    /// possible.
     pub keeps_limits: bool,
     /// Whether another transition is taken where one that is named is not possible.
     pub(crate) prefers: bool,
@@ -48,15 +50,15 @@ impl SimulationOptions {
     setters! {
         /// Sets the modes, how long they have lasted and the number of events at the first sample.
         with_memory(memory: Memory) => memory = memory;
-        /// Sets the transitions that are taken, by name: a list per step with an entry per choice, as
-        /// [`Simulation::taken`](super::Simulation::taken) returns them.
+        /// Sets the transitions that are taken, by name: a list per step with an entry per choice,
+        /// as [`Simulation::taken`](super::Simulation::taken) returns them.
         with_transitions(transitions: Vec<Vec<String>>) => transitions = transitions;
         /// Sets what is added to the next state, by step, in the states' units.
         with_disturbances(disturbances: Vec<Vec<f64>>) => disturbances = disturbances;
         /// Sets by how much a condition may be violated, in its unit; finite, at least 0.
         with_tolerance(tolerance: f64) => tolerance = tolerance;
-        /// Sets whether the first of several possible transitions is taken where they lead to different
-        /// states or modes, instead of an error.
+        /// Sets whether the first of several possible transitions is taken where they lead to
+        /// different states or modes, instead of an error.
         with_first_possible(first_possible: bool) => first_possible = first_possible;
         /// Sets whether a run ends where a domain or a limit of the system is violated.
         with_limits(keeps_limits: bool) => keeps_limits = keeps_limits;

@@ -13,19 +13,21 @@ use crate::hybrid::system::{Coordinates, HybridSystem, Transition};
 use crate::interval::Interval;
 
 impl HybridSystem {
-    /// Simulates the system from a state, with the default [`SimulationOptions`]: where nothing says which
-    /// transitions are taken, the only possible ones are. Each step says which ones were possible.
+    /// Simulates the system from a state, with the default [`SimulationOptions`]: where nothing
+    /// says which transitions are taken, the only possible ones are. Each step says which ones were
+    /// possible.
     ///
-    /// Where several are possible that lead to different states or modes, an error says so, because the run
-    /// that is taken may not be the one that was meant: a step of a controller is simulated as the whole
-    /// [`Move`](crate::hybrid::Move), which has the transitions of its plan. At a tie on a boundary that their
-    /// guards share, the first one is taken.
+    /// Where several are possible that lead to different states or modes, an error says so, because
+    /// the run that is taken may not be the one that was meant: a step of a controller is simulated
+    /// as the whole [`Move`](crate::hybrid::Move), which has the transitions of its plan. At a tie
+    /// on a boundary that their guards share, the first one is taken.
     ///
     /// # Arguments
     ///
     /// * `state`: the first sample, an entry per state.
-    /// * `decided`: the input of every step, an entry per input of the system; or a move. Conditions then hold
-    ///   to the tolerance of plans, and those of domains and limits only if the move is admissible.
+    /// * `decided`: the input of every step, an entry per input of the system; or a move.
+    ///   Conditions then hold to the tolerance of plans, and those of domains and limits only if
+    ///   the move is admissible.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -51,9 +53,9 @@ impl HybridSystem {
     /// # Errors
     ///
     /// Those of [`HybridSystem::check`]; [`ErrorKind::Length`] and [`ErrorKind::NotFinite`] for the
-    /// state and the inputs; [`ErrorKind::Other`] with [`DeadEnd::Ambiguous`] as its source for a step in
-    /// which nothing says what is taken. A state or an input that the system does not allow is no error: the
-    /// simulation ends there, and [`Simulation::dead_end`] says why.
+    /// state and the inputs; [`ErrorKind::Other`] with [`DeadEnd::Ambiguous`] as its source for a
+    /// step in which nothing says what is taken. A state or an input that the system does not allow
+    /// is no error: the simulation ends there, and [`Simulation::dead_end`] says why.
     ///
     /// [`DeadEnd::Ambiguous`]: super::DeadEnd::Ambiguous
     pub fn simulate<D: Decisions + ?Sized>(
@@ -64,8 +66,8 @@ impl HybridSystem {
         self.simulate_with(state, decided, &SimulationOptions::default())
     }
 
-    /// Simulates the system with first modes, planned transitions or disturbances. Where the options and a
-    /// move both name transitions or a memory, those of the options count.
+    /// Simulates the system with first modes, planned transitions or disturbances. Where the
+    /// options and a move both name transitions or a memory, those of the options count.
     ///
     /// # Errors
     ///

@@ -105,8 +105,8 @@ pub enum DeadEnd {
         /// The transition and the condition that it violates; `None` if it does not exist.
         candidate: Option<Candidate>,
     },
-    /// Several transitions of a choice are possible that lead to different states or modes, and nothing says
-    /// which one is taken. It is the source of an error, not the end of a run.
+    /// Several transitions of a choice are possible that lead to different states or modes, and
+    /// nothing says which one is taken. It is the source of an error, not the end of a run.
     Ambiguous {
         /// The step.
         step: usize,
@@ -198,7 +198,8 @@ pub struct Simulation {
     pub inputs: Vec<Vec<f64>>,
     /// The record of every step that was taken.
     pub steps: Vec<SimulatedStep>,
-    /// The memory of the run at the last sample that was reached: modes, how long they have lasted, events.
+    /// The memory of the run at the last sample that was reached: modes, how long they have lasted,
+    /// events.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Memory,
     /// Why the run ended early, if it did.
@@ -221,8 +222,8 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Other`](crate::error::ErrorKind::Other) with the [`DeadEnd`] as its source if the run ended
-    /// before the last input.
+    /// [`ErrorKind::Other`](crate::error::ErrorKind::Other) with the [`DeadEnd`] as its source if
+    /// the run ended before the last input.
     pub fn end(&self) -> Result<Vec<f64>, Error> {
         match &self.dead_end {
             Some(dead_end) => Err(Error::other(dead_end.clone())),

@@ -47,7 +47,8 @@ struct Way<'a> {
 struct PossibleMoves {
     /// How many are possible.
     moves: usize,
-    /// The first of these, or the least violating one if there is none; `None` if there were too many to try.
+    /// The first of these, or the least violating one if there is none; `None` if there were too
+    /// many to try.
     best: Option<Combination>,
     /// Another possible one that leads elsewhere.
     rival: Option<Vec<usize>>,
@@ -75,7 +76,8 @@ impl<'a> Stepper<'a> {
     ///
     /// # Errors
     ///
-    /// [`DeadEnd::Ambiguous`] as the source of an error, unless the options allow the first possible one.
+    /// [`DeadEnd::Ambiguous`] as the source of an error, unless the options allow the first
+    /// possible one.
     pub(super) fn take(&self, plan: &[Option<&str>]) -> Result<Result<Taken, DeadEnd>, Error> {
         let (step, tolerance) = (self.start.step, self.options.tolerance);
         if self.options.keeps_limits
@@ -209,8 +211,8 @@ impl<'a> Stepper<'a> {
         Ok(all)
     }
 
-    /// Whether two combinations lead to different states or modes, and not only because they meet at a boundary
-    /// of their guards.
+    /// Whether two combinations lead to different states or modes, and not only because they meet
+    /// at a boundary of their guards.
     fn leads_elsewhere(
         &self,
         ways: &[Vec<Way<'a>>],
@@ -247,8 +249,8 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The transitions that are possible alone, by choice, where a plan names one only this one; or why it is
-    /// not possible.
+    /// The transitions that are possible alone, by choice, where a plan names one only this one; or
+    /// why it is not possible.
     fn named(
         &self,
         plan: &[Option<&str>],

@@ -1,9 +1,10 @@
 //! Inputs that keep a run at its plan.
 //!
 //! The differences between a run and its plan follow the plan's transitions, and a linear-quadratic
-//! regulator over the horizon keeps them small: a Riccati recursion backward (B. D. O. Anderson, J. B. Moore,
-//! "Optimal Control: Linear Quadratic Methods", 1990, section 2.4, with an affine part), and the run itself
-//! forward. So states are functions of the inputs that are applied, however unstable the system is.
+//! regulator over the horizon keeps them small: a Riccati recursion backward (B. D. O. Anderson, J.
+//! B. Moore, "Optimal Control: Linear Quadratic Methods", 1990, section 2.4, with an affine part),
+//! and the run itself forward. So states are functions of the inputs that are applied, however
+//! unstable the system is.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -15,12 +16,12 @@ use super::plan::PlannedRun;
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
-/// The difference from the plan that costs as much as an input's whole freedom, relative to the drift that is
-/// allowed (no unit).
+/// The difference from the plan that costs as much as an input's whole freedom, relative to the
+/// drift that is allowed (no unit).
 const CLOSENESS: f64 = 0.1;
 
-/// The least freedom of an input, relative to the width of its range (no unit): at an end of it, there is
-/// hardly any.
+/// The least freedom of an input, relative to the width of its range (no unit): at an end of it,
+/// there is hardly any.
 const LEAST_FREEDOM: f64 = 1e-9;
 
 /// The feedback of a step: `δu = gain . e + shift`.
@@ -65,8 +66,8 @@ impl PlannedRun<'_> {
         self.inputs.iter().enumerate().map(of).collect()
     }
 
-    /// A run from a start whose inputs differ from the plan's as far as that keeps its states near to the
-    /// plan's. `None` if numbers leave the range of floats.
+    /// A run from a start whose inputs differ from the plan's as far as that keeps its states near
+    /// to the plan's. `None` if numbers leave the range of floats.
     pub(super) fn tracked(&self, start: &[f64], freedom: Freedom) -> Option<TrackedRun> {
         let ranges: Vec<Vec<Interval>> =
             (0..self.inputs.len()).map(|step| self.input_ranges(step)).collect();
@@ -95,8 +96,8 @@ impl PlannedRun<'_> {
         Some(run)
     }
 
-    /// The feedbacks of all steps. The difference from the plan is `e⁺ = A e + B δu + r`, where r is what the
-    /// plan misses, and the cost of being off is `e'We + δu'R δu` in each step.
+    /// The feedbacks of all steps. The difference from the plan is `e⁺ = A e + B δu + r`, where r
+    /// is what the plan misses, and the cost of being off is `e'We + δu'R δu` in each step.
     fn feedbacks(
         &self,
         planned: &[Vec<f64>],

@@ -35,9 +35,9 @@ impl Halfspace {
 }
 
 impl HybridSystem {
-    /// The system as it is from a step on: ranges of inputs, limits, guards, resets and outputs that
-    /// depend on the step are those of that step at step 0. For the programs of a
-    /// [moving horizon](crate::hybrid::RecedingHorizon::moving).
+    /// The system as it is from a step on: ranges of inputs, limits, guards, resets and outputs
+    /// that depend on the step are those of that step at step 0. For the programs of a [moving
+    /// horizon](crate::hybrid::RecedingHorizon::moving).
     ///
     /// ```
     /// use carom::prelude::*;

@@ -23,9 +23,10 @@ impl HybridSystem {
     /// [`ErrorKind::Shape`], [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
     /// [`ErrorKind::CrossedBounds`], [`ErrorKind::DuplicateName`], [`ErrorKind::UnknownName`];
     /// [`ErrorKind::OutOfRange`] for a system without states or transitions, for several choices
-    /// without a common flow, for numbers of 1e20 and more in magnitude, and for a domain or a range so
-    /// far from 0 that the digits of a float do not tell its points apart; [`ErrorKind::Misplaced`] for a
-    /// guard on the prediction of a state whose flow another choice changes as well.
+    /// without a common flow, for numbers of 1e20 and more in magnitude, and for a domain or a
+    /// range so far from 0 that the digits of a float do not tell its points apart;
+    /// [`ErrorKind::Misplaced`] for a guard on the prediction of a state whose flow another choice
+    /// changes as well.
     pub fn check(&self) -> Result<(), Error> {
         check_time_step(self.time_step)?;
         at_least_one("states", self.states.len())?;
@@ -78,8 +79,8 @@ impl HybridSystem {
         self.check_predictions()
     }
 
-    /// Refuses guards on predictions that another choice makes wrong: each choice predicts by the common flow and
-    /// what it changes itself, and the step adds what the others change.
+    /// Refuses guards on predictions that another choice makes wrong: each choice predicts by the
+    /// common flow and what it changes itself, and the step adds what the others change.
     fn check_predictions(&self) -> Result<(), Error> {
         let Some(common) = self.flow.as_ref().filter(|_| self.choices.len() > 1) else {
             return Ok(());

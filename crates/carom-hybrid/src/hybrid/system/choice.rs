@@ -45,7 +45,8 @@ pub struct Choice {
     pub(crate) dwells: Vec<Dwell>,
     /// Whether overlaps are meant; see [`HybridSystem::expect`](super::HybridSystem::expect).
     pub is_free: bool,
-    /// Whether gaps and dead ends are meant; see [`HybridSystem::expect`](super::HybridSystem::expect).
+    /// Whether gaps and dead ends are meant; see
+    /// [`HybridSystem::expect`](super::HybridSystem::expect).
     pub may_end: bool,
 }
 

@@ -197,9 +197,10 @@ impl HybridSystem {
         Ok(Some((input, ranges.into())))
     }
 
-    /// A region of states, as rows: `[x.equals(0.0), v.within(-1.0, 1.0)]`. Rows may combine states,
-    /// and modes are stated as `on.equals(1.0)`, or `(on + starting).equals(1.0)` for either of them. Discs
-    /// are stated as `norm([x - 4.0, y - 1.0]).le(0.5)`; [`SystemRow`] is either of both.
+    /// A region of states, as rows: `[x.equals(0.0), v.within(-1.0, 1.0)]`. Rows may combine
+    /// states, and modes are stated as `on.equals(1.0)`, or `(on + starting).equals(1.0)` for
+    /// either of them. Discs are stated as `norm([x - 4.0, y - 1.0]).le(0.5)`; [`SystemRow`] is
+    /// either of both.
     ///
     /// # Errors
     ///

@@ -1,10 +1,11 @@
 //! The coordinates in which a system is computed, so that units and origins change nothing.
 //!
-//! Rows, sets, tubes and terminal sets have absolute tolerances, which mean something for numbers of an ordinary
-//! size only. So a system is restated, once, with each state and input measured from the middle of its domain in
-//! a power of two of the domain's width, and each condition in the unit of its terms. Domains of an ordinary size
-//! and place keep the user's numbers. Certificates and simulations read the system as it is stated; of all this
-//! they know the measures alone, which scale their tolerances.
+//! Rows, sets, tubes and terminal sets have absolute tolerances, which mean something for numbers
+//! of an ordinary size only. So a system is restated, once, with each state and input measured from
+//! the middle of its domain in a power of two of the domain's width, and each condition in the unit
+//! of its terms. Domains of an ordinary size and place keep the user's numbers. Certificates and
+//! simulations read the system as it is stated; of all this they know the measures alone, which
+//! scale their tolerances.
 
 use faer::Mat;
 
@@ -103,8 +104,8 @@ impl Coordinates {
         sum.value()
     }
 
-    /// The power of two by which a condition with these factors is multiplied, so that its largest factor in
-    /// these coordinates is near 1: 1 where nothing in it has a unit of its own.
+    /// The power of two by which a condition with these factors is multiplied, so that its largest
+    /// factor in these coordinates is near 1: 1 where nothing in it has a unit of its own.
     pub(crate) fn weight<'a>(&self, parts: impl IntoIterator<Item = &'a [f64]>) -> f64 {
         let (mut largest, mut is_plain) = (0.0_f64, true);
         for part in parts {
@@ -131,8 +132,9 @@ impl Coordinates {
         LinearSystem::new(a, b, (0..n).map(constant).collect::<Vec<f64>>())
     }
 
-    /// The constant of a row of a map from states, or states and inputs, to states: `(row . origins + constant -
-    /// origin of the state) / scale`, without the last origin for a part that is added to a state.
+    /// The constant of a row of a map from states, or states and inputs, to states:
+    /// `(row . origins + constant - origin of the state) / scale`, without the last origin for a
+    /// part that is added to a state.
     fn kept(&self, state: usize, row: &[f64], constant: f64, is_whole: bool) -> f64 {
         let mut sum = Sum::new(constant);
         for (k, &factor) in row.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {

@@ -40,7 +40,8 @@ impl HybridSystem {
     /// // The drive is off until step 3.
     /// let u = cart.input("u", 0.0, [vec![0.0; 3], vec![1.0]].concat())?; // m/s
     /// cart.mode("roll")?.next([x.is(x + 0.5 * u)])?;
-    /// let found = cart.shortest([x.equals(0.0)], [x.equals(1.0)], &mut BranchAndBound::default())?;
+    /// let mut solver = BranchAndBound::default();
+    /// let found = cart.shortest([x.equals(0.0)], [x.equals(1.0)], &mut solver)?;
     /// assert_eq!(found.steps, Some(5));
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -70,10 +71,10 @@ impl HybridSystem {
     }
 
     /// Declares a series: a number that is known for each step, such as a price, a reference or the
-    /// place of a moving wall. The last value goes on for ever. A series can stand wherever a constant
-    /// can, and as a factor in the costs of a [program](HybridSystem::program). In a flow it becomes an
-    /// input of its name that has one value in each step: plans have it among their inputs, and
-    /// simulations are given it with them.
+    /// place of a moving wall. The last value goes on for ever. A series can stand wherever a
+    /// constant can, and as a factor in the costs of a [program](HybridSystem::program). In a flow
+    /// it becomes an input of its name that has one value in each step: plans have it among their
+    /// inputs, and simulations are given it with them.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -111,8 +112,8 @@ impl HybridSystem {
     }
 
     /// Declares an output, such as an impact speed: transitions say what it is by
-    /// [`TransitionMut::output`]. With several choices it is the sum of theirs, and 0 in transitions that
-    /// do not say it.
+    /// [`TransitionMut::output`]. With several choices it is the sum of theirs, and 0 in
+    /// transitions that do not say it.
     ///
     /// # Errors
     ///
@@ -122,9 +123,9 @@ impl HybridSystem {
         Ok(self.handles.of(Meaning::Output(name.to_owned())))
     }
 
-    /// Adds a limit on the states at every sample, or on states and inputs in every step. It could be
-    /// dropped: explanations name it, and say whether dropping it would help. The row may limit a
-    /// length:
+    /// Adds a limit on the states at every sample, or on states and inputs in every step. It could
+    /// be dropped: explanations name it, and say whether dropping it would help. The row may limit
+    /// a length:
     ///
     /// ```
     /// use carom::model::norm;
@@ -148,7 +149,8 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::Misplaced`] for a row that is not of states, inputs and series;
     /// [`ErrorKind::ForeignHandle`], [`ErrorKind::EmptyRow`], [`ErrorKind::UnlimitedRow`],
-    /// [`ErrorKind::InvalidName`]. For norms and squares also those of [`Model::add`](crate::model::Model::add).
+    /// [`ErrorKind::InvalidName`]. For norms and squares also those of
+    /// [`Model::add`](crate::model::Model::add).
     pub fn limit(&mut self, name: &str, row: impl Into<SystemRow>) -> Result<(), Error> {
         check_name(name)?;
         self.add_limit(Some((name, true)), &row.into())
@@ -191,15 +193,15 @@ impl HybridSystem {
         Ok(())
     }
 
-    /// States the flow that all transitions share by the derivatives of the states, in their units per
-    /// second. States that are not named are constant. The flow over a step is exact for inputs that are
-    /// held over it (zero-order hold). Transitions can change some of the derivatives by
+    /// States the flow that all transitions share by the derivatives of the states, in their units
+    /// per second. States that are not named are constant. The flow over a step is exact for inputs
+    /// that are held over it (zero-order hold). Transitions can change some of the derivatives by
     /// [`TransitionMut::rates`].
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, and after
-    /// the first transition; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`];
+    /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, and
+    /// after the first transition; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`];
     /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
     pub fn rates<E: Into<Affine>>(
         &mut self,
@@ -208,8 +210,8 @@ impl HybridSystem {
         self.set_common(FlowKind::Rates, rates)
     }
 
-    /// States the flow that all transitions share by the next values of the states. States that are not
-    /// named stay as they are.
+    /// States the flow that all transitions share by the next values of the states. States that are
+    /// not named stay as they are.
     ///
     /// # Errors
     ///
@@ -244,9 +246,9 @@ impl HybridSystem {
         self.most_events = Some(most);
     }
 
-    /// Says what a disturbance may add to the next value of a state, in its unit. Simulations and robust
-    /// sets see it, and [robust programs](crate::hybrid::HybridProgram::robust); other programs,
-    /// refutations and certificates do not.
+    /// Says what a disturbance may add to the next value of a state, in its unit. Simulations and
+    /// robust sets see it, and [robust programs](crate::hybrid::HybridProgram::robust); other
+    /// programs, refutations and certificates do not.
     ///
     /// # Errors
     ///

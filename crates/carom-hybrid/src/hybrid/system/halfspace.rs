@@ -2,8 +2,8 @@
 
 use super::schedule::Schedule;
 
-/// A named half-space `normal . (state, input) <= limit`; without coefficients of inputs, it does not
-/// depend on them.
+/// A named half-space `normal . (state, input) <= limit`; without coefficients of inputs, it does
+/// not depend on them.
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

@@ -34,21 +34,23 @@ impl State {
         State { variable }
     }
 
-    /// The value at the end of the step that the flow predicts, before a reset, in the state's unit.
-    /// For guards, resets and outputs.
+    /// The value at the end of the step that the flow predicts, before a reset, in the state's
+    /// unit. For guards, resets and outputs.
     ///
-    /// With several choices, each predicts by its own flow: the common one with what the choice changes about
-    /// it, without what the others do. So a guard on the prediction of a state whose flow another choice changes
-    /// as well is [refused](crate::hybrid::HybridSystem::check); resets and outputs are functions of what their own
-    /// choice predicts, and resets of other choices come after it.
+    /// With several choices, each predicts by its own flow: the common one with what the choice
+    /// changes about it, without what the others do. So a guard on the prediction of a state whose
+    /// flow another choice changes as well is [refused](crate::hybrid::HybridSystem::check); resets
+    /// and outputs are functions of what their own choice predicts, and resets of other choices
+    /// come after it.
     pub fn predicted(self) -> Variable {
         // The prediction is declared right after its state.
         self.variable.successor()
     }
 
-    /// An entry of [`rates`](crate::hybrid::HybridSystem::rates), [`next`](crate::hybrid::HybridSystem::next) or
-    /// [`reset`](crate::hybrid::TransitionMut::reset): the state with its derivative, its next value or its value
-    /// after the reset.
+    /// An entry of [`rates`](crate::hybrid::HybridSystem::rates),
+    /// [`next`](crate::hybrid::HybridSystem::next) or
+    /// [`reset`](crate::hybrid::TransitionMut::reset): the state with its derivative, its next
+    /// value or its value after the reset.
     pub fn is(self, value: impl Into<Affine>) -> (State, Affine) {
         (self, value.into())
     }
@@ -111,7 +113,8 @@ pub(crate) enum Meaning {
     Series(String, Schedule<f64>),
     /// Whether a choice, by its number, is in a mode.
     InMode(usize, String),
-    /// Whether the mode of a choice, by its number, acts in a step: it is the one that is entered or kept.
+    /// Whether the mode of a choice, by its number, acts in a step: it is the one that is entered
+    /// or kept.
     Acting(usize, String),
     /// Whether a choice, by its number, takes a transition, by its number in the choice.
     Taken(usize, usize),

@@ -1,16 +1,16 @@
 //! The range of an input in a step: the one rule for rows, sets, simulations and questions.
 //!
-//! A transition may set a range of an input, in place of the system's. A choice limits an input if one
-//! of its transitions sets a range of it, or if no transition of any choice does; its transitions
-//! that set none then leave the system's range. An input lies in the ranges of all choices that limit
-//! it.
+//! A transition may set a range of an input, in place of the system's. A choice limits an input if
+//! one of its transitions sets a range of it, or if no transition of any choice does; its
+//! transitions that set none then leave the system's range. An input lies in the ranges of all
+//! choices that limit it.
 
 use super::{Choice, HybridSystem, Transition};
 use crate::interval::Interval;
 
 impl HybridSystem {
-    /// The range that a transition of a choice leaves to an input in a step; `None` if the choice does
-    /// not limit the input. The system has been checked.
+    /// The range that a transition of a choice leaves to an input in a step; `None` if the choice
+    /// does not limit the input. The system has been checked.
     pub(crate) fn input_range(
         &self,
         choice: &Choice,

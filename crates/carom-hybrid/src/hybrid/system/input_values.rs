@@ -79,12 +79,13 @@ fn check_list(name: &str, list: &[f64]) -> Result<(), Error> {
 }
 
 impl HybridSystem {
-    /// Declares an input that takes one of some values in each step, in the input's unit: a gear, a valve
-    /// that is open or shut (`[0.0, 1.0]`), a motor with three speeds. Everything else is as for an
-    /// [`input`](HybridSystem::input) from the least to the largest of them.
+    /// Declares an input that takes one of some values in each step, in the input's unit: a gear, a
+    /// valve that is open or shut (`[0.0, 1.0]`), a motor with three speeds. Everything else is as
+    /// for an [`input`](HybridSystem::input) from the least to the largest of them.
     ///
-    /// Programs choose among the values, and simulations and certificates refuse others. Reach sets, refutations and
-    /// [flaws](HybridSystem::flaws) see the range. A feedback cannot correct such an input.
+    /// Programs choose among the values, and simulations and certificates refuse others. Reach
+    /// sets, refutations and [flaws](HybridSystem::flaws) see the range. A feedback cannot correct
+    /// such an input.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -119,8 +120,8 @@ impl HybridSystem {
         self.finite_input(name, lower, upper, InputValues::Listed(list))
     }
 
-    /// Declares an input that takes whole numbers, as [`input_from`](HybridSystem::input_from). Either end is a
-    /// number or a list by step, as for [`input`](HybridSystem::input).
+    /// Declares an input that takes whole numbers, as [`input_from`](HybridSystem::input_from).
+    /// Either end is a number or a list by step, as for [`input`](HybridSystem::input).
     ///
     /// ```
     /// use carom::prelude::*;
@@ -141,7 +142,8 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// As for [`input`](HybridSystem::input); [`ErrorKind::OutOfRange`] for a range without a whole number.
+    /// As for [`input`](HybridSystem::input); [`ErrorKind::OutOfRange`] for a range without a whole
+    /// number.
     pub fn integer_input(
         &mut self,
         name: &str,

@@ -13,8 +13,8 @@ pub enum StatedRegion {
     Region(Region),
 }
 
-/// A statement of where a run must be: rows such as `[x.equals(0.0), v.within(-1.0, 1.0)]`, a disc such as
-/// `norm([x - 4.0, y - 1.0]).le(0.5)`, rows and discs as a pair of lists, or a [`Region`].
+/// A statement of where a run must be: rows such as `[x.equals(0.0), v.within(-1.0, 1.0)]`, a disc
+/// such as `norm([x - 4.0, y - 1.0]).le(0.5)`, rows and discs as a pair of lists, or a [`Region`].
 ///
 /// ```
 /// use carom::model::norm;

@@ -141,9 +141,9 @@ impl LinearComplementarity {
 }
 
 impl HybridSystem {
-    /// A linear complementarity system, with steps of `time_step` seconds. The forces are inputs, after
-    /// the others, and each of them is a choice with its name: `free` without force, and `pressed` with
-    /// a closed gap, as by [`complementarity`](HybridSystem::complementarity).
+    /// A linear complementarity system, with steps of `time_step` seconds. The forces are inputs,
+    /// after the others, and each of them is a choice with its name: `free` without force, and
+    /// `pressed` with a closed gap, as by [`complementarity`](HybridSystem::complementarity).
     ///
     /// # Errors
     ///
@@ -182,8 +182,9 @@ impl HybridSystem {
         Ok(system)
     }
 
-    /// Adds a complementarity `0 <= force ⟂ gap >= 0`: a choice with the mode `free`, in which the force
-    /// is 0, and the mode `pressed`, in which the gap is. The common flow says what the force does.
+    /// Adds a complementarity `0 <= force ⟂ gap >= 0`: a choice with the mode `free`, in which the
+    /// force is 0, and the mode `pressed`, in which the gap is. The common flow says what the force
+    /// does.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -193,7 +194,7 @@ impl HybridSystem {
     /// let x = cart.state("x", -2.0, 2.0)?; // m
     /// let v = cart.state("v", -3.0, 3.0)?; // m/s
     /// let u = cart.input("push", -1.0, 1.0)?; // N
-    /// let [left, right] = [cart.input("left", 0.0, 100.0)?, cart.input("right", 0.0, 100.0)?]; // N
+    /// let [left, right] = [cart.input("left", 0.0, 100.0)?, cart.input("right", 0.0, 100.0)?];
     /// cart.rates([x.is(v), v.is(u + left - right)])?;
     /// cart.complementarity("left", left, 0.01 * left + 1.0 + x)?;
     /// cart.complementarity("right", right, 0.01 * right + 1.0 - x)?;

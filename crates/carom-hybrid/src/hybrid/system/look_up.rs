@@ -83,8 +83,8 @@ impl HybridSystem {
         found.ok_or_else(|| Error::unknown_name(name, "transition of the choice"))
     }
 
-    /// The handle of a mode with memory, by the names of its choice and its own: 1 at the samples in the
-    /// mode, 0 at the others.
+    /// The handle of a mode with memory, by the names of its choice and its own: 1 at the samples
+    /// in the mode, 0 at the others.
     ///
     /// # Errors
     ///
@@ -107,7 +107,8 @@ impl HybridSystem {
         found.ok_or_else(|| Error::unknown_name(name, "output of the system"))
     }
 
-    /// The names of the outputs: those that transitions state, in their order, and then those that none states.
+    /// The names of the outputs: those that transitions state, in their order, and then those that
+    /// none states.
     pub(crate) fn output_names(&self) -> Vec<String> {
         let stated = self.transitions().flat_map(|transition| &transition.outputs);
         let stated = stated.map(|output| output.name.as_str());

@@ -4,9 +4,10 @@ use super::HybridSystem;
 use crate::error::Error;
 use crate::interval::Interval;
 
-/// Widths of ranges that are taken as they are; 2^-6 and 2^18. Absolute tolerances are then between some 1e-4 of a
-/// range and a thousand roundings. A range may be wide only for want of a limit, and what happens in it small, so
-/// that wide ones are taken as they are for as long as the digits of a float allow.
+/// Widths of ranges that are taken as they are; 2^-6 and 2^18. Absolute tolerances are then between
+/// some 1e-4 of a range and a thousand roundings. A range may be wide only for want of a limit, and
+/// what happens in it small, so that wide ones are taken as they are for as long as the digits of a
+/// float allow.
 const ORDINARY: [f64; 2] = [0.015625, 262_144.0];
 
 /// Smaller widths become between this and twice as much.
@@ -18,12 +19,12 @@ const FROM_LARGE: f64 = 8192.0;
 /// A range whose middle is more of its widths away from 0 is measured from its middle.
 const FAR: f64 = 64.0;
 
-/// The largest share of a range's width by which two neighbouring numbers in it may differ: tolerances are
-/// not much wider.
+/// The largest share of a range's width by which two neighbouring numbers in it may differ:
+/// tolerances are not much wider.
 const RESOLUTION: f64 = 1e-7;
 
-/// The unit and the origin of a quantity: `value = origin + scale * own`, with a power of two and an origin
-/// that is a multiple of it, so that nothing is rounded by the scale.
+/// The unit and the origin of a quantity: `value = origin + scale * own`, with a power of two and
+/// an origin that is a multiple of it, so that nothing is rounded by the scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Measure {
     pub(crate) origin: f64,
@@ -44,7 +45,8 @@ impl Measure {
         Measure { origin: 0.0, scale }
     }
 
-    /// The measure of a range: the user's own numbers where the range is of an ordinary size and not far from 0.
+    /// The measure of a range: the user's own numbers where the range is of an ordinary size and
+    /// not far from 0.
     pub(crate) fn of(range: Interval) -> Self {
         let width = range.width();
         // A single value is measured by its size.
@@ -58,7 +60,8 @@ impl Measure {
         Measure::around(range, width, scale)
     }
 
-    /// The measure in a unit, from the middle of a range that is more than some of these widths away from 0.
+    /// The measure in a unit, from the middle of a range that is more than some of these widths
+    /// away from 0.
     pub(crate) fn around(range: Interval, width: f64, scale: f64) -> Self {
         let middle = 0.5 * range.lower + 0.5 * range.upper;
         let origin = match width > 0.0 && middle.abs() > FAR * width {
@@ -115,7 +118,8 @@ impl HybridSystem {
     }
 }
 
-/// Refuses a range so far from 0 that a float cannot tell its points apart. The error names the quantity.
+/// Refuses a range so far from 0 that a float cannot tell its points apart. The error names the
+/// quantity.
 pub(crate) fn check_digits(name: &str, range: Interval) -> Result<(), Error> {
     let (far, width) = (range.magnitude(), range.width());
     if width > 0.0 && far.is_finite() && far.next_up() - far > RESOLUTION * width {

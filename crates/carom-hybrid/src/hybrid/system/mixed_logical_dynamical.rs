@@ -24,10 +24,10 @@ pub(super) const MOST_COMBINATIONS: usize = 4096;
 /// ```
 ///
 /// with states x, outputs y, inputs u, binaries δ and continuous auxiliaries z. Each group of
-/// variables is given with its columns of the first and the last line. A binary input is one of the binaries, with its columns of B1
-/// in B2 and of -E1 in E2; the planner chooses it, so declare the choice
-/// [free](HybridSystem::expect). A binary state is a state from 0 to 1 that starts and
-/// is kept at 0 or 1.
+/// variables is given with its columns of the first and the last line. A binary input is one of the
+/// binaries, with its columns of B1 in B2 and of -E1 in E2; the planner chooses it, so declare the
+/// choice [free](HybridSystem::expect). A binary state is a state from 0 to 1 that starts and is
+/// kept at 0 or 1.
 ///
 /// ```
 /// use carom::hybrid::{HybridSystem, MixedLogicalDynamical};
@@ -38,7 +38,11 @@ pub(super) const MOST_COMBINATIONS: usize = 4096;
 /// let system = HybridSystem::mixed_logical_dynamical(
 ///     1.0,
 ///     &MixedLogicalDynamical::new([0.0], [10.0, 0.0, 0.0, 0.0, 10.0, 10.0])
-///         .with_states([("x", range.clone())], [[-0.8]], [[1.0], [-1.0], [0.0], [0.0], [1.0], [-1.0]])
+///         .with_states(
+///             [("x", range.clone())],
+///             [[-0.8]],
+///             [[1.0], [-1.0], [0.0], [0.0], [1.0], [-1.0]],
+///         )
 ///         .with_inputs([("u", -1.0..=1.0)], [[1.0]], [[0.0]; 6])
 ///         .with_binaries(1, [[0.0]], [[10.0], [-10.0], [-10.0], [-10.0], [10.0], [10.0]])
 ///         .with_auxiliaries([range], [[1.6]], [[0.0], [0.0], [1.0], [-1.0], [1.0], [-1.0]]),
@@ -237,8 +241,8 @@ impl MixedLogicalDynamical {
 }
 
 impl HybridSystem {
-    /// The system, with steps of `time_step` seconds, as one choice whose transitions are the combinations of binaries that bounds do
-    /// not exclude, named by their values, as in `010`.
+    /// The system, with steps of `time_step` seconds, as one choice whose transitions are the
+    /// combinations of binaries that bounds do not exclude, named by their values, as in `010`.
     ///
     /// The inequalities become guards. If they determine all auxiliaries in every combination, as
     /// in the usual encoding of products, the auxiliaries are eliminated. Otherwise they become

@@ -130,8 +130,8 @@ pub(crate) const MODE: &str = "mode";
 /// # Several choices
 ///
 /// With one choice, the next state is the one to which its transition leads. With several, each
-/// transition adds what it changes: if `y` is the common flow's result and `x⁺_c` the state to which
-/// the transition of choice c leads, the next state is `y + Σ_c (x⁺_c - y)`.
+/// transition adds what it changes: if `y` is the common flow's result and `x⁺_c` the state to
+/// which the transition of choice c leads, the next state is `y + Σ_c (x⁺_c - y)`.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -162,14 +162,15 @@ pub struct HybridSystem {
     /// The most events of a run, if they are limited.
     #[doc(hidden)]
     pub most_events: Option<usize>,
-    /// The range of the disturbance added to each next state; empty if there is none. Only simulations and
-    /// robust sets see it.
+    /// The range of the disturbance added to each next state; empty if there is none. Only
+    /// simulations and robust sets see it.
     #[doc(hidden)]
     pub disturbance: Vec<Interval>,
     pub(crate) handles: Handles,
     /// The common flow as it was stated.
     common: Option<FlowRows>,
-    /// Transitions, by choice and number, that have not stated a flow and take that of no other yet.
+    /// Transitions, by choice and number, that have not stated a flow and take that of no other
+    /// yet.
     unstated: Vec<(usize, usize)>,
     /// Transitions, by choice and number, with guards on predictions that were stated by handles.
     predicting: Vec<(usize, usize)>,

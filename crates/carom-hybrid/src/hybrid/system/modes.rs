@@ -70,8 +70,8 @@ impl HybridSystem {
     }
 
     /// Modes with memory: a choice that stays in a mode until it switches to another one. Say by
-    /// [`stay`](HybridSystem::stay) what holds in each, and by [`switch`](HybridSystem::switch) which
-    /// switches there are.
+    /// [`stay`](HybridSystem::stay) what holds in each, and by [`switch`](HybridSystem::switch)
+    /// which switches there are.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -122,9 +122,9 @@ impl HybridSystem {
         self.transition(&choice, &mode, Some(pair), false)
     }
 
-    /// A transition from a mode to another one of the same choice; it counts as an event. In the step
-    /// that takes it, the flow is that of the mode that it enters, unless it states its own. Its name is
-    /// `off to on`; see [`TransitionMut::named`].
+    /// A transition from a mode to another one of the same choice; it counts as an event. In the
+    /// step that takes it, the flow is that of the mode that it enters, unless it states its own.
+    /// Its name is `off to on`; see [`TransitionMut::named`].
     ///
     /// # Errors
     ///
@@ -140,9 +140,9 @@ impl HybridSystem {
         self.transition(&choice, &name, Some((from_mode, to_mode)), true)
     }
 
-    /// The handle of a mode that acts: 1 in the steps that enter the mode or stay in it, whose flow is the
-    /// mode's, and 0 in the others. The mode itself is 1 at the samples *before* the steps that stay in it
-    /// or leave it. What a mode costs in a step is written with this handle.
+    /// The handle of a mode that acts: 1 in the steps that enter the mode or stay in it, whose flow
+    /// is the mode's, and 0 in the others. The mode itself is 1 at the samples *before* the steps
+    /// that stay in it or leave it. What a mode costs in a step is written with this handle.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -171,13 +171,13 @@ impl HybridSystem {
         Ok(self.handles.of(Meaning::Acting(choice, mode)))
     }
 
-    /// Limits how long a mode lasts once it is entered: at least `least` samples in a row, and at most
-    /// `most`. A plan may begin anywhere in that time and end before it is over.
+    /// Limits how long a mode lasts once it is entered: at least `least` samples in a row, and at
+    /// most `most`. A plan may begin anywhere in that time and end before it is over.
     ///
     /// # Errors
     ///
-    /// As for [`stay`](HybridSystem::stay); [`ErrorKind::OutOfRange`] for a time below 1 sample, and for
-    /// a `most` below `least`.
+    /// As for [`stay`](HybridSystem::stay); [`ErrorKind::OutOfRange`] for a time below 1 sample,
+    /// and for a `most` below `least`.
     pub fn dwell(
         &mut self,
         mode: Variable,
@@ -191,8 +191,8 @@ impl HybridSystem {
         Ok(())
     }
 
-    /// Says which findings of [`flaws`](HybridSystem::flaws) are meant, in a choice (`mode` if there is only
-    /// one). It changes no program and no simulation.
+    /// Says which findings of [`flaws`](HybridSystem::flaws) are meant, in a choice (`mode` if
+    /// there is only one). It changes no program and no simulation.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -213,10 +213,10 @@ impl HybridSystem {
     ///
     /// # Arguments
     ///
-    /// * `overlaps`: whether several transitions may be possible at once, because the planner chooses
-    ///   among them, as among gears.
-    /// * `dead_ends`: whether there may be states and inputs at which no transition is possible, and
-    ///   states that no input keeps in the domain.
+    /// * `overlaps`: whether several transitions may be possible at once, because the planner
+    ///   chooses among them, as among gears.
+    /// * `dead_ends`: whether there may be states and inputs at which no transition is possible,
+    ///   and states that no input keeps in the domain.
     ///
     /// # Errors
     ///

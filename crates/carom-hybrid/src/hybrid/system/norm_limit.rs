@@ -4,7 +4,8 @@ use super::schedule::Schedule;
 use crate::model::{Affine, ConicRow, Norm, norm};
 use crate::sum::Sum;
 
-/// `factors . (state, input) + constant`; without coefficients of inputs, it does not depend on them.
+/// `factors . (state, input) + constant`; without coefficients of inputs, it does not depend on
+/// them.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct NormEntry {
@@ -32,7 +33,8 @@ pub(crate) struct NormLimit {
 }
 
 impl NormLimit {
-    /// The length of some entries of a vector of states, or of states and inputs, at most a constant.
+    /// The length of some entries of a vector of states, or of states and inputs, at most a
+    /// constant.
     pub(crate) fn ball(
         name: impl Into<String>,
         entries: impl IntoIterator<Item = usize>,

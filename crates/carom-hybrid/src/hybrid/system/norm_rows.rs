@@ -63,8 +63,8 @@ impl HybridSystem {
         format!("|({})| <= {}", entries.join(", "), text(bound))
     }
 
-    /// The entries and the bound of the norm that a conic row is, by a model with a variable for each
-    /// handle: there it is checked, and squares are recognised within domains and ranges.
+    /// The entries and the bound of the norm that a conic row is, by a model with a variable for
+    /// each handle: there it is checked, and squares are recognised within domains and ranges.
     fn as_norm(
         &self,
         row: &ConicRow,

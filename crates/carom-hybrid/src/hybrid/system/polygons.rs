@@ -3,7 +3,8 @@
 //! With two entries, the polygon around a disc has [`SIDES`] sides and reaches `1/cos(π/SIDES) - 1`
 //! beyond it, 2 %. With more entries there is a polygon for each pair of them: from
 //! `e_i² + e_j² <= b²` for all pairs follows `|e|² <= d/2 b²`, so that it reaches
-//! `sqrt(d/2)/cos(π/SIDES) - 1` beyond the ball. Polygons within are the same ones, smaller by that.
+//! `sqrt(d/2)/cos(π/SIDES) - 1` beyond the ball. Polygons within are the same ones, smaller by
+//! that.
 
 use std::f64::consts::TAU;
 

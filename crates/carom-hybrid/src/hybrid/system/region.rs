@@ -126,8 +126,8 @@ impl Region {
         named.peek().is_none() || named.any(|(_, allowed)| allowed == mode)
     }
 
-    /// Whether a state lies in the region, up to `tolerance` in each range, half-space and disc. Modes
-    /// are not looked at.
+    /// Whether a state lies in the region, up to `tolerance` in each range, half-space and disc.
+    /// Modes are not looked at.
     ///
     /// # Errors
     ///
@@ -149,8 +149,9 @@ impl Region {
             && self.norms.iter().all(in_disc))
     }
 
-    /// Adds rows to a model of your own that keep a sample in the region: `name[0]`, `name[1]`, ..., and
-    /// `name_disc[0]`, ... for its discs, which are not returned. Modes are left to the caller.
+    /// Adds rows to a model of your own that keep a sample in the region: `name[0]`, `name[1]`,
+    /// ..., and `name_disc[0]`, ... for its discs, which are not returned. Modes are left to the
+    /// caller.
     ///
     /// # Arguments
     ///
@@ -158,8 +159,8 @@ impl Region {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Length`]; [`ErrorKind::OutOfRange`] for a half-space of another length, or whose
-    /// normal is 0; the errors of [`Model::add`].
+    /// [`ErrorKind::Length`]; [`ErrorKind::OutOfRange`] for a half-space of another length, or
+    /// whose normal is 0; the errors of [`Model::add`].
     pub fn add<X>(
         &self,
         model: &mut Model,

@@ -16,13 +16,14 @@ use crate::model::Affine;
 const MOST_PARAMETERS: usize = 4;
 
 impl TransitionMut<'_> {
-    /// Resets states after the flow, as functions of the [predictions](State::predicted) and series.
-    /// States that are not named keep their prediction.
+    /// Resets states after the flow, as functions of the [predictions](State::predicted) and
+    /// series. States that are not named keep their prediction.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions and series, such as one
-    /// with an input, and for a second reset; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`].
+    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions and series, such
+    /// as one with an input, and for a second reset; [`ErrorKind::ForeignHandle`],
+    /// [`ErrorKind::DuplicateName`].
     pub fn reset<E: Into<Affine>>(
         mut self,
         values: impl IntoIterator<Item = (State, E)>,
@@ -36,9 +37,10 @@ impl TransitionMut<'_> {
         Ok(self)
     }
 
-    /// Adds what is not known about the next state: a parameter δ within a range that contains 0, times
-    /// functions of the [predictions](State::predicted) and series. The parameter may differ at every step
-    /// that takes the transition. With constants, it is a disturbance of this transition alone.
+    /// Adds what is not known about the next state: a parameter δ within a range that contains 0,
+    /// times functions of the [predictions](State::predicted) and series. The parameter may differ
+    /// at every step that takes the transition. With constants, it is a disturbance of this
+    /// transition alone.
     ///
     /// [Robust programs](crate::hybrid::HybridProgram::robust) plan for all its values and
     /// [robust sets](crate::hybrid::reach::SetOptions::disturbance) hold them; other programs and
@@ -64,8 +66,8 @@ impl TransitionMut<'_> {
     /// # Errors
     ///
     /// [`ErrorKind::OutOfRange`] for a range without 0 and for a fifth parameter of the transition;
-    /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`]; those of [`reset`](TransitionMut::reset)
-    /// for a value.
+    /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`]; those of
+    /// [`reset`](TransitionMut::reset) for a value.
     #[doc(alias("restitution range", "parametric uncertainty"))]
     pub fn uncertain<E: Into<Affine>>(
         mut self,
@@ -92,7 +94,8 @@ impl TransitionMut<'_> {
         Ok(self)
     }
 
-    /// Functions of predictions and series for some states; the others keep their row of the matrix.
+    /// Functions of predictions and series for some states; the others keep their row of the
+    /// matrix.
     fn by_predictions<E: Into<Affine>>(
         &mut self,
         mut matrix: Mat<f64>,

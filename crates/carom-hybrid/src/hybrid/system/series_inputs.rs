@@ -1,5 +1,5 @@
-//! Series in flows: each becomes an input that has one value in each step, because flows are linear in
-//! states and inputs, and all that knows inputs then knows it.
+//! Series in flows: each becomes an input that has one value in each step, because flows are linear
+//! in states and inputs, and all that knows inputs then knows it.
 
 use super::HybridSystem;
 use super::handles::Meaning;

@@ -33,8 +33,8 @@ pub(crate) struct Uncertain {
     pub(crate) effect: Reset,
 }
 
-/// An affine function of a transition's prediction, such as an impact speed, or of the state and the
-/// input at the start of the step.
+/// An affine function of a transition's prediction, such as an impact speed, or of the state and
+/// the input at the start of the step.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TransitionOutput {
@@ -49,8 +49,9 @@ pub(crate) struct TransitionOutput {
     pub(crate) is_at_start: bool,
 }
 
-/// One way to get from a sample to the next: from a state and an input that satisfy the guards, by the
-/// flow to a prediction that satisfies the guards on the prediction, and by the reset to the next state.
+/// One way to get from a sample to the next: from a state and an input that satisfy the guards, by
+/// the flow to a prediction that satisfies the guards on the prediction, and by the reset to the
+/// next state.
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -184,7 +185,8 @@ impl Transition {
         self
     }
 
-    /// Adds an output `factors . (x, u) + constant`; the coefficients of the inputs may be left out.
+    /// Adds an output `factors . (x, u) + constant`; the coefficients of the inputs may be left
+    /// out.
     #[must_use]
     pub fn with_start_output(
         mut self,

@@ -63,15 +63,16 @@ impl<'a> TransitionMut<'a> {
         Ok(self)
     }
 
-    /// States the flow by the derivatives of the states, in their units per second. States that are not
-    /// named have those of the [common flow](HybridSystem::rates), or are constant. The flow over a step
-    /// is exact for inputs that are held over it (zero-order hold).
+    /// States the flow by the derivatives of the states, in their units per second. States that are
+    /// not named have those of the [common flow](HybridSystem::rates), or are constant. The flow
+    /// over a step is exact for inputs that are held over it (zero-order hold).
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, next to a
-    /// common flow by next values, and for a second flow; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`];
-    /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
+    /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, next
+    /// to a common flow by next values, and for a second flow; [`ErrorKind::ForeignHandle`],
+    /// [`ErrorKind::DuplicateName`]; [`ErrorKind::OutOfRange`] for a time step that is not finite
+    /// and positive.
     pub fn rates<E: Into<Affine>>(
         self,
         rates: impl IntoIterator<Item = (State, E)>,
@@ -79,8 +80,8 @@ impl<'a> TransitionMut<'a> {
         self.flow_by(FlowKind::Rates, rates)
     }
 
-    /// States the flow by the next values of the states. States that are not named have those of the
-    /// [common flow](HybridSystem::next), or stay as they are.
+    /// States the flow by the next values of the states. States that are not named have those of
+    /// the [common flow](HybridSystem::next), or stay as they are.
     ///
     /// # Errors
     ///
@@ -92,13 +93,13 @@ impl<'a> TransitionMut<'a> {
         self.flow_by(FlowKind::NextValues, values)
     }
 
-    /// States the flow by matrices, for those who have them: `A x + B u + c` with a row for each state
-    /// and a column of B for each input, in the order of their declaration.
+    /// States the flow by matrices, for those who have them: `A x + B u + c` with a row for each
+    /// state and a column of B for each input, in the order of their declaration.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Shape`] if the numbers of states and inputs differ; [`ErrorKind::Misplaced`] for a
-    /// second flow.
+    /// [`ErrorKind::Shape`] if the numbers of states and inputs differ; [`ErrorKind::Misplaced`]
+    /// for a second flow.
     pub fn flow(mut self, flow: LinearSystem) -> Result<Self, Error> {
         self.state_flow()?;
         let (n, m) = (self.system.states.len(), self.system.inputs.len());
@@ -143,11 +144,12 @@ impl<'a> TransitionMut<'a> {
 
     /// Adds a guard: a row on the start of the step, of states, inputs and series, or a row on
     /// [predictions](State::predicted) and series. A guard on one input alone is its range in this
-    /// transition. The row may limit a length, such as a thrust within a disc, `norm([ux, uy]).le(2.0)`,
-    /// or where the transition is possible.
+    /// transition. The row may limit a length, such as a thrust within a disc,
+    /// `norm([ux, uy]).le(2.0)`, or where the transition is possible.
     ///
-    /// With several choices, predictions are those of the transition's own choice; a guard on the prediction of a
-    /// state whose flow another choice changes as well is refused when the system is [checked](HybridSystem::check).
+    /// With several choices, predictions are those of the transition's own choice; a guard on the
+    /// prediction of a state whose flow another choice changes as well is refused when the system
+    /// is [checked](HybridSystem::check).
     ///
     /// # Errors
     ///
@@ -157,11 +159,12 @@ impl<'a> TransitionMut<'a> {
         self.add(None, &row.into())
     }
 
-    /// Adds a row of states and series that holds at both ends of the step: a guard on the start and the
-    /// same guard on the [prediction](State::predicted), such as the range of speeds of a gear. Two modes whose
-    /// invariants meet in one value, `x.le(6.0)` and `x.ge(6.0)`, are left and entered exactly there: a planner
-    /// finds that step, but no run that is disturbed does. With `guard` in place of `invariant`, a step may cross
-    /// the value. With several choices, the prediction is as for [`guard`](TransitionMut::guard).
+    /// Adds a row of states and series that holds at both ends of the step: a guard on the start
+    /// and the same guard on the [prediction](State::predicted), such as the range of speeds of a
+    /// gear. Two modes whose invariants meet in one value, `x.le(6.0)` and `x.ge(6.0)`, are left
+    /// and entered exactly there: a planner finds that step, but no run that is disturbed does.
+    /// With `guard` in place of `invariant`, a step may cross the value. With several choices, the
+    /// prediction is as for [`guard`](TransitionMut::guard).
     ///
     /// # Errors
     ///
@@ -202,8 +205,8 @@ impl<'a> TransitionMut<'a> {
         self.guard(row)?.guard(predicted)
     }
 
-    /// Adds a guard that could be dropped, such as a rule of the user: explanations name it, and say
-    /// whether dropping it would help. It is never a range of an input.
+    /// Adds a guard that could be dropped, such as a rule of the user: explanations name it, and
+    /// say whether dropping it would help. It is never a range of an input.
     ///
     /// # Errors
     ///
@@ -260,8 +263,8 @@ impl<'a> TransitionMut<'a> {
         Ok(self)
     }
 
-    /// As [`guard`](TransitionMut::guard), for a row that may leave no value of an input: the transition is
-    /// then never possible.
+    /// As [`guard`](TransitionMut::guard), for a row that may leave no value of an input: the
+    /// transition is then never possible.
     pub(super) fn guard_or_never(mut self, row: Row) -> Result<Self, Error> {
         let place = self.place("a guard");
         if let Some((input, range)) = self.system.input_limits(&row, &place)? {
@@ -304,8 +307,8 @@ impl<'a> TransitionMut<'a> {
         Ok(self)
     }
 
-    /// Says what an [output](HybridSystem::output) is in this transition: a function of predictions and
-    /// series, or of states, inputs and series at the start of the step.
+    /// Says what an [output](HybridSystem::output) is in this transition: a function of predictions
+    /// and series, or of states, inputs and series at the start of the step.
     ///
     /// # Errors
     ///

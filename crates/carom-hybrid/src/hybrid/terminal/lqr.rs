@@ -29,7 +29,8 @@ const DECAY: f64 = 1e-9;
 /// The linear-quadratic regulator of a linear system: the feedback `u = K x` with the least
 /// `Σ x'Qx + u'Ru` over infinitely many steps, and that least cost `x'Px`.
 ///
-/// Around an equilibrium `(x_e, u_e)` of a system with constant part, it is `u = u_e + K (x - x_e)`.
+/// Around an equilibrium `(x_e, u_e)` of a system with constant part, it is
+/// `u = u_e + K (x - x_e)`.
 ///
 /// ```
 /// use carom::hybrid::{LinearSystem, Lqr};

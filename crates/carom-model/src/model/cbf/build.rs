@@ -67,8 +67,8 @@ fn columns(file: &CbfFile<'_>) -> Result<CbfColumns, Error> {
     Ok(columns)
 }
 
-/// Takes the rows that are bounds as such, and returns the other linear ones with their kind. A bound
-/// that contradicts those before it stays a row.
+/// Takes the rows that are bounds as such, and returns the other linear ones with their kind. A
+/// bound that contradicts those before it stays a row.
 fn take_bounds(
     file: &CbfFile<'_>,
     rows: &[CbfRow],
@@ -134,7 +134,8 @@ fn cones<'f>(file: &CbfFile<'f>, rows: &'f [CbfRow]) -> Vec<CbfCone<'f>> {
     cones
 }
 
-/// Raises the lower bounds of variables that are heads to 0, unless that contradicts their upper ones.
+/// Raises the lower bounds of variables that are heads to 0, unless that contradicts their upper
+/// ones.
 fn take_heads(cone: &CbfCone<'_>, columns: &mut CbfColumns) {
     for (_, entry) in cone.heads() {
         if let CbfEntry::Scaled(variable, factor) = *entry

@@ -96,7 +96,8 @@ impl Cones<'_> {
         added.map(|_| ()).map_err(|error| cone.place.error(error.to_string()))
     }
 
-    /// Minus twice the product of two heads as variables that are at least 0, neither of them in the tail.
+    /// Minus twice the product of two heads as variables that are at least 0, neither of them in
+    /// the tail.
     fn product(
         &mut self,
         first: &Placed<'_>,

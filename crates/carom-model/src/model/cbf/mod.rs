@@ -16,8 +16,8 @@ use crate::error::Error;
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Parse`](crate::error::ErrorKind::Parse) with the line and column of anything damaged, unknown or
-/// contradictory, and of cones that are no second-order cones.
+/// [`ErrorKind::Parse`](crate::error::ErrorKind::Parse) with the line and column of anything
+/// damaged, unknown or contradictory, and of cones that are no second-order cones.
 ///
 /// # Complexity
 ///
@@ -32,10 +32,12 @@ pub fn read(text: &str) -> Result<Read, Error> {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidName`](crate::error::ErrorKind::InvalidName) if the model's name contains a line break or
-/// another control character; [`ErrorKind::NotInFile`](crate::error::ErrorKind::NotInFile) for indicators, logic,
-/// disjunctions, functions, ordered sets and semi-continuous variables, which the lowered model no longer
-/// has; [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) for a quadratic objective that is no cone.
+/// [`ErrorKind::InvalidName`](crate::error::ErrorKind::InvalidName) if the model's name contains a
+/// line break or another control character;
+/// [`ErrorKind::NotInFile`](crate::error::ErrorKind::NotInFile) for indicators, logic,
+/// disjunctions, functions, ordered sets and semi-continuous variables, which the lowered model no
+/// longer has; [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) for a quadratic
+/// objective that is no cone.
 ///
 /// # Complexity
 ///

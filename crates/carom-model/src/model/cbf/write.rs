@@ -1,5 +1,5 @@
-//! Writing: the bounds at 0 as cones of variables, everything else as rows, every number in its shortest
-//! exact form.
+//! Writing: the bounds at 0 as cones of variables, everything else as rows, every number in its
+//! shortest exact form.
 
 use std::fmt::Write as _;
 

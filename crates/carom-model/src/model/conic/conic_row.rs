@@ -14,9 +14,9 @@ use crate::model::store::{ConicData, Model, StatementKind};
 
 /// A comparison of a norm or of a quadratic expression, not yet added to a model.
 ///
-/// Made by [`Norm::le`](super::Norm::le) and by the comparisons of [`Quadratic`]. [`Model::add`] decides
-/// whether it is a second-order cone: a convex quadratic row, or one that squares or a product on the larger
-/// side make one, such as `z.square().le(x * y)` with `x` and `y` at least 0.
+/// Made by [`Norm::le`](super::Norm::le) and by the comparisons of [`Quadratic`]. [`Model::add`]
+/// decides whether it is a second-order cone: a convex quadratic row, or one that squares or a
+/// product on the larger side make one, such as `z.square().le(x * y)` with `x` and `y` at least 0.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a conic row does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -130,7 +130,8 @@ impl Statement for ConicRow {
 }
 
 impl Model {
-    /// Checks the handles and numbers of a conic row, merges its terms, and checks that it is a cone.
+    /// Checks the handles and numbers of a conic row, merges its terms, and checks that it is a
+    /// cone.
     pub(crate) fn checked_conic(
         &self,
         conic: StoredConic,

@@ -59,22 +59,22 @@ impl Norm {
         ConicRow::new(StoredConic::Norm { entries: self.entries.clone(), bound: bound.into() })
     }
 
-    /// No model accepts this, because it is not convex; the error of [`Model::add`](crate::model::Model::add)
-    /// says what to write instead.
+    /// No model accepts this, because it is not convex; the error of
+    /// [`Model::add`](crate::model::Model::add) says what to write instead.
     pub fn ge(&self, bound: impl Into<Affine>) -> ConicRow {
         self.le(bound).refused(Refused::NormAtLeast)
     }
 
-    /// No model accepts this, because it is not convex; the error of [`Model::add`](crate::model::Model::add)
-    /// says what to write instead.
+    /// No model accepts this, because it is not convex; the error of
+    /// [`Model::add`](crate::model::Model::add) says what to write instead.
     pub fn equals(&self, value: impl Into<Affine>) -> ConicRow {
         self.le(value).refused(Refused::NormEquals)
     }
 }
 
 impl Model {
-    /// Adds a variable that is at least the Euclidean norm of some expressions, in their unit, and the norm
-    /// as a row of the same name: for costs such as fuel, and their sums.
+    /// Adds a variable that is at least the Euclidean norm of some expressions, in their unit, and
+    /// the norm as a row of the same name: for costs such as fuel, and their sums.
     ///
     /// The variable equals the norm where the objective or other rows push it down, as in
     /// `model.minimize(...)` of a sum of such variables; nothing else keeps it from being larger.
@@ -98,7 +98,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// As for [`Model::add`]; [`ErrorKind::EmptyRow`](crate::error::ErrorKind::EmptyRow) without expressions.
+    /// As for [`Model::add`]; [`ErrorKind::EmptyRow`](crate::error::ErrorKind::EmptyRow) without
+    /// expressions.
     pub fn norm<T: Into<Affine>>(
         &mut self,
         name: impl Into<Name>,

@@ -19,9 +19,9 @@ use crate::{scaling, sums};
 
 /// A quadratic expression plus multiples of norms, such as `norm([ux, uy]) + 0.5 * t`.
 ///
-/// An objective may be one, and a row may say that one is at most something. Each norm becomes a variable
-/// that is [at least the norm](Model::norm), so norms are added where a sum is pressed down, and
-/// subtracted where it is pressed up.
+/// An objective may be one, and a row may say that one is at most something. Each norm becomes a
+/// variable that is [at least the norm](Model::norm), so norms are added where a sum is pressed
+/// down, and subtracted where it is pressed up.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -56,8 +56,8 @@ impl NormSum {
         NormSum::default()
     }
 
-    /// The statement that the sum is at most an affine expression. Norms in it have weights of at least 0,
-    /// and there are no squares beside them.
+    /// The statement that the sum is at most an affine expression. Norms in it have weights of at
+    /// least 0, and there are no squares beside them.
     pub fn le(&self, bound: impl Into<Affine>) -> NormSumRow {
         NormSumRow { sum: self.clone() - bound.into() }
     }
@@ -89,7 +89,8 @@ impl NormSum {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NotConicRow`] for a norm that is pushed away from its value; those of [`Model::norm`].
+    /// [`ErrorKind::NotConicRow`] for a norm that is pushed away from its value; those of
+    /// [`Model::norm`].
     pub(in crate::model) fn with_variables(
         self,
         model: &mut Model,

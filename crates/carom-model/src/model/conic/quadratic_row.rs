@@ -29,14 +29,14 @@ impl Quadratic {
         right.into().le(self)
     }
 
-    /// No model accepts this, because it is not convex; the error of [`Model::add`](crate::model::Model::add)
-    /// says what to write instead.
+    /// No model accepts this, because it is not convex; the error of
+    /// [`Model::add`](crate::model::Model::add) says what to write instead.
     pub fn equals(&self, right: impl Into<Quadratic>) -> ConicRow {
         self.le(right).refused(Refused::QuadraticEquals)
     }
 
-    /// The row `lower <= self <= upper`. One limit must be infinite, because no quadratic expression is
-    /// convex and concave.
+    /// The row `lower <= self <= upper`. One limit must be infinite, because no quadratic
+    /// expression is convex and concave.
     pub fn within(&self, lower: f64, upper: f64) -> ConicRow {
         match (lower == f64::NEG_INFINITY, upper == f64::INFINITY) {
             (true, _) => self.le(upper),

@@ -1,9 +1,9 @@
 //! The sign of the head of a cone, as far as the bounds of the variables tell.
 //!
-//! `|tail|^2 <= head^2` is two cones, one of them the mirror image of the other, and the bounds must exclude
-//! one. They do if they show the sign of the head, or of another affine expression `f` that is positive on
-//! one cone and negative on its mirror image. With `f = a head + b'tail`, that is so if `|b| < |a|`. The
-//! bounds give such expressions, and sums of multiples of them.
+//! `|tail|^2 <= head^2` is two cones, one of them the mirror image of the other, and the bounds
+//! must exclude one. They do if they show the sign of the head, or of another affine expression `f`
+//! that is positive on one cone and negative on its mirror image. With `f = a head + b'tail`, that
+//! is so if `|b| < |a|`. The bounds give such expressions, and sums of multiples of them.
 
 use super::squares::{Completed, SumOfSquares};
 use crate::interval::Interval;
@@ -26,13 +26,15 @@ const MOST_SHEET_STEPS: usize = 200;
 /// An affine expression `along * head + across'tail`, without a constant that is at most 0.
 struct InSquares {
     along: f64,
-    /// First, for a product `u v` as `((u + v) / 2)^2 - ((u - v) / 2)^2`, that of the second square.
+    /// First, for a product `u v` as `((u + v) / 2)^2 - ((u - v) / 2)^2`, that of the second
+    /// square.
     across: Vec<f64>,
     is_below: bool,
 }
 
 impl Model {
-    /// The values that an expression can have within the bounds, and within the ranges of parameters.
+    /// The values that an expression can have within the bounds, and within the ranges of
+    /// parameters.
     #[doc(hidden)]
     pub fn range_of(&self, expression: &Affine) -> Interval {
         let mut range = Interval::point(expression.offset());
@@ -62,8 +64,9 @@ impl Model {
             || lower.is_finite() && lower >= -HEAD_ROUNDING * (sizes + expression.offset().abs())
     }
 
-    /// The sign of the only negative square or product of a sum: 1 if the root or both factors are at
-    /// least 0 where the sum is at most 0, -1 if they are at most 0; `None` if the bounds do not tell.
+    /// The sign of the only negative square or product of a sum: 1 if the root or both factors are
+    /// at least 0 where the sum is at most 0, -1 if they are at most 0; `None` if the bounds do not
+    /// tell.
     pub(super) fn sheet(&self, sum: &SumOfSquares) -> Option<f64> {
         let is_head = |completed: &&Completed| completed.is_head();
         let head = sum.completed().find(is_head)?;
@@ -131,8 +134,8 @@ fn block_variables(block: &[Completed]) -> Vec<Variable> {
 }
 
 impl InSquares {
-    /// An expression in terms of the squares of a block and of the square of a constant; `None` if they do
-    /// not make it up.
+    /// An expression in terms of the squares of a block and of the square of a constant; `None` if
+    /// they do not make it up.
     fn of(expression: &Affine, block: &[Completed], constant: f64) -> Option<Self> {
         let mut rest = expression.clone();
         let coefficient = |rest: &Affine, v: Variable| {
@@ -183,8 +186,8 @@ impl InSquares {
         tells.then(|| self.along.signum())
     }
 
-    /// Whether a sum of multiples of expressions that are at least 0 is positive on a sheet and negative on
-    /// the other one: steps towards the shortest `across` for `along` 1 (Gilbert 1966).
+    /// Whether a sum of multiples of expressions that are at least 0 is positive on a sheet and
+    /// negative on the other one: steps towards the shortest `across` for `along` 1 (Gilbert 1966).
     fn tell(known: &[InSquares], sheet: f64) -> bool {
         let (mut points, mut directions) = (Vec::new(), Vec::new());
         for one in known {

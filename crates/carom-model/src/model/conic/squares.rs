@@ -1,18 +1,19 @@
-//! Lagrange's completion of squares: a quadratic expression as a sum of squares and products of affine ones.
+//! Lagrange's completion of squares: a quadratic expression as a sum of squares and products of
+//! affine ones.
 //!
-//! Symmetric elimination on the matrix of the products, block by block of the variables that products link,
-//! with the linear part as a further column. A positive square is completed first, then a negative one, and
-//! where all squares are gone, a product of two variables. What elimination leaves of a coefficient counts
-//! as 0 if it is a few units in the last place of what was subtracted, measured by the squares of the
-//! variables: `(x - 2 y + 0.1 z)^2` has one square.
+//! Symmetric elimination on the matrix of the products, block by block of the variables that
+//! products link, with the linear part as a further column. A positive square is completed first,
+//! then a negative one, and where all squares are gone, a product of two variables. What
+//! elimination leaves of a coefficient counts as 0 if it is a few units in the last place of what
+//! was subtracted, measured by the squares of the variables: `(x - 2 y + 0.1 z)^2` has one square.
 
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
 use crate::model::quadratic::Quadratic;
 use crate::semidefinite::blocks;
 
-/// How many times the bound of its rounding error a coefficient must be to count (no unit), as the coefficients
-/// of the expression were rounded before.
+/// How many times the bound of its rounding error a coefficient must be to count (no unit), as the
+/// coefficients of the expression were rounded before.
 const ROUNDED_AWAY: f64 = 64.0;
 
 /// The largest share of what was subtracted that counts as rounding (no unit).
@@ -52,7 +53,8 @@ impl SumOfSquares {
     ///
     /// # Arguments
     ///
-    /// * `is_convex`: whether squares that elimination leaves with a negative coefficient are rounding.
+    /// * `is_convex`: whether squares that elimination leaves with a negative coefficient are
+    ///   rounding.
     pub(super) fn of(expression: &Quadratic, is_convex: bool) -> Self {
         let products = expression.products();
         let variables = by_place(&products, expression.affine());
@@ -252,7 +254,8 @@ impl SquareElimination {
         row
     }
 
-    /// Subtracts `left right' / divisor`, which is symmetric or half of a symmetric sum, from the other rows.
+    /// Subtracts `left right' / divisor`, which is symmetric or half of a symmetric sum, from the
+    /// other rows.
     fn subtract(
         &mut self,
         left: &[(usize, Remainder)],
@@ -315,8 +318,8 @@ impl SquareElimination {
 
 /// Takes squares for rounding that are nothing beside the products of their variables.
 ///
-/// `q_ii q_jj < q_ij^2` is common in rows that are no sums of squares, but where it is by rounding, one of
-/// both squares has cancelled; that of `i`, if `q_jj` agrees with other products.
+/// `q_ii q_jj < q_ij^2` is common in rows that are no sums of squares, but where it is by rounding,
+/// one of both squares has cancelled; that of `i`, if `q_jj` agrees with other products.
 fn forget_cancelled(diagonal: &mut [Remainder], rows: &[Vec<(usize, Remainder)>]) {
     let square = |k: usize| diagonal[k].size;
     let of_variables = |k: usize| rows[k].iter().filter(|entry| entry.0 != OF_CONSTANT);

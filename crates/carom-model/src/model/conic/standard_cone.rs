@@ -1,12 +1,13 @@
 //! A conic row as one second-order cone over affine expressions.
 //!
-//! The squares of a quadratic row `q <= 0` are completed. Without a negative one it is convex: `|tail| <= head`
-//! with a constant head if the squares take up the whole linear part, and `|tail|^2 <= head * 1` otherwise.
-//! With one negative square, or one product, and no other variables, it is a Lorentz cone, if the bounds
-//! tell the sign of its head. Everything else is no cone.
+//! The squares of a quadratic row `q <= 0` are completed. Without a negative one it is convex:
+//! `|tail| <= head` with a constant head if the squares take up the whole linear part, and
+//! `|tail|^2 <= head * 1` otherwise. With one negative square, or one product, and no other
+//! variables, it is a Lorentz cone, if the bounds tell the sign of its head. Everything else is no
+//! cone.
 //!
-//! The roots of coefficients are rounded, so points at which the row holds with equality may miss the cone
-//! by some units in the last place of its terms.
+//! The roots of coefficients are rounded, so points at which the row holds with equality may miss
+//! the cone by some units in the last place of its terms.
 
 use super::squares::{Completed, SumOfSquares};
 use super::stored_conic::StoredConic;
@@ -85,7 +86,8 @@ impl Model {
             let shift = root.offset();
             let mut pure = root.clone();
             pure.append(&Affine::constant(shift), -1.0);
-            // `d (p + s)^2 - d s^2 = d p^2 + 2 d s p` is better where the shift is larger than the rest.
+            // `d (p + s)^2 - d s^2 = d p^2 + 2 d s p` is better where the shift is larger than the
+            // rest.
             if shift != 0.0 && shift.abs() > self.range_of(&pure).magnitude() {
                 head.append(&pure, -2.0 * d * shift);
                 head.append(&Affine::constant(d * shift * shift), -1.0);
@@ -97,8 +99,8 @@ impl Model {
         StandardCone { head: vec![head, Affine::constant(1.0)], tail }
     }
 
-    /// The cone of a row with one negative square or one product, no linear part, and a constant that is
-    /// at least 0.
+    /// The cone of a row with one negative square or one product, no linear part, and a constant
+    /// that is at least 0.
     fn lorentz(&self, sum: &SumOfSquares, name: &Name) -> Result<StandardCone, Error> {
         let (mut head, mut tail) = (Vec::new(), Vec::new());
         for completed in sum.completed() {

@@ -191,8 +191,8 @@ macro_rules! methods {
                 consequent.after($self.into())
             }
 
-            /// "If this holds, then all these rows do", or all these norms and quadratic rows. Each row
-            /// becomes a separate indicator: `name`, `name_2`, `name_3`, ...
+            /// "If this holds, then all these rows do", or all these norms and quadratic rows. Each
+            /// row becomes a separate indicator: `name`, `name_2`, `name_3`, ...
             ///
             /// ```
             /// use carom::prelude::*;

@@ -13,8 +13,8 @@ use crate::model::piecewise::PiecewiseAffine;
 use crate::model::store::Model;
 use crate::model::variable::VariableKind;
 
-/// The functions whose result the model can define as the function itself: continuous columns that are no
-/// earlier function's result, each with its first function.
+/// The functions whose result the model can define as the function itself: continuous columns that
+/// are no earlier function's result, each with its first function.
 pub(super) fn definitions<'a, 'b>(
     file: &'b LpFile<'a>,
     is_plain: impl Fn(&LpColumn<'a>, usize) -> bool,
@@ -87,7 +87,8 @@ pub(super) fn define(
     added.map_err(|error| at(function.place, &error))
 }
 
-/// The points of a piecewise function, whose first and last pieces go on over the bounds of its argument.
+/// The points of a piecewise function, whose first and last pieces go on over the bounds of its
+/// argument.
 fn graph(model: &Model, function: &LpFunction<'_>, of: &Affine) -> Result<PiecewiseAffine, Error> {
     let failed = |error: Error| at(function.place, &error);
     let graph = PiecewiseAffine::new(function.points.iter().copied()).map_err(failed)?;

@@ -21,14 +21,14 @@ use super::text::read::Read;
 use super::text::token::in_characters;
 use crate::error::Error;
 
-/// Reads a model from the text of an LP file, with a warning for everything that the file repeats or
-/// omits.
+/// Reads a model from the text of an LP file, with a warning for everything that the file repeats
+/// or omits.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Parse`](crate::error::ErrorKind::Parse) with the line and column of anything damaged,
-/// unknown or contradictory; [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) for a quadratic
-/// objective that is not convex in its direction.
+/// [`ErrorKind::Parse`](crate::error::ErrorKind::Parse) with the line and column of anything
+/// damaged, unknown or contradictory; [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex)
+/// for a quadratic objective that is not convex in its direction.
 ///
 /// # Complexity
 ///
@@ -45,9 +45,10 @@ pub fn read(text: &str) -> Result<Read, Error> {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidName`](crate::error::ErrorKind::InvalidName) when the model's name contains a line
-/// break or another control character; [`ErrorKind::NotInFile`](crate::error::ErrorKind::NotInFile) for
-/// logic, compound conditions, disjunctions and functions, which the lowered model has no more.
+/// [`ErrorKind::InvalidName`](crate::error::ErrorKind::InvalidName) when the model's name contains
+/// a line break or another control character;
+/// [`ErrorKind::NotInFile`](crate::error::ErrorKind::NotInFile) for logic, compound conditions,
+/// disjunctions and functions, which the lowered model has no more.
 ///
 /// # Complexity
 ///

@@ -11,8 +11,8 @@ use crate::model::name::Name;
 pub(super) const AT_LEAST: &str = "%ge";
 pub(super) const AT_MOST: &str = "%le";
 
-/// The column, fixed to 1, whose cost is the constant of the objective. All common readers take it so;
-/// a plain number there is a column for some.
+/// The column, fixed to 1, whose cost is the constant of the objective. All common readers take it
+/// so; a plain number there is a column for some.
 pub(super) const CONSTANT: &str = "Constant";
 
 /// The text of a name in a file.

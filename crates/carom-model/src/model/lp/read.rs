@@ -186,8 +186,8 @@ impl<'a> LpFile<'a> {
         Some(token)
     }
 
-    /// Skips the name of a row with its colon, if it is next. It may have signs in it, as other programs write
-    /// it, if there is no blank.
+    /// Skips the name of a row with its colon, if it is next. It may have signs in it, as other
+    /// programs write it, if there is no blank.
     pub(super) fn row_label(&mut self) -> Option<Token<'a>> {
         let pieces = &self.pieces[self.at..];
         let joined = pieces.windows(2).take_while(|pair| {

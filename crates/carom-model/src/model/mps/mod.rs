@@ -22,8 +22,8 @@ use crate::error::{Error, ErrorKind};
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Parse`] with the line and column of anything damaged, unknown or contradictory; [`ErrorKind::NotConvex`] for a quadratic objective that is not convex in its
-/// direction.
+/// [`ErrorKind::Parse`] with the line and column of anything damaged, unknown or contradictory;
+/// [`ErrorKind::NotConvex`] for a quadratic objective that is not convex in its direction.
 ///
 /// # Complexity
 ///

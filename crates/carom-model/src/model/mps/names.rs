@@ -2,8 +2,8 @@
 
 use crate::model::name::Name;
 
-/// The text of a name in a file: a blank is `%20`, and a percent sign that could begin such a code is
-/// `%25`.
+/// The text of a name in a file: a blank is `%20`, and a percent sign that could begin such a code
+/// is `%25`.
 pub(super) fn write(name: &Name) -> String {
     let text = name.to_string();
     match text.contains(' ') || text.contains("%2") {

@@ -16,11 +16,11 @@ use crate::model::store::{ConicData, Model};
 use crate::model::stored::StoredRow;
 use crate::model::text::token::or_infinite;
 
-/// The model with a quadratic row for every norm: the sum of the squares of its entries is at most the
-/// square of its bound.
+/// The model with a quadratic row for every norm: the sum of the squares of its entries is at most
+/// the square of its bound.
 ///
-/// Further variables stand for entries that are no single variables and for bounds whose sign their own
-/// bounds do not show, and wherever squaring a factor would round it.
+/// Further variables stand for entries that are no single variables and for bounds whose sign their
+/// own bounds do not show, and wherever squaring a factor would round it.
 pub fn with_quadratic_rows(model: &Model) -> Result<Cow<'_, Model>, Error> {
     let is_norm = |conic: &StoredConic| matches!(conic, StoredConic::Norm { .. });
     if !model.conic_constraints().any(|conic| is_norm(conic.conic())) {
@@ -75,8 +75,8 @@ impl NormSquares<'_> {
         Ok(sum.compacted())
     }
 
-    /// A variable for an entry or for the bound. Under a condition it gets the bounds of what it stands for,
-    /// because a row that may be switched off needs them.
+    /// A variable for an entry or for the bound. Under a condition it gets the bounds of what it
+    /// stands for, because a row that may be switched off needs them.
     fn variable(
         &mut self,
         suffix: &str,
@@ -98,9 +98,9 @@ impl NormSquares<'_> {
         }
     }
 
-    /// The row that a variable is an expression. Under a condition, the bound of a norm may be negative
-    /// where the condition does not hold, so there the variable is only at most the bound, and only if it
-    /// holds.
+    /// The row that a variable is an expression. Under a condition, the bound of a norm may be
+    /// negative where the condition does not hold, so there the variable is only at most the bound,
+    /// and only if it holds.
     fn row_of(&mut self, x: Variable, expression: &Affine, is_bound: bool) -> Result<(), Error> {
         let name = self.model.variable_ref(x)?.name().clone();
         let (mut terms, offset) = (expression.clone() - x).into_parts();
@@ -140,7 +140,8 @@ fn square(entry: &Affine) -> Option<Quadratic> {
     }
 }
 
-/// Adds the row of a file that a quadratic expression is at most 0, under a condition if it has one.
+/// Adds the row of a file that a quadratic expression is at most 0, under a condition if it has
+/// one.
 pub(crate) fn add_quadratic_row(
     model: &mut Model,
     name: Name,

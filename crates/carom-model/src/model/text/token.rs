@@ -40,8 +40,8 @@ impl<'a> Token<'a> {
         self.parse_error(message).into()
     }
 
-    /// A warning about this token. Its column counts bytes until [`in_characters`] has counted all of
-    /// a file.
+    /// A warning about this token. Its column counts bytes until [`in_characters`] has counted all
+    /// of a file.
     pub(crate) fn warning(&self, message: impl Into<String>) -> Warning {
         Warning { line: self.line, column: self.start + 1, message: message.into() }
     }

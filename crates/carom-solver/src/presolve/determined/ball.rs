@@ -2,7 +2,8 @@
 
 use crate::sum::{exact_product, exact_sum};
 
-/// The largest error of a value, relative to it, and absolute, at which its digits are known (no unit).
+/// The largest error of a value, relative to it, and absolute, at which its digits are known (no
+/// unit).
 const SHARP_DIGITS: f64 = 1e-12;
 const SHARP_FROM_ZERO: f64 = 1e-200;
 

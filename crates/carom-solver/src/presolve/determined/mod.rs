@@ -1,14 +1,15 @@
-//! Continuous columns that equalities determine, one after the other: the states of a system whose start and
-//! inputs are fixed, the sums of fixed terms.
+//! Continuous columns that equalities determine, one after the other: the states of a system whose
+//! start and inputs are fixed, the sums of fixed terms.
 //!
-//! Every equation multiplies what is missed in the ones before: over seven steps of `x+ = 1000 x`, 1e-21 at
-//! the start becomes 1. No tolerance is small enough for that, so these columns are computed from the numbers
-//! of the rows, with some 32 digits and a bound of the error ([`Ball`]). What follows exactly from 0 stays 0.
+//! Every equation multiplies what is missed in the ones before: over seven steps of `x+ = 1000 x`,
+//! 1e-21 at the start becomes 1. No tolerance is small enough for that, so these columns are
+//! computed from the numbers of the rows, with some 32 digits and a bound of the error ([`Ball`]).
+//! What follows exactly from 0 stays 0.
 //!
-//! Which columns are determined is a question about the pattern of the equations: those that no unmatched
-//! column reaches in a largest matching of equations and columns (Dulmage and Mendelsohn, "Coverings of
-//! bipartite graphs", 1958). They are computed in the order of the strong components of this part; see
-//! `structure`.
+//! Which columns are determined is a question about the pattern of the equations: those that no
+//! unmatched column reaches in a largest matching of equations and columns (Dulmage and Mendelsohn,
+//! "Coverings of bipartite graphs", 1958). They are computed in the order of the strong components
+//! of this part; see `structure`.
 
 mod ball;
 mod equations;
@@ -24,7 +25,8 @@ use structure::Structure;
 
 use crate::program::Program;
 
-/// The growth of an error from which on columns are computed: below, tolerances need no help (no unit).
+/// The growth of an error from which on columns are computed: below, tolerances need no help (no
+/// unit).
 const LEAST_GROWTH: f64 = 100.0;
 
 /// The columns that the equalities of a program determine, in the order of their computation.
@@ -38,8 +40,8 @@ pub(crate) struct DeterminedColumns {
 }
 
 impl DeterminedColumns {
-    /// The columns that the equalities of a program determine once its integers are fixed; `None` where
-    /// they multiply no error visibly.
+    /// The columns that the equalities of a program determine once its integers are fixed; `None`
+    /// where they multiply no error visibly.
     pub(crate) fn of_leaf(program: &Program) -> Option<Self> {
         let equalities = (0..program.row_count())
             .filter(|&row| program.row_lower[row] == program.row_upper[row])
@@ -112,8 +114,8 @@ impl DeterminedColumns {
         values
     }
 
-    /// Gives the determined columns of a point the values that follow from the others, where these are
-    /// known to all digits of a float.
+    /// Gives the determined columns of a point the values that follow from the others, where these
+    /// are known to all digits of a float.
     pub(crate) fn follow(&self, point: &mut [f64]) {
         let values = self.values(|j| point[j]);
         for column in self.blocks.iter().flat_map(|block| &block.columns) {

@@ -94,9 +94,9 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// A largest matching of equations and their unknown columns: by equation its column. Columns with one
-    /// equation left and equations with one column left go first, which is never wrong (Karp and Sipser,
-    /// 1981). `None` where it takes too long.
+    /// A largest matching of equations and their unknown columns: by equation its column. Columns
+    /// with one equation left and equations with one column left go first, which is never wrong
+    /// (Karp and Sipser, 1981). `None` where it takes too long.
     fn largest_matching(&self) -> Option<Matching> {
         let columns = self.unknown.len();
         let mut matching = Matching {
@@ -161,7 +161,8 @@ impl<'a> Structure<'a> {
                 *work = work.checked_sub(1)?;
                 let other = matching.equation[column];
                 if other == UNMATCHED {
-                    // Every equation on the way gets the column through which the next one was reached.
+                    // Every equation on the way gets the column through which the next one was
+                    // reached.
                     let (mut equation, mut column) = (equation, column);
                     loop {
                         let before = matching.column[equation];
@@ -217,8 +218,8 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The strong components of equations, where each needs those that are matched to its other columns;
-    /// what is needed comes first (Tarjan 1972, without recursion).
+    /// The strong components of equations, where each needs those that are matched to its other
+    /// columns; what is needed comes first (Tarjan 1972, without recursion).
     fn components(&self, matching: &Matching, roots: &[usize]) -> Vec<Vec<usize>> {
         let count = self.open.len();
         let (mut index, mut lowest) = (vec![UNMATCHED; count], vec![0; count]);

@@ -32,8 +32,8 @@ impl ProgramBlock {
 
 /// The blocks of a program, those with the fewest integers first; empty if it is a single one.
 ///
-/// Everything without integers is one block. Rows without columns, which may be false, belong to the
-/// first block.
+/// Everything without integers is one block. Rows without columns, which may be false, belong to
+/// the first block.
 pub fn blocks(program: &Program) -> Vec<ProgramBlock> {
     let n = program.column_count();
     let mut parts = UnionFind::new(n);
@@ -97,8 +97,8 @@ fn pick_widened(from: &[f64], which: &[usize]) -> Vec<f64> {
     which.iter().filter_map(|&k| from.get(k).copied()).collect()
 }
 
-/// The part of a program over some columns and all of their rows and cones; `position` tells where a column
-/// is in its block. `None` if the matrices cannot be allocated.
+/// The part of a program over some columns and all of their rows and cones; `position` tells where
+/// a column is in its block. `None` if the matrices cannot be allocated.
 fn extract(
     program: &Program,
     columns: Vec<usize>,

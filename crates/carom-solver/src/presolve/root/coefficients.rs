@@ -69,8 +69,8 @@ fn tighten(work: &mut Work, row: usize) -> bool {
 }
 
 impl Undo for TightenedRow {
-    /// A row that only binds in its tight form binds because its columns are at their bounds, so the
-    /// bounds take the pressure over.
+    /// A row that only binds in its tight form binds because its columns are at their bounds, so
+    /// the bounds take the pressure over.
     fn dual(&self, all: &mut Restored) {
         let y = all.y[self.row];
         if y == 0.0 {

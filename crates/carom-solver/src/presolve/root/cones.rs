@@ -3,8 +3,8 @@
 //! Takes second-order cones and bounds; leaves shorter cones, or bounds and rows in their place:
 //!
 //! * Entries that are 0 leave the tail, and their parts with them.
-//! * A tail without open entries bounds the head, and a head without open columns bounds a tail with one
-//!   open entry. The bound says all that the cone does.
+//! * A tail without open entries bounds the head, and a head without open columns bounds a tail
+//!   with one open entry. The bound says all that the cone does.
 //! * A norm of one entry is two rows.
 //! * A cone goes that bounds imply, or whose bounds leave one point.
 //! * A long cone of which few entries are left needs no parts.
@@ -179,7 +179,8 @@ pub(super) fn add_row(work: &mut Work, terms: Sparse, [lower, upper]: [f64; 2]) 
     row
 }
 
-/// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves would do.
+/// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves
+/// would do.
 fn drop_parts(work: &mut Work, sum: usize, parts: &[Cone]) {
     if parts.is_empty() {
         return;

@@ -79,7 +79,8 @@ pub(super) fn apply(work: &mut Work, keeps_all: bool) -> Result<(), Infeasible> 
 }
 
 impl Undo for DeterminedRows {
-    /// The columns were fixed by the rows, so the multipliers of the rows make their reduced costs 0.
+    /// The columns were fixed by the rows, so the multipliers of the rows make their reduced costs
+    /// 0.
     fn dual(&self, all: &mut Restored) {
         let mut matrix = self.coefficients.clone();
         let mut order: Vec<usize> = (0..self.rows.len()).collect();

@@ -12,11 +12,12 @@
 //! If the objective is unbounded, there is no optimum, so the second step requires a lower bound of
 //! the objective that follows from costs and bounds.
 //!
-//! Columns of cones are no candidates. Signs are enough for others, because a column that moves alone
-//! changes no cone; but a program with cones may have an optimum without multipliers, so it ends there.
+//! Columns of cones are no candidates. Signs are enough for others, because a column that moves
+//! alone changes no cone; but a program with cones may have an optimum without multipliers, so it
+//! ends there.
 //!
-//! A column with curvature has a slope for each point within the bounds; if all of them have one sign, the same
-//! holds of its movement alone.
+//! A column with curvature has a slope for each point within the bounds; if all of them have one
+//! sign, the same holds of its movement alone.
 //!
 //! For an integral column the argument is the same: the optimal value as a function of the column
 //! is convex, and its slopes are the reduced costs.
@@ -24,11 +25,12 @@
 use super::fixed_columns::fix;
 use super::work::Work;
 
-/// The distance of a reduced cost from 0 at which its sign counts, relative to its terms, if bounds of
-/// multipliers were computed. Signs alone are exact.
+/// The distance of a reduced cost from 0 at which its sign counts, relative to its terms, if bounds
+/// of multipliers were computed. Signs alone are exact.
 const REDUCED_COST_MARGIN: f64 = 1e-9;
 
-/// The rounding of the slope of a curved objective, relative to the sum of the magnitudes of its terms.
+/// The rounding of the slope of a curved objective, relative to the sum of the magnitudes of its
+/// terms.
 const CURVED_ROUNDING: f64 = 1e-13;
 
 /// The largest number of rounds that tighten the bounds of multipliers.
@@ -134,8 +136,8 @@ fn reduced_cost(
     range
 }
 
-/// Least and largest slope that the curvature of the objective adds to the cost of a column within the bounds;
-/// of both signs also the rounding of the sum.
+/// Least and largest slope that the curvature of the objective adds to the cost of a column within
+/// the bounds; of both signs also the rounding of the sum.
 fn slopes(work: &Work, column: usize) -> [f64; 2] {
     let (mut range, mut size) = ([0.0; 2], work.linear[column].abs());
     for (&other, &p) in &work.quadratic[column] {

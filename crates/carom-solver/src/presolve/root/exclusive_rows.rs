@@ -3,9 +3,9 @@
 //! Takes rows that differ only in binaries of which at most one is 1; leaves one row with all of
 //! these binaries.
 //!
-//! `rest + a x <= b` and `rest + c y <= b` with `x + y <= 1` and positive `a` and `c` say together that
-//! `rest + a x + c y <= b`, which fractions of `x` and `y` keep less easily. They come from times that a
-//! choice between routes determines, where each route has a row of its own.
+//! `rest + a x <= b` and `rest + c y <= b` with `x + y <= 1` and positive `a` and `c` say together
+//! that `rest + a x + c y <= b`, which fractions of `x` and `y` keep less easily. They come from
+//! times that a choice between routes determines, where each route has a row of its own.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Sparse, Work};
@@ -13,7 +13,8 @@ use crate::presolve::parameters::FEW_ROUNDINGS;
 use crate::tolerance;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// The longest rows that say that at most one of some binaries is 1, and the longest that become one.
+/// The longest rows that say that at most one of some binaries is 1, and the longest that become
+/// one.
 const MAX_CLIQUE_TERMS: usize = 100;
 const MAX_ROW_TERMS: usize = 8;
 
@@ -34,7 +35,8 @@ struct ExclusiveRows {
 }
 
 pub(super) fn apply(work: &mut Work) -> usize {
-    // Under curvature, points lie within faces, so that a tighter row is met in fractions all the same.
+    // Under curvature, points lie within faces, so that a tighter row is met in fractions all the
+    // same.
     if work.quadratic.iter().any(|products| !products.is_empty()) {
         return 0;
     }

@@ -3,10 +3,10 @@
 //! Takes this row, if it is an inequality; leaves it as an equality, and a continuous column
 //! without the bound that the equality implies.
 //!
-//! If a column's cost and all of its rows but one let it fall, some optimum has it where that row or its
-//! bound stops it. If the row does so before the bound, the row holds with equality, and other rules can
-//! replace the column: from `x <= z`, where nothing else keeps `z` up, follows `z = x`.
-//! Multipliers are restored in continuous programs; those with integers have none.
+//! If a column's cost and all of its rows but one let it fall, some optimum has it where that row
+//! or its bound stops it. If the row does so before the bound, the row holds with equality, and
+//! other rules can replace the column: from `x <= z`, where nothing else keeps `z` up, follows
+//! `z = x`. Multipliers are restored in continuous programs; those with integers have none.
 
 use super::work::Work;
 use crate::presolve::coefficients::is_whole;
@@ -22,8 +22,8 @@ pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     usize::from(falls || (cost <= 0.0 && hold(work, column, true)))
 }
 
-/// Makes the only row that keeps a column from falling, or from rising, an equality. Returns whether
-/// there is one.
+/// Makes the only row that keeps a column from falling, or from rising, an equality. Returns
+/// whether there is one.
 fn hold(work: &mut Work, column: usize, rises: bool) -> bool {
     let sign = if rises { -1.0 } else { 1.0 };
     let mut holding = None;
@@ -48,8 +48,8 @@ fn hold(work: &mut Work, column: usize, rises: bool) -> bool {
     let rest = work.range(work.rows[row].iter().filter(|e| e.0 != column));
     let end = if a > 0.0 { (limit - rest.most) / a } else { (limit - rest.least) / a };
     let far = if a > 0.0 { (limit - rest.least) / a } else { (limit - rest.most) / a };
-    // Rounding, and no part of the terms: between terms of 9e9 a billionth is 9. Where rounding itself is more
-    // than a bound may be missed by, nothing is known.
+    // Rounding, and no part of the terms: between terms of 9e9 a billionth is 9. Where rounding
+    // itself is more than a bound may be missed by, nothing is known.
     let margin = IMPLIED.max(4.0 * f64::EPSILON * rest.scale / a.abs());
     if margin > tolerance::FEASIBILITY {
         return false;

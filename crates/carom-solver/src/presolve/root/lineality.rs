@@ -41,8 +41,9 @@ struct Shifted {
     whole: bool,
 }
 
-/// The directions of a program along whose sense neither the objective nor a row over several columns changes, and
-/// no bound is run into. The first column of each is in no later one, and has the entry 1 or -1.
+/// The directions of a program along whose sense neither the objective nor a row over several
+/// columns changes, and no bound is run into. The first column of each is in no later one, and has
+/// the entry 1 or -1.
 pub(crate) fn shifts(program: &Program, token: &StopToken) -> Vec<Sparse> {
     let is_open = |j: usize| program.lower[j].is_infinite() || program.upper[j].is_infinite();
     if !(0..program.column_count()).any(is_open) {
@@ -79,8 +80,8 @@ fn fix_all(work: &mut Work) -> Vec<Sparse> {
     fixed
 }
 
-/// Fixes the first column of a direction, unless both senses of the direction run into bounds. Returns the sense
-/// that does not.
+/// Fixes the first column of a direction, unless both senses of the direction run into bounds.
+/// Returns the sense that does not.
 fn fix_along(work: &mut Work, mut direction: Sparse) -> Option<Sparse> {
     let leaves = |j: usize, d: f64| {
         let (lower, upper) = (work.lower[j].is_finite(), work.upper[j].is_finite());
@@ -126,8 +127,8 @@ impl Undo for Shifted {
 
 /// The directions `d` over some columns along which neither rows nor objective change.
 ///
-/// Each row says `a'd = 0`. It expresses one column by the others, with which the column is replaced
-/// everywhere; columns that are not expressed are the parameters of the directions.
+/// Each row says `a'd = 0`. It expresses one column by the others, with which the column is
+/// replaced everywhere; columns that are not expressed are the parameters of the directions.
 struct Elimination {
     /// Columns whose entry of `d` may be other than 0.
     open: Vec<bool>,
@@ -180,8 +181,8 @@ impl Elimination {
         self.left = self.left.saturating_sub(entries);
     }
 
-    /// The linear forms that must not change: rows, costs and gradients over open columns, without the
-    /// columns that a row by itself keeps from moving.
+    /// The linear forms that must not change: rows, costs and gradients over open columns, without
+    /// the columns that a row by itself keeps from moving.
     fn rows(&mut self, work: &Work) -> Vec<Sparse> {
         let open = |&(j, _): &(usize, f64)| self.open[j];
         let count = |row: &Sparse| row.iter().filter(|entry| open(entry)).count();

@@ -1,28 +1,29 @@
 //! Presolve before the search: a smaller program with the same optimum, and the way back.
 //!
-//! Each [`PresolveRule`] has its own file. They are applied in turn until none finds anything; then `blocks`
-//! finds independent parts.
+//! Each [`PresolveRule`] has its own file. They are applied in turn until none finds anything; then
+//! `blocks` finds independent parts.
 //!
 //! # Cones
 //!
-//! A column of a second-order cone keeps its place (`Work::is_held`), and the cones are carried over. Rules
-//! are right with cones for one of three reasons:
+//! A column of a second-order cone keeps its place (`Work::is_held`), and the cones are carried
+//! over. Rules are right with cones for one of three reasons:
 //!
-//! * They conclude from rows and bounds what holds at every point, so further conditions change nothing:
-//!   singleton rows, redundant rows, parallel rows, coefficients, exclusive rows. A row that forces
-//!   columns stays if one of them is in a cone: a cone may turn a rounding of its head into a large
-//!   change of its tail.
-//! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves rows and
-//!   objective, and stays), binary codes, doubletons, lineality, slack columns, implied free columns,
-//!   parallel columns, open integers. The columns that go or move are in no cone, so that the cones do not change.
-//! * They move a column while all others stay, at no cost, until something stops it: implied binaries, held
-//!   columns, dominated columns. Columns of cones are not moved, and cones do not stop others. What needs
-//!   multipliers is left out (see `dominated_columns`).
+//! * They conclude from rows and bounds what holds at every point, so further conditions change
+//!   nothing: singleton rows, redundant rows, parallel rows, coefficients, exclusive rows. A row
+//!   that forces columns stays if one of them is in a cone: a cone may turn a rounding of its head
+//!   into a large change of its tail.
+//! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves
+//!   rows and objective, and stays), binary codes, doubletons, lineality, slack columns, implied
+//!   free columns, parallel columns, open integers. The columns that go or move are in no cone, so
+//!   that the cones do not change.
+//! * They move a column while all others stay, at no cost, until something stops it: implied
+//!   binaries, held columns, dominated columns. Columns of cones are not moved, and cones do not
+//!   stop others. What needs multipliers is left out (see `dominated_columns`).
 //!
-//! `cones` makes the cones themselves shorter, and frees columns. At the end constant heads of cones
-//! become columns that binaries switch off, see [`tighten_switched_cones`], and heads lose what they have
-//! too much while a binary is off, see [`tighten_conditional_cones`]. Multipliers of programs with cones
-//! are not restored.
+//! `cones` makes the cones themselves shorter, and frees columns. At the end constant heads of
+//! cones become columns that binaries switch off, see [`tighten_switched_cones`], and heads lose
+//! what they have too much while a binary is off, see [`tighten_conditional_cones`]. Multipliers of
+//! programs with cones are not restored.
 
 mod binary_codes;
 mod blocks;
@@ -77,7 +78,8 @@ pub enum PresolveRule {
     BinaryCodes,
     /// Equalities over two columns replace one of them.
     Doubletons,
-    /// If columns can be shifted together without changing any row or the objective, one of them is fixed.
+    /// If columns can be shifted together without changing any row or the objective, one of them is
+    /// fixed.
     Lineality,
     /// Continuous columns that are in one row only become part of its limits.
     SlackColumns,
@@ -121,8 +123,9 @@ impl PresolveRule {
         PresolveRule::OpenIntegers,
     ];
 
-    /// The rules that keep the meaning of every remaining column, and every assignment of the integral
-    /// ones that has a point. They suit programs whose columns are referred to from outside.
+    /// The rules that keep the meaning of every remaining column, and every assignment of the
+    /// integral ones that has a point. They suit programs whose columns are referred to from
+    /// outside.
     pub const FAITHFUL: [PresolveRule; 10] = [
         PresolveRule::FixedColumns,
         PresolveRule::SingletonRows,
@@ -185,7 +188,8 @@ const MAX_RULE_ROUNDS: usize = 30;
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Allocation`](crate::error::ErrorKind::Allocation) when the matrices cannot be allocated.
+/// [`ErrorKind::Allocation`](crate::error::ErrorKind::Allocation) when the matrices cannot be
+/// allocated.
 pub fn presolve(
     program: &Program,
     rules: &[PresolveRule],
@@ -194,8 +198,8 @@ pub fn presolve(
     presolve_around(program, &[], true, rules, token)
 }
 
-/// As [`presolve`], for every value of some continuous columns within their bounds. These columns stay,
-/// with their bounds, and no conclusion depends on their values.
+/// As [`presolve`], for every value of some continuous columns within their bounds. These columns
+/// stay, with their bounds, and no conclusion depends on their values.
 ///
 /// # Errors
 ///

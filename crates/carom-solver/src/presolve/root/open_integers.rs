@@ -4,12 +4,12 @@
 //! or the equality with smaller coefficients (Pugh, The Omega test: a fast and practical integer
 //! programming algorithm for dependence analysis, Proceedings of Supercomputing, 1991).
 //!
-//! A tree over such integers may have no end: of `6 x - 3 y = 4 z + 1` with a binary `z` every relaxation of
-//! `z = 1` has a point, and no bound of `x` or `y` ever excludes them all. So the equality is solved: an
-//! integer whose coefficient divides all others is substituted. Where there is none, the integers are
-//! combined as in Euclid's algorithm: for the one with the least coefficient `p` another one stands,
-//! `z = x_p + sum k_j x_j`, which leaves the others their remainders. At the end one open integer is
-//! left, and the equality tells its residue class.
+//! A tree over such integers may have no end: of `6 x - 3 y = 4 z + 1` with a binary `z` every
+//! relaxation of `z = 1` has a point, and no bound of `x` or `y` ever excludes them all. So the
+//! equality is solved: an integer whose coefficient divides all others is substituted. Where there
+//! is none, the integers are combined as in Euclid's algorithm: for the one with the least
+//! coefficient `p` another one stands, `z = x_p + sum k_j x_j`, which leaves the others their
+//! remainders. At the end one open integer is left, and the equality tells its residue class.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,8 @@ use super::work::{Sparse, Work};
 const LONGEST_EQUALITY: usize = 12;
 const MOST_COLUMN_ROWS: usize = 12;
 
-/// Most open integers of a program: more come from large programs, whose bounds follow in other ways.
+/// Most open integers of a program: more come from large programs, whose bounds follow in other
+/// ways.
 const MAX_OPEN_INTEGERS: usize = 64;
 
 /// The largest coefficient of an equality.
@@ -51,7 +52,8 @@ pub(super) fn apply(work: &mut Work) -> usize {
     changes
 }
 
-/// The integers that no rows and bounds of others bound on both sides; `None` if there are none or many.
+/// The integers that no rows and bounds of others bound on both sides; `None` if there are none or
+/// many.
 fn open_columns(work: &mut Work) -> Option<Vec<bool>> {
     let is_infinite = |[lower, upper]: [f64; 2]| lower.is_infinite() || upper.is_infinite();
     let mut bounds: Vec<[f64; 2]> =

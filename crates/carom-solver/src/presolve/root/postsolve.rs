@@ -22,8 +22,8 @@ pub(super) trait Undo: Debug + Send + Sync {
     /// Derives values of other columns from known values of columns that the reduction took out.
     fn carry(&self, _known: &mut BTreeMap<usize, f64>) {}
 
-    /// Gives multipliers to the rows, and reduced costs to the columns, that the reduction changed or
-    /// took out. Values are those of the program before this reduction, not yet of the original.
+    /// Gives multipliers to the rows, and reduced costs to the columns, that the reduction changed
+    /// or took out. Values are those of the program before this reduction, not yet of the original.
     fn dual(&self, all: &mut Restored);
 }
 
@@ -34,8 +34,8 @@ pub struct Restored {
     pub x: Vec<f64>,
     /// Multipliers of the rows: positive ones press on upper limits, negative ones on lower limits.
     pub y: Vec<f64>,
-    /// Reduced costs `q + Px + A'y` of the columns: positive ones press on lower bounds, negative ones
-    /// on upper bounds; those of integral columns may have any sign.
+    /// Reduced costs `q + Px + A'y` of the columns: positive ones press on lower bounds, negative
+    /// ones on upper bounds; those of integral columns may have any sign.
     pub d: Vec<f64>,
 }
 
@@ -46,7 +46,8 @@ pub struct Presolved {
     pub program: Program,
     /// From its points to those of the original.
     pub postsolve: Postsolve,
-    /// The largest error of the objective from rounding, in its unit: constants of 1e8 may cancel down to
+    /// The largest error of the objective from rounding, in its unit: constants of 1e8 may cancel
+    /// down to
     /// 1. A bound on the presolved program, less this error, is a bound on the original.
     pub rounding: f64,
 }
@@ -54,8 +55,8 @@ pub struct Presolved {
 impl Presolved {
     /// The original's point and multipliers from those of the presolved program.
     ///
-    /// The pair satisfies the conditions of Karush, Kuhn and Tucker of the original with its integral
-    /// columns fixed where the given one satisfies those of the presolved program.
+    /// The pair satisfies the conditions of Karush, Kuhn and Tucker of the original with its
+    /// integral columns fixed where the given one satisfies those of the presolved program.
     ///
     /// # Arguments
     ///
@@ -113,9 +114,9 @@ impl Postsolve {
         full
     }
 
-    /// Values of columns of the original as values of presolved ones, in their order. Those of columns
-    /// that were taken out go to the column that they decide, behind the others, or are left out; of
-    /// several values of a column the first one counts.
+    /// Values of columns of the original as values of presolved ones, in their order. Those of
+    /// columns that were taken out go to the column that they decide, behind the others, or are
+    /// left out; of several values of a column the first one counts.
     pub fn carry(&self, values: &[(usize, f64)]) -> Vec<(usize, f64)> {
         let mut known: BTreeMap<usize, f64> = BTreeMap::new();
         for &(column, value) in values {

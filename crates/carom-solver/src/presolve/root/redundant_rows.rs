@@ -11,7 +11,8 @@ use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
 use crate::presolve::tightening::finite_size;
 use crate::tolerance;
 
-/// A row forces columns only if each can change its activity by at least this many times the margin.
+/// A row forces columns only if each can change its activity by at least this many times the
+/// margin.
 const MIN_FORCED_CHANGE: f64 = 1e3;
 
 /// A row that leaves each of its columns one bound.
@@ -34,7 +35,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         return Err(Infeasible);
     }
     let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
-    // A row that is violated by more than is accepted forces nothing, because another step refutes it.
+    // A row that is violated by more than is accepted forces nothing, because another step refutes
+    // it.
     let missed = (CONTRADICTION * range.scale).min(tolerance::FEASIBILITY).max(margin).max(noise);
     let meets = |room: f64| room <= margin && room >= -missed;
     let forcing = if lower.is_finite() && meets(range.most - lower) {

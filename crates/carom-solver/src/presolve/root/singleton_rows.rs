@@ -31,8 +31,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         }
         [(column, _)] if work.given[column] => return Ok(0),
         [(column, a)] => {
-            // A side that the column's bounds violate by rounding only is dropped, however small its
-            // coefficient is: `1e-17 z <= 0` does not fix a binary.
+            // A side that the column's bounds violate by rounding only is dropped, however small
+            // its coefficient is: `1e-17 z <= 0` does not fix a binary.
             let (p, q) = (a * work.lower[column], a * work.upper[column]);
             let noise = work.row_noise[row];
             let margin = |limit: f64| IMPLIED.max(4.0 * f64::EPSILON * limit.abs()).max(noise);
@@ -49,7 +49,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
             let rounding = f64::EPSILON * finite_size(lower).max(finite_size(upper));
             let noise = noise / a.abs() + rounding;
             if work.integral[column] {
-                // A whole value must satisfy the row itself: 0 is near 2e-7, and violates `1e8 z >= 20`.
+                // A whole value must satisfy the row itself: 0 is near 2e-7, and violates
+                // `1e8 z >= 20`.
                 let tolerated = tolerance::INTEGRALITY.min(tolerance::FEASIBILITY / a.abs());
                 (lower, upper) = whole_bounds([lower, upper], tolerated.max(noise));
             }

@@ -47,8 +47,8 @@ pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     0
 }
 
-/// Makes a row an equality if a column's cost moves the column up to a limit of the row, and no bound
-/// stops it before.
+/// Makes a row an equality if a column's cost moves the column up to a limit of the row, and no
+/// bound stops it before.
 fn bind(work: &mut Work, column: usize, row: usize) {
     let (a, cost) = (work.coefficient(row, column), work.linear[column]);
     let bound = if cost > 0.0 { work.lower[column] } else { work.upper[column] };

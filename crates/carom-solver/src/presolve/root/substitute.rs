@@ -40,8 +40,8 @@ struct Substituted {
     bounds: [f64; 2],
 }
 
-/// The largest rounding of a constant that replaces part of a column, in the column's unit: more would
-/// show in the objective.
+/// The largest rounding of a constant that replaces part of a column, in the column's unit: more
+/// would show in the objective.
 const MAX_CONSTANT_ROUNDING: f64 = 1e-9;
 
 /// Whether a column can be expressed by a row without numbers growing or losing their digits.
@@ -76,8 +76,8 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     terms.retain(|&(j, _)| j != column);
     terms.iter_mut().for_each(|(_, a)| *a /= coefficient);
 
-    // The rounding of the constant, and that of the quotients times the values of their columns. Values of
-    // continuous columns are rounded themselves.
+    // The rounding of the constant, and that of the quotients times the values of their columns.
+    // Values of continuous columns are rounded themselves.
     let is_exact = |quotient: f64, of: f64| exact_product(quotient, coefficient) == (of, 0.0);
     let mut rounded = terms.clone();
     rounded.retain(|&(j, a)| !(work.integral[j] && is_exact(a, work.coefficient(row, j))));
@@ -202,7 +202,8 @@ impl Undo for Substituted {
     }
 
     /// The multiplier of the equality makes the reduced cost of its column what the kept row says,
-    /// or 0. An equality over integral columns needs none, because their reduced costs may have any sign.
+    /// or 0. An equality over integral columns needs none, because their reduced costs may have any
+    /// sign.
     fn dual(&self, all: &mut Restored) {
         let pressed = if self.kept { all.y[self.row] } else { 0.0 };
         let gradient = self.old.gradient(&all.x, &all.y, Some(self.row));

@@ -32,8 +32,8 @@ fn factor_of(size: f64) -> Option<f64> {
     (size > 0.0 && size < SMALL_UNIT && factor.is_finite()).then_some(factor)
 }
 
-/// Chooses the units of columns and rows. Columns whose value comes from outside keep theirs, and with
-/// them all others do.
+/// Chooses the units of columns and rows. Columns whose value comes from outside keep theirs, and
+/// with them all others do.
 pub(super) fn apply(work: &mut Work) {
     if work.given.iter().any(|&given| given) {
         return;

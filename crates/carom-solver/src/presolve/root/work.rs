@@ -15,16 +15,16 @@ use crate::program::{Cone, Program, conic_columns};
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// The rounding of a bound, and of the limit of an equality, that its users tolerate, relative to the
-/// limit.
+/// The rounding of a bound, and of the limit of an equality, that its users tolerate, relative to
+/// the limit.
 const SOFT_ROUNDING: f64 = 1e-9;
 
-/// The same for limits of other rows, and of rows of exact terms. Their large limits come from big-Ms,
-/// which must not hide the violation of the row without them.
+/// The same for limits of other rows, and of rows of exact terms. Their large limits come from
+/// big-Ms, which must not hide the violation of the row without them.
 const EXACT_ROUNDING: f64 = 1e-14;
 
-/// The rounding of the limit of a row that its users tolerate in any case, in units of the last place of
-/// the limit.
+/// The rounding of the limit of a row that its users tolerate in any case, in units of the last
+/// place of the limit.
 const TOLERATED_PLACES: f64 = 64.0;
 
 /// Proof that no point satisfies rows and bounds.
@@ -46,20 +46,20 @@ pub(super) struct Work {
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
     pub(super) column_alive: Vec<bool>,
-    /// By row, the largest error of its limits from rounding, in its unit. Terms that cancel leave their
-    /// rounding, which the remaining limit does not show.
+    /// By row, the largest error of its limits from rounding, in its unit. Terms that cancel leave
+    /// their rounding, which the remaining limit does not show.
     pub(super) row_noise: Vec<f64>,
     /// By column, the largest error of its bounds from rounding, in its unit.
     pub(super) column_noise: Vec<f64>,
-    /// By column without bounds, its largest magnitude at points within the radius of proofs, as a multiple
-    /// of the radius (no unit): a column may now stand for a sum of several.
+    /// By column without bounds, its largest magnitude at points within the radius of proofs, as a
+    /// multiple of the radius (no unit): a column may now stand for a sum of several.
     pub(super) spread: Vec<f64>,
     pub(super) integral: Vec<bool>,
     /// Columns whose value comes from outside: they keep their bounds, and no rule may choose their
     /// value, put them in terms of others, or use that they could move.
     pub(super) given: Vec<bool>,
-    /// Second-order cones. Their columns stay, and no rule may choose their value, put them in terms of
-    /// others, or use that they could move. Their bounds may become tighter.
+    /// Second-order cones. Their columns stay, and no rule may choose their value, put them in
+    /// terms of others, or use that they could move. Their bounds may become tighter.
     pub(super) cones: Vec<Cone>,
     /// Which columns are in cones.
     pub(super) conic: Vec<bool>,
@@ -159,8 +159,8 @@ impl Work {
         }
     }
 
-    /// Whether rules should end. They check this between complete reductions, with the number of entries
-    /// that they have visited in between.
+    /// Whether rules should end. They check this between complete reductions, with the number of
+    /// entries that they have visited in between.
     pub(super) fn is_late(&mut self, entries: usize) -> bool {
         // A reduction looks at several times the entries of its row or column.
         self.token.spend(8 + 4 * entries)
@@ -209,7 +209,8 @@ impl Work {
         self.row_lower[row] == self.row_upper[row]
     }
 
-    /// Whether more than its rows and its cost speak of a column: it comes from outside, or a cone has it.
+    /// Whether more than its rows and its cost speak of a column: it comes from outside, or a cone
+    /// has it.
     pub(super) fn is_held(&self, column: usize) -> bool {
         self.given[column] || self.conic[column]
     }
@@ -276,8 +277,8 @@ impl Work {
         self.linear[column] = 0.0;
     }
 
-    /// Adds a constant to the objective: a product that may cancel against others, and whose factors
-    /// are rounded themselves.
+    /// Adds a constant to the objective: a product that may cancel against others, and whose
+    /// factors are rounded themselves.
     pub(super) fn shift_objective(&mut self, constant: f64) {
         self.offset += constant;
         self.rounding += 2.0 * f64::EPSILON * constant.abs();
@@ -295,8 +296,8 @@ impl Work {
         }
     }
 
-    /// Notes that the value of a column in the objective has an error of `noise`. Products with columns
-    /// without bounds are left out.
+    /// Notes that the value of a column in the objective has an error of `noise`. Products with
+    /// columns without bounds are left out.
     pub(super) fn blur_objective(&mut self, column: usize, value: f64, noise: f64) {
         let mut slope = self.linear[column].abs();
         for (&other, p) in &self.quadratic[column] {
@@ -394,8 +395,8 @@ impl Work {
         Ok(())
     }
 
-    /// Widens limits and bounds that rounding may have moved further than is allowed for, given their
-    /// size, wherever they are used.
+    /// Widens limits and bounds that rounding may have moved further than is allowed for, given
+    /// their size, wherever they are used.
     ///
     /// Returns by how much: of rows, and of columns.
     fn allow_for_noise(&mut self) -> [Vec<f64>; 2] {

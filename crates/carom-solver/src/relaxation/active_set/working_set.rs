@@ -131,8 +131,8 @@ impl WorkingSet {
     ///
     /// # Errors
     ///
-    /// The direction, if no multiplier becomes zero: these multipliers of the members, and 1 (-1 for
-    /// a lower limit) for the limit itself, prove that the limits contradict each other.
+    /// The direction, if no multiplier becomes zero: these multipliers of the members, and 1 (-1
+    /// for a lower limit) for the limit itself, prove that the limits contradict each other.
     pub(super) fn exchange(
         &mut self,
         metric: &mut Metric<'_>,

@@ -24,7 +24,8 @@ pub(super) struct Condensed {
     pub(super) diagonal: Vec<usize>,
     /// The terms of short rows, each added times the weight of its row.
     pub(super) terms: Vec<CondensedTerm>,
-    /// The positions of the entries of the blocks of cones: by cone, column by column of an upper triangle.
+    /// The positions of the entries of the blocks of cones: by cone, column by column of an upper
+    /// triangle.
     pub(super) blocks: Vec<usize>,
     /// Rows with an unknown of their own, after the equalities.
     pub(super) long: Vec<usize>,

@@ -1,9 +1,10 @@
-//! The part of an iterate that belongs to second-order cones: slacks and multipliers, both inside their
-//! cones, and the scaling of Nesterov and Todd that takes both to the same point.
+//! The part of an iterate that belongs to second-order cones: slacks and multipliers, both inside
+//! their cones, and the scaling of Nesterov and Todd that takes both to the same point.
 //!
-//! With `J = diag(1, -1, ..., -1)`, a cone's scaling is `W = e [w0 w1'; w1 I + w1 w1' / (1 + w0)]` with
-//! `w' J w = 1`, so that `W^-2 = (2 Jw (Jw)' - J) / e^2`, and `W z = W^-1 s` is the scaled point.
-//! (Vandenberghe, "The CVXOPT linear and quadratic cone program solvers", 2010, sections 4 and 5.)
+//! With `J = diag(1, -1, ..., -1)`, a cone's scaling is `W = e [w0 w1'; w1 I + w1 w1' / (1 + w0)]`
+//! with `w' J w = 1`, so that `W^-2 = (2 Jw (Jw)' - J) / e^2`, and `W z = W^-1 s` is the scaled
+//! point. (Vandenberghe, "The CVXOPT linear and quadratic cone program solvers", 2010, sections 4
+//! and 5.)
 
 use super::scaled_cones::ScaledCones;
 use crate::presolve::refill;
@@ -138,7 +139,8 @@ impl ConeIterate {
         true
     }
 
-    /// Passes on the entries of `W^2` with their places: by cone, column by column of an upper triangle.
+    /// Passes on the entries of `W^2` with their places: by cone, column by column of an upper
+    /// triangle.
     pub(super) fn for_each_block_entry(
         &self,
         cones: &ScaledCones,

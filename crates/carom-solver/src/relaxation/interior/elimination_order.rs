@@ -10,8 +10,8 @@ use crate::presolve::{Reduced, refill};
 /// The name of an unknown that has none, and the place of one that is not ordered.
 const UNNAMED: usize = usize::MAX;
 
-/// The unknowns of a system by the names that they have in the program: its columns, then rows, then entries
-/// of cones.
+/// The unknowns of a system by the names that they have in the program: its columns, then rows,
+/// then entries of cones.
 #[derive(Debug, Clone, Default)]
 struct Unknowns {
     columns: Vec<usize>,
@@ -25,8 +25,9 @@ impl Unknowns {
     }
 }
 
-/// The orders that were used last, the last one first. Further down in the tree, a system is mostly a part of
-/// an earlier one, but for a few rows, and the same part of its order leaves no more fill than the whole.
+/// The orders that were used last, the last one first. Further down in the tree, a system is mostly
+/// a part of an earlier one, but for a few rows, and the same part of its order leaves no more fill
+/// than the whole.
 #[derive(Default)]
 pub(super) struct KeptOrders {
     kept: Vec<KeptOrder>,
@@ -49,9 +50,10 @@ struct KeptOrder {
 }
 
 impl KeptOrders {
-    /// Notes the unknowns of a system: the columns of a reduced program, and some of its rows and entries. If a kept
-    /// order has most of them and few others, writes by unknown when it is eliminated, and returns the
-    /// largest fill that is acceptable: with other rows, such as cuts, a kept order may be bad.
+    /// Notes the unknowns of a system: the columns of a reduced program, and some of its rows and
+    /// entries. If a kept order has most of them and few others, writes by unknown when it is
+    /// eliminated, and returns the largest fill that is acceptable: with other rows, such as cuts,
+    /// a kept order may be bad.
     pub(super) fn write_part(
         &mut self,
         program: &Reduced,
@@ -70,8 +72,8 @@ impl KeptOrders {
         Some(MAX_FILL_RATIO * kept[0].fill)
     }
 
-    /// Writes the order of approximate minimum degree, from an upper triangle by columns: by unknown,
-    /// when it is eliminated. `None` if there is none.
+    /// Writes the order of approximate minimum degree, from an upper triangle by columns: by
+    /// unknown, when it is eliminated. `None` if there is none.
     pub(super) fn write_minimum_degree(
         &mut self,
         size: usize,

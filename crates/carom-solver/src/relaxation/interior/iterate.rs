@@ -107,8 +107,8 @@ impl Iterate {
         bent - self.limits(program).0 + self.corner(program, &gradient).0
     }
 
-    /// The bound that the multipliers would prove if the gradients of columns without bounds were 0, scaled,
-    /// and the largest of these gradients.
+    /// The bound that the multipliers would prove if the gradients of columns without bounds were
+    /// 0, scaled, and the largest of these gradients.
     pub(super) fn promised_value(&self, program: &ScaledProgram) -> (f64, f64) {
         let bent: f64 = self.x.iter().zip(&self.curvature).map(|(x, p)| -0.5 * x * p).sum();
         let largest = std::cell::Cell::new(0.0_f64);

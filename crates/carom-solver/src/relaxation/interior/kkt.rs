@@ -8,8 +8,8 @@
 //! `[ A_l                             -1/w_l - δ            ]`
 //! `[ G                                            -W^2 - δ ]`
 //!
-//! The entries of cones have unknowns, too, because the inverse of `W^2` is far less accurate near the
-//! boundary of a cone.
+//! The entries of cones have unknowns, too, because the inverse of `W^2` is far less accurate near
+//! the boundary of a cone.
 
 use super::parameters::{ASSUMED_RATE, LARGE_FACTORISATION, MAX_KEPT_SYSTEMS, SUPERNODAL_RATIO};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -69,9 +69,9 @@ impl Default for Kkt {
 }
 
 impl Kkt {
-    /// Becomes the system of a program in even units, in the memory that it has; `false` if it cannot
-    /// be ordered or the token is over. A system that has the pattern of one of the last ones is
-    /// neither ordered nor analysed again.
+    /// Becomes the system of a program in even units, in the memory that it has; `false` if it
+    /// cannot be ordered or the token is over. A system that has the pattern of one of the last
+    /// ones is neither ordered nor analysed again.
     pub(super) fn load(
         &mut self,
         reduced: &Reduced,
@@ -149,8 +149,8 @@ impl Kkt {
         &self.condensed.long
     }
 
-    /// Factorises with the weights of columns and rows, and the scaling of cones; `false` if that breaks down or would take longer
-    /// than what is left.
+    /// Factorises with the weights of columns and rows, and the scaling of cones; `false` if that
+    /// breaks down or would take longer than what is left.
     pub(super) fn factorise(
         &mut self,
         of_columns: &[f64],
@@ -218,8 +218,8 @@ impl Kkt {
     }
 }
 
-/// The upper triangle of a symmetric pattern in an order of elimination, so that no factorisation has to
-/// permute it.
+/// The upper triangle of a symmetric pattern in an order of elimination, so that no factorisation
+/// has to permute it.
 struct Ordered {
     /// The pattern as it was given, by columns.
     start: Vec<usize>,

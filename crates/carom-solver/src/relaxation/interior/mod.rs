@@ -3,8 +3,8 @@
 //! Mehrotra's predictor and corrector from an infeasible start, on a system condensed onto columns
 //! and equalities (`kkt`). A tree has thousands of such programs, and most need no accurate
 //! optimum. After every iteration the method checks whether the multipliers already prove a bound
-//! beyond the cutoff, or infeasibility, with the same formulas as [`Prover`](super::Prover) in plain
-//! floats. The caller proves it again.
+//! beyond the cutoff, or infeasibility, with the same formulas as [`Prover`](super::Prover) in
+//! plain floats. The caller proves it again.
 //!
 //! The method gives up early, because the ladder has another one for the rest.
 
@@ -38,8 +38,8 @@ use warm_start::{KeptIterate, ParentIterate, Resumed};
 
 /// The crate's own interior-point method.
 ///
-/// Its working memory is kept between solves. A solve takes new memory only for a system unlike the last
-/// ones, and for its result if none was given back.
+/// Its working memory is kept between solves. A solve takes new memory only for a system unlike the
+/// last ones, and for its result if none was given back.
 #[derive(Default)]
 pub struct InteriorPoint {
     scaled: ScaledProgram,
@@ -122,8 +122,8 @@ impl InteriorPoint {
             results.take_back(result);
             at.start(scaled);
         }
-        // Without curvature a start in the middle of the box wastes iterations; with it, it is better,
-        // unless it is so far out that the first steps are negligible.
+        // Without curvature a start in the middle of the box wastes iterations; with it, it is
+        // better, unless it is so far out that the first steps are negligible.
         if !keeps_state && !at.improve_start(scaled, kkt, effort.token) {
             return RelaxationResult::nothing(program);
         }
@@ -231,8 +231,8 @@ impl InteriorRun<'_> {
         solved
     }
 
-    /// The claim that a measured iterate supports, and whether it meets the requested tolerance; `None` if
-    /// it supports none.
+    /// The claim that a measured iterate supports, and whether it meets the requested tolerance;
+    /// `None` if it supports none.
     fn judge(&self, at: &Iterate, iterations: u32) -> Option<(RelaxationClaim, bool)> {
         let (scaled, effort) = (self.scaled, self.effort);
         let objective = |value: f64| value / scaled.objective + self.program.offset;

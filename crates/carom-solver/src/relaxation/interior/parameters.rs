@@ -6,8 +6,8 @@ pub(super) const SHORT_STEP: f64 = 1e-3;
 /// The number of consecutive negligible steps after which the method gives up.
 pub(super) const MAX_SHORT_STEPS: u32 = 3;
 
-/// Where the step of a program with cones is shorter than the first, a step to the centre is taken instead.
-/// It aims at the second part of the mean complementarity (no unit).
+/// Where the step of a program with cones is shorter than the first, a step to the centre is taken
+/// instead. It aims at the second part of the mean complementarity (no unit).
 pub(super) const POOR_STEP: f64 = 0.1;
 pub(super) const CENTRING: f64 = 0.5;
 
@@ -20,8 +20,8 @@ pub(super) const CLOSED_COMPLEMENTARITY: f64 = 1e-9;
 /// The tolerance at which a program counts as solved if the method cannot improve it.
 pub(super) const COARSE_TOLERANCE: f64 = 1e-8;
 
-/// The gradient of columns without bounds at which a dual value counts as a bound, scaled, and the relative
-/// margin that it then needs: proving it costs some of it.
+/// The gradient of columns without bounds at which a dual value counts as a bound, scaled, and the
+/// relative margin that it then needs: proving it costs some of it.
 pub(super) const FREE_MARGIN: f64 = 1e-5;
 
 /// The largest number of entries of a cone, whose block of the system is dense.
@@ -43,8 +43,8 @@ pub(super) const MAX_WARM_RESIDUAL: f64 = 0.7;
 /// A start is replaced if the method gives up within this number of iterations.
 pub(super) const EARLY_ITERATIONS: u64 = 6;
 
-/// The complementarity, scaled, down to which an iterate is kept for the children. The first iterate
-/// has 1.
+/// The complementarity, scaled, down to which an iterate is kept for the children. The first
+/// iterate has 1.
 pub(super) const MIN_KEPT_COMPLEMENTARITY: f64 = 1e-3;
 
 /// The smallest complementarity of a side at a warm start, scaled.
@@ -69,7 +69,8 @@ pub(super) const RESIDUAL_FRACTION: f64 = 1e-5;
 pub(super) const CONE_ACCURACY: f64 = 1e-3;
 
 /// The number that is added to the diagonal of columns and subtracted from that of rows; refinement
-/// removes its effect. With 1e-10 for rows, many relaxations of pendulums break down near their optimum.
+/// removes its effect. With 1e-10 for rows, many relaxations of pendulums break down near their
+/// optimum.
 pub(super) const REGULARISATION: f64 = 1e-8;
 
 /// The same for the entries of cones, whose own block is definite.
@@ -78,8 +79,8 @@ pub(super) const CONE_REGULARISATION: f64 = 1e-10;
 /// Rows with at most this many entries are always condensed.
 pub(super) const MAX_SHORT_TERMS: usize = 12;
 
-/// The operations per entry of the factors, in units of 40, from which factors are computed in dense
-/// blocks.
+/// The operations per entry of the factors, in units of 40, from which factors are computed in
+/// dense blocks.
 pub(super) const SUPERNODAL_RATIO: f64 = 0.25;
 
 /// The operations a second (a multiplication and an addition) that are assumed until a large
@@ -95,8 +96,8 @@ pub(super) const MAX_KEPT_SYSTEMS: usize = 6;
 /// The number of elimination orders that are kept.
 pub(super) const MAX_KEPT_ORDERS: usize = 6;
 
-/// A kept order is used while at least this part of its unknowns is left: smaller systems have better
-/// orders of their own.
+/// A kept order is used while at least this part of its unknowns is left: smaller systems have
+/// better orders of their own.
 pub(super) const MIN_REUSED_PART: f64 = 0.75;
 
 /// A kept order is used if it leaves at most this many times its own fill.

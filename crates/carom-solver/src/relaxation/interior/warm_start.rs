@@ -1,7 +1,8 @@
 //! Starts of the interior-point method from an iterate of the parent.
 //!
-//! An iterate at the optimum is a bad start, because it is close to limits that no longer hold at the
-//! child. What a relaxation leaves is an iterate on the way there, and the child moves it well inside.
+//! An iterate at the optimum is a bad start, because it is close to limits that no longer hold at
+//! the child. What a relaxation leaves is an iterate on the way there, and the child moves it well
+//! inside.
 
 use super::iterate::Iterate;
 use super::parameters::{MIN_KEPT_COMPLEMENTARITY, MIN_START_COMPLEMENTARITY, MIN_START_DISTANCE};

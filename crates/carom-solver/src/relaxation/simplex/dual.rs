@@ -95,9 +95,9 @@ impl Dual {
         Some(dual)
     }
 
-    /// Makes the reduced cost of a slot's column zero. If the reduced cost of another column becomes
-    /// zero first, that column enters the basis in its place. Returns `false` if the numbers are too
-    /// bad.
+    /// Makes the reduced cost of a slot's column zero. If the reduced cost of another column
+    /// becomes zero first, that column enters the basis in its place. Returns `false` if the
+    /// numbers are too bad.
     fn push(&mut self, slot: usize) -> bool {
         let p = self.head[slot];
         let away = self.cost[p];
@@ -302,7 +302,8 @@ impl Dual {
         (0.1 * self.allowed * size).clamp(self.allowed, PRIMAL_TOLERANCE)
     }
 
-    /// The slot whose column violates its bounds most, and by how much: negative below the lower one.
+    /// The slot whose column violates its bounds most, and by how much: negative below the lower
+    /// one.
     fn leaving(&self) -> Option<(usize, f64)> {
         let mut most = 0.0;
         let mut found = None;

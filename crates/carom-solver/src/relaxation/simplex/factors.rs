@@ -235,7 +235,8 @@ impl Factors {
     }
 }
 
-/// Length from which a product is summed in several parts, so that its terms need not wait for each other.
+/// Length from which a product is summed in several parts, so that its terms need not wait for each
+/// other.
 const LONG: usize = 48;
 const LANES: usize = 8;
 

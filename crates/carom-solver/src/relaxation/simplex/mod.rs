@@ -1,10 +1,10 @@
 //! A dual simplex method for linear relaxations, started from the parent's basis.
 //!
-//! Children differ from their parent in bounds only. So the parent's basis is dual feasible there, and a few
-//! exchanges away from an optimal one. Rows are chosen by steepest edges. Columns between two bounds jump to
-//! the other one where the dual objective still rises beyond. Where rows or columns of the parent are gone,
-//! its basis is mended with the rows' own columns. The dual objective never falls, so the method stops when
-//! it exceeds the cutoff.
+//! Children differ from their parent in bounds only. So the parent's basis is dual feasible there,
+//! and a few exchanges away from an optimal one. Rows are chosen by steepest edges. Columns between
+//! two bounds jump to the other one where the dual objective still rises beyond. Where rows or
+//! columns of the parent are gone, its basis is mended with the rows' own columns. The dual
+//! objective never falls, so the method stops when it exceeds the cutoff.
 //!
 //! If the numbers are too bad, or the start cannot be made dual feasible, the method gives up.
 
@@ -47,8 +47,9 @@ impl DualSimplex {
         Self::default()
     }
 
-    /// Whether the method suits a program. An objective with few terms leaves a large face of optima. An
-    /// interior-point method ends in its middle, which is a better point for branching than a vertex.
+    /// Whether the method suits a program. An objective with few terms leaves a large face of
+    /// optima. An interior-point method ends in its middle, which is a better point for branching
+    /// than a vertex.
     pub fn suits(program: &Reduced) -> bool {
         // Each round of cuts of cones begins with the basis of the last one.
         let is_cut_off = program.is_cut_off && !program.cones.is_empty();

@@ -3,8 +3,8 @@
 use crate::presolve::{Compressed, Reduced};
 use crate::relaxation::scaling::factors;
 
-/// `min c'x` over `A x - s = 0` and bounds of the columns `x` and of the rows' activities `s`, which
-/// follow them.
+/// `min c'x` over `A x - s = 0` and bounds of the columns `x` and of the rows' activities `s`,
+/// which follow them.
 #[derive(Debug)]
 pub(super) struct LinearProgram {
     pub(super) columns: Compressed,

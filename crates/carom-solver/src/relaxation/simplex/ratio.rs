@@ -1,4 +1,5 @@
-//! The ratio test of the dual method: which column enters, and which ones jump to their other bound.
+//! The ratio test of the dual method: which column enters, and which ones jump to their other
+//! bound.
 
 use super::parameters::{DUAL_TOLERANCE, MIN_ENTRY};
 

@@ -1,12 +1,12 @@
 //! Splitting a disjunction into its sides.
 //!
-//! A covering row `z_1 + ... + z_k >= 1` means that at least one of `k` sides holds. If its columns are split
-//! one by one, only the children that set one to 1 move the relaxation; the others exclude one side, leave
-//! the relaxed point where it was, and cost a node each. Here the node gets one child per side, and the child
-//! of side `s` excludes the sides before it. Sides are scored like columns, by the pseudocosts of setting
-//! them to 1, initialised by strong branching. If excluding a side moves the bound as well, splitting a
-//! column may be better. Of the best disjunction and the best column, the one is split for which the tree is
-//! expected to grow less.
+//! A covering row `z_1 + ... + z_k >= 1` means that at least one of `k` sides holds. If its columns
+//! are split one by one, only the children that set one to 1 move the relaxation; the others
+//! exclude one side, leave the relaxed point where it was, and cost a node each. Here the node gets
+//! one child per side, and the child of side `s` excludes the sides before it. Sides are scored
+//! like columns, by the pseudocosts of setting them to 1, initialised by strong branching. If
+//! excluding a side moves the bound as well, splitting a column may be better. Of the best
+//! disjunction and the best column, the one is split for which the tree is expected to grow less.
 
 use std::collections::BTreeMap;
 

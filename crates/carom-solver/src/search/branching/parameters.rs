@@ -5,8 +5,8 @@
 pub(super) struct BranchingParameters {
     /// Most trials of new columns at a node.
     pub(super) trials: usize,
-    /// Most trials of new columns at a node where a disjunction could be split instead, because its sides
-    /// were tried already.
+    /// Most trials of new columns at a node where a disjunction could be split instead, because its
+    /// sides were tried already.
     pub(super) trials_beside_disjunction: usize,
     /// Trials in a row without a better column, after which the rest is taken at its pseudocosts.
     pub(super) idle_trials: usize,
@@ -18,8 +18,8 @@ pub(super) struct BranchingParameters {
     pub(super) credit_per_fixing: f64,
     /// Credit that a node without credit adds, in trials.
     pub(super) credit_per_node: f64,
-    /// Beside the tree of an earlier solve, fixings by trials are tried only at nodes whose own tree is
-    /// expected to have at least so many nodes.
+    /// Beside the tree of an earlier solve, fixings by trials are tried only at nodes whose own
+    /// tree is expected to have at least so many nodes.
     pub(super) fixing_tree: f64,
 }
 

@@ -80,8 +80,8 @@ impl Child {
     }
 }
 
-/// Goes on with one side of a column, whose other side is closed. If the leaves of the tree are kept, the
-/// result is a split with one child.
+/// Goes on with one side of a column, whose other side is closed. If the leaves of the tree are
+/// kept, the result is a split with one child.
 pub(super) fn keep_only(ctx: &mut Context<'_>, side: Decision, bound: f64) -> Result<(), Split> {
     if ctx.options().keep_leaves {
         return Err(Split::only(side, bound));
@@ -89,7 +89,8 @@ pub(super) fn keep_only(ctx: &mut Context<'_>, side: Decision, bound: f64) -> Re
     add_facts(ctx, &[side]).map_err(|_| Split::nothing())
 }
 
-/// Both sides of the value of a relaxation, `x <= floor` and `x >= floor + 1`, the nearer one first.
+/// Both sides of the value of a relaxation, `x <= floor` and `x >= floor + 1`, the nearer one
+/// first.
 pub(super) fn both_sides(domain: &Domain, column: usize, value: f64) -> [Decision; 2] {
     let [lower, upper] = domain.bounds(column);
     let value =

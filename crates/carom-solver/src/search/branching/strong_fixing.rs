@@ -1,10 +1,10 @@
 //! Strong-branching fixings: trying values that the relaxed point of a node does not take.
 //!
-//! A binary that can be 0 or 1 with the same dynamics is useless for branching, but one of its values may be
-//! worse than the cutoff; then it is fixed to the other one. On some programs this excludes most impacts. On
-//! others, such trials find nothing, and small trees need none. So trials are paid from a credit: each node
-//! adds a little to it, and each fixing adds more. In a prepared solve, a node whose tree is expected to end
-//! at once does without, too.
+//! A binary that can be 0 or 1 with the same dynamics is useless for branching, but one of its
+//! values may be worse than the cutoff; then it is fixed to the other one. On some programs this
+//! excludes most impacts. On others, such trials find nothing, and small trees need none. So trials
+//! are paid from a credit: each node adds a little to it, and each fixing adds more. In a prepared
+//! solve, a node whose tree is expected to end at once does without, too.
 
 use super::parameters::BRANCHING;
 use super::split::{RelaxedPoint, Split, both_sides, keep_only};

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::presolve::Domain;
 
-/// A sum of whole multiples of integral columns. No point has it strictly between `value` and `value + 1`.
+/// A sum of whole multiples of integral columns. No point has it strictly between `value` and
+/// `value + 1`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct WholeForm {
     pub(crate) terms: Vec<(usize, f64)>,
@@ -19,8 +20,8 @@ pub struct Cut {
     pub terms: Vec<(usize, f64)>,
     /// The limit.
     pub limit: f64,
-    /// The form that was rounded: where it is at most its value, and where it is at least the next one, the cut
-    /// follows from rows and bounds. `None` if it was found in another way.
+    /// The form that was rounded: where it is at most its value, and where it is at least the next
+    /// one, the cut follows from rows and bounds. `None` if it was found in another way.
     pub(crate) form: Option<WholeForm>,
 }
 

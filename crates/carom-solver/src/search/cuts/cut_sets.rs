@@ -4,10 +4,10 @@
 //! networks are shrunk first (Günlük, A branch-and-cut algorithm for capacitated network design
 //! problems, Mathematical Programming 86, 1999).
 //!
-//! Two rows that share a continuous column are the ends of an arc. Arcs are contracted, the most open
-//! ones first, as a spanning tree grows. Only arcs that are less open enter or leave the parts that
-//! appear on the way, so if the rows of a part together need a flow, whole binaries open more than the
-//! point does: the sum of the rows is rounded.
+//! Two rows that share a continuous column are the ends of an arc. Arcs are contracted, the most
+//! open ones first, as a spanning tree grows. Only arcs that are less open enter or leave the parts
+//! that appear on the way, so if the rows of a part together need a flow, whole binaries open more
+//! than the point does: the sum of the rows is rounded.
 
 use super::parameters::CUTS;
 use std::collections::BTreeMap;

@@ -55,7 +55,8 @@ pub fn mixed_integer_rounding_cuts(
     cuts
 }
 
-/// Whether the slack of an aggregate's first row is so large that other rows hardly make a cut of it.
+/// Whether the slack of an aggregate's first row is so large that other rows hardly make a cut of
+/// it.
 fn is_loose(point: &SeparatedPoint<'_>, row: usize, aggregate: &Aggregate) -> bool {
     let largest = aggregate.terms.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
     point.slack(row) > CUTS.start_slack * largest
@@ -105,8 +106,8 @@ fn slack(point: &SeparatedPoint<'_>, row: usize) -> f64 {
 }
 
 impl Aggregate {
-    /// Becomes a row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer;
-    /// `false` if it has none.
+    /// Becomes a row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is
+    /// nearer; `false` if it has none.
     pub(super) fn set_to_row(&mut self, point: &SeparatedPoint<'_>, row: usize) -> bool {
         let program = point.program;
         let (columns, values) = program.row(row);

@@ -1,8 +1,8 @@
 //! Cuts at the root: rows that every integral point satisfies and the relaxed point violates.
 //!
-//! Rounds of relaxing and cutting continue while they lift the bound, unless a search of one node without cuts
-//! closes the gap. Cuts that stay slack leave, in the end all that are not active, and all of them if the
-//! bound has hardly improved.
+//! Rounds of relaxing and cutting continue while they lift the bound, unless a search of one node
+//! without cuts closes the gap. Cuts that stay slack leave, in the end all that are not active, and
+//! all of them if the bound has hardly improved.
 
 mod cut;
 mod cut_sets;
@@ -31,8 +31,8 @@ use crate::solver::{Options, StopToken};
 /// A search of one node from a root; `None` if it is not wanted.
 pub(crate) type PilotSearch<'a> = dyn FnMut(&Root) -> Option<PilotResult> + 'a;
 
-/// Adds cuts to a program. Returns `None` if they do not pay. The root gets the relaxed point of the
-/// program that is left.
+/// Adds cuts to a program. Returns `None` if they do not pay. The root gets the relaxed point of
+/// the program that is left.
 ///
 /// # Arguments
 ///
@@ -154,8 +154,8 @@ impl CutRounds<'_> {
         last
     }
 
-    /// One round: the relaxed point with further cuts, and the program with them; `None` if there are
-    /// none, or no optimum.
+    /// One round: the relaxed point with further cuts, and the program with them; `None` if there
+    /// are none, or no optimum.
     fn cut(
         &mut self,
         before: &RootPoint,
@@ -209,7 +209,8 @@ impl CutRounds<'_> {
         Some(point)
     }
 
-    /// Whether a lift of the root's value to another one is large enough, or closes enough of the gap.
+    /// Whether a lift of the root's value to another one is large enough, or closes enough of the
+    /// gap.
     fn pays(&self, [large, closed]: [f64; 2], root: &RootPoint, value: f64) -> bool {
         let closes = |gap| value - root.value >= closed * gap;
         root.is_lifted_by(large, value)

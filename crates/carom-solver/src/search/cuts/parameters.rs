@@ -13,15 +13,17 @@ pub(super) struct CutParameters {
     pub(super) idle_share: f64,
     /// Idle rounds in a row that end the rounds.
     pub(super) idle_rounds: usize,
-    /// Least lift of the bound by the first round, relative to the bound: under a linear objective, whose
-    /// relaxed optimum is a corner, and under a curved one, where it rarely is.
+    /// Least lift of the bound by the first round, relative to the bound: under a linear objective,
+    /// whose relaxed optimum is a corner, and under a curved one, where it rarely is.
     pub(super) first_lift: [f64; 2],
-    /// Least lift of the bound by all rounds, relative to the bound, under a linear and a curved objective.
+    /// Least lift of the bound by all rounds, relative to the bound, under a linear and a curved
+    /// objective.
     pub(super) total_lift: [f64; 2],
-    /// Least lift of the bound, relative to the bound, where the share of the gap that is closed decides: an
-    /// objective may have a large constant part.
+    /// Least lift of the bound, relative to the bound, where the share of the gap that is closed
+    /// decides: an objective may have a large constant part.
     pub(super) slight_lift: f64,
-    /// Least share of the gap to a point found by rounding that the first round, and all rounds, must close.
+    /// Least share of the gap to a point found by rounding that the first round, and all rounds,
+    /// must close.
     pub(super) closed_share: [f64; 2],
     /// Number of further rounds, each with the lift of the last one, after which the least lift of
     /// all rounds must be reached for rounds to go on: the first rounds lift the most.
@@ -30,17 +32,18 @@ pub(super) struct CutParameters {
     pub(super) set_factor: f64,
     /// Largest cosine of the angle between two cuts of a round.
     pub(super) most_cosine: f64,
-    /// Rounds for which a cut may be slack before it leaves: the point is inside the face of all optima, and
-    /// the next round may move it back.
+    /// Rounds for which a cut may be slack before it leaves: the point is inside the face of all
+    /// optima, and the next round may move it back.
     pub(super) slack_rounds: u32,
     /// Largest room of a binding cut, relative to its terms.
     pub(super) binding: f64,
     /// Least distance of a point to a cut that it violates.
     pub(super) least_depth: f64,
-    /// Largest quotient of two coefficients of a cut; smaller ones are taken out at the column's bound.
+    /// Largest quotient of two coefficients of a cut; smaller ones are taken out at the column's
+    /// bound.
     pub(super) dynamism: f64,
-    /// Margin by which limits are loosened, relative to the size of the terms: rounding must not cut a whole
-    /// point off.
+    /// Margin by which limits are loosened, relative to the size of the terms: rounding must not
+    /// cut a whole point off.
     pub(super) limit_margin: f64,
     /// Most entries of the sum of rows of a cut set.
     pub(super) set_entries: usize,
@@ -50,7 +53,8 @@ pub(super) struct CutParameters {
     pub(super) aggregate_entries: usize,
     /// Most rows from which aggregates are started.
     pub(super) start_rows: usize,
-    /// Largest slack of a row that starts an aggregate of several, relative to its largest coefficient.
+    /// Largest slack of a row that starts an aggregate of several, relative to its largest
+    /// coefficient.
     pub(super) start_slack: f64,
     /// Least distance from its bounds at which a column is worth eliminating.
     pub(super) bound_distance: f64,
@@ -58,8 +62,8 @@ pub(super) struct CutParameters {
     pub(super) row_accuracy: f64,
     /// Fractions of the right side that are rounded.
     pub(super) right_fractions: std::ops::RangeInclusive<f64>,
-    /// Least distance to the next multiple of the divisor, relative to the aggregate's size: more than
-    /// tolerances of rows sum up to.
+    /// Least distance to the next multiple of the divisor, relative to the aggregate's size: more
+    /// than tolerances of rows sum up to.
     pub(super) least_missing: f64,
     /// Least quotient of a divisor and the noise of the coefficients.
     pub(super) divisor_noise: f64,

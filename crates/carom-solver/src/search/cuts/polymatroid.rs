@@ -4,11 +4,12 @@
 //! tail; leaves at most one cut for each cone (Atamtürk and Narayanan, Polymatroids and mean-risk
 //! minimization in discrete optimization, Operations Research Letters 36, 2008).
 //!
-//! Where every entry of a tail is a number times a binary, the length of the tail is a function of the set
-//! of binaries at 1: `f(S) = sqrt(c + sum of w_i over S)`, which is submodular. So for any order of the
-//! binaries, `f(0) + sum p_i b_i <= f(S)` with `p_i = f(S_i) - f(S_{i-1})`, where `S_i` are the first `i` of
-//! them. The order of the relaxed values gives the deepest of these cuts, which together with bounds are the
-//! convex hull; the cone itself says less unless all values are alike.
+//! Where every entry of a tail is a number times a binary, the length of the tail is a function of
+//! the set of binaries at 1: `f(S) = sqrt(c + sum of w_i over S)`, which is submodular. So for any
+//! order of the binaries, `f(0) + sum p_i b_i <= f(S)` with `p_i = f(S_i) - f(S_{i-1})`, where
+//! `S_i` are the first `i` of them. The order of the relaxed values gives the deepest of these
+//! cuts, which together with bounds are the convex hull; the cone itself says less unless all
+//! values are alike.
 
 use std::collections::BTreeMap;
 
@@ -56,8 +57,8 @@ fn cut_of(program: &Program, domain: &Domain, x: &[f64], cone: &Cone) -> Option<
     Cut::new(terms, -constant.sqrt(), length, domain, x)
 }
 
-/// The length of a tail, squared, as a constant and a weight for each binary that is at 1; `None` if it is
-/// no such sum.
+/// The length of a tail, squared, as a constant and a weight for each binary that is at 1; `None`
+/// if it is no such sum.
 fn squares(program: &Program, cone: &Cone) -> Option<(f64, BTreeMap<usize, f64>)> {
     let mut constant = 0.0;
     let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
@@ -88,8 +89,8 @@ fn multiple(program: &Program, column: usize) -> Option<(usize, f64)> {
     })
 }
 
-/// An upper bound of the length of the tail that is linear in the head, with its sign changed; close at a
-/// point.
+/// An upper bound of the length of the tail that is linear in the head, with its sign changed;
+/// close at a point.
 fn heads(cone: &Cone, x: &[f64]) -> Option<BTreeMap<usize, f64>> {
     match (cone.shape, cone.head()) {
         (ConeShape::Norm, &[head]) => Some(BTreeMap::from([(head, -1.0)])),

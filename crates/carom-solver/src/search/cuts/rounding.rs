@@ -61,7 +61,8 @@ pub(super) struct Aggregate {
     /// By key.
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) right: f64,
-    /// The accuracy to which the coefficients are known, since rows that nearly cancel leave little else.
+    /// The accuracy to which the coefficients are known, since rows that nearly cancel leave little
+    /// else.
     pub(super) noise: f64,
     /// The sum over its rows of the largest magnitude of a term or side, with what has cancelled.
     pub(super) size: f64,
@@ -89,8 +90,8 @@ impl Rounder {
         let n = point.program.column_count();
         let side = (point, aggregate, sign);
         let mut best = self.measure(side, &|j, _| point.nearest(j), false);
-        // A column may be far below its variable bound because this is wide, and the rounding makes it
-        // narrow: all variable bounds, and then those of them that pay.
+        // A column may be far below its variable bound because this is wide, and the rounding makes
+        // it narrow: all variable bounds, and then those of them that pay.
         let hidden = |&(j, _): &(usize, f64)| j < n && point.hides_variable_bound(j);
         if aggregate.terms.iter().any(hidden) {
             let all = self.measure(side, &|j, _| point.variable(j).or(point.simple(j)), true);
@@ -114,9 +115,9 @@ impl Rounder {
         cut?
     }
 
-    /// The best rounding of the same in integers alone, if the point violates it: continuous columns are
-    /// measured from where their terms vanish. It is less deep than others that keep them, and the point
-    /// cannot evade it by moving them.
+    /// The best rounding of the same in integers alone, if the point violates it: continuous
+    /// columns are measured from where their terms vanish. It is less deep than others that keep
+    /// them, and the point cannot evade it by moving them.
     pub(super) fn round_integers(
         &mut self,
         point: &SeparatedPoint<'_>,
@@ -298,8 +299,8 @@ impl Base {
         Some(())
     }
 
-    /// Whether a divisor may lead to a cut that the point violates. `F(a) <= a`, so rounding takes away
-    /// a fraction of the divisor at most, and what is slack already has to be less.
+    /// Whether a divisor may lead to a cut that the point violates. `F(a) <= a`, so rounding takes
+    /// away a fraction of the divisor at most, and what is slack already has to be less.
     fn can_cut(&self, divisor: f64) -> bool {
         self.slack < divisor * CUTS.right_fractions.end()
     }
@@ -420,8 +421,8 @@ fn write(point: &SeparatedPoint<'_>, base: &Base, divisor: f64, size: f64) -> Op
     Some(cut)
 }
 
-/// The form whose rounding the cut is: in measured columns, the coefficients of the aggregate over the divisor,
-/// rounded down where their fraction is less than `f`, and else up.
+/// The form whose rounding the cut is: in measured columns, the coefficients of the aggregate over
+/// the divisor, rounded down where their fraction is less than `f`, and else up.
 fn whole_form(base: &Base, divisor: f64, f: f64) -> WholeForm {
     let mut form = WholeForm { terms: Vec::new(), value: (base.right / divisor).floor() };
     for whole in &base.whole {

@@ -100,8 +100,8 @@ impl<'a> SeparatedPoint<'a> {
         self.nearest[column]
     }
 
-    /// The bound of a continuous column from which a term `a x` is measured as a nonnegative one: the
-    /// nearest variable bound of that side, or else its simple bound.
+    /// The bound of a continuous column from which a term `a x` is measured as a nonnegative one:
+    /// the nearest variable bound of that side, or else its simple bound.
     pub(super) fn vanishing(&self, column: usize, a: f64) -> From {
         let upper = a < 0.0;
         self.sides[column][usize::from(upper)].unwrap_or_else(|| {
@@ -124,13 +124,14 @@ impl<'a> SeparatedPoint<'a> {
         variable.zip(nearest).is_some_and(|(variable, nearest)| nearest.value < variable.value)
     }
 
-    /// Whether a row can be aggregated with others: it has a limit, and is no variable bound, which is
-    /// put in anyway.
+    /// Whether a row can be aggregated with others: it has a limit, and is no variable bound, which
+    /// is put in anyway.
     pub(super) fn is_fit(&self, row: usize) -> bool {
         self.fit[row]
     }
 
-    /// The distance of a continuous column from the bound that it is measured from; infinite for a free one.
+    /// The distance of a continuous column from the bound that it is measured from; infinite for a
+    /// free one.
     pub(super) fn distance(&self, column: usize) -> f64 {
         self.nearest(column).map_or(f64::INFINITY, |from| from.value)
     }

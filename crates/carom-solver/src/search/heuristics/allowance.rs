@@ -11,8 +11,8 @@ pub struct Allowance {
 }
 
 impl Allowance {
-    /// Iterations that may be spent now, when the worker has taken `total` in all, with a free start
-    /// or without. Calls without success lower the share in proportion.
+    /// Iterations that may be spent now, when the worker has taken `total` in all, with a free
+    /// start or without. Calls without success lower the share in proportion.
     pub fn left(&self, total: u64, free_start: bool) -> u64 {
         let favour = (1 + self.successes) as f64 / (1 + self.calls) as f64;
         let start = if free_start { HEURISTICS.free_iterations } else { 0 };

@@ -1,4 +1,5 @@
-//! Points from the integers of a start: fixed, completed, and repaired if they contradict the program.
+//! Points from the integers of a start: fixed, completed, and repaired if they contradict the
+//! program.
 
 use super::parameters::HEURISTICS;
 use super::penalties::{forgo, pays, penalties};
@@ -12,8 +13,8 @@ use crate::search::start::Completion;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
 
-/// Looks for a point with the integers of the start, or with any if it has none. The domain is left as
-/// it was.
+/// Looks for a point with the integers of the start, or with any if it has none. The domain is left
+/// as it was.
 pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
     let Some(start) = ctx.tree.start() else { return };
     span!(DEBUG, "heuristic", name = "start");

@@ -1,9 +1,10 @@
-//! A local search for a point of a program of binaries, without any relaxation. There is no objective, or one of
-//! few columns, which stay where they cost least: then a point is an optimum.
+//! A local search for a point of a program of binaries, without any relaxation. There is no
+//! objective, or one of few columns, which stay where they cost least: then a point is an optimum.
 //!
-//! Binaries are flipped one at a time, those first whose flip lessens the weighted violation of the rows most. Where
-//! no flip does, the rows that are violated become heavier (Luteberget and Sartor 2022, "Feasibility Jump"). Many
-//! timetables and assignments have a point that is found so long before their first relaxation is solved.
+//! Binaries are flipped one at a time, those first whose flip lessens the weighted violation of the
+//! rows most. Where no flip does, the rows that are violated become heavier (Luteberget and Sartor
+//! 2022, "Feasibility Jump"). Many timetables and assignments have a point that is found so long
+//! before their first relaxation is solved.
 
 use crate::program::Program;
 use crate::search::context::Context;

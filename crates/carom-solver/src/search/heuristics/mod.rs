@@ -50,8 +50,9 @@ impl HeuristicAccounts {
         }
     }
 
-    /// Notes that a replay has made the root smaller, so that its relaxed point is another one. Then
-    /// rounding and roll-outs have their turn again, except beside a good point and a small tree.
+    /// Notes that a replay has made the root smaller, so that its relaxed point is another one.
+    /// Then rounding and roll-outs have their turn again, except beside a good point and a small
+    /// tree.
     pub(super) fn note_replay(&mut self, ctx: &Context<'_>, bound: f64) {
         let large = ctx.tree.proofs().is_some_and(|proofs| proofs.is_large());
         if large || !has_good_point(ctx, bound) {
@@ -92,7 +93,8 @@ pub(super) fn look_for_points(
     };
     if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
-        // Where a pilot search has tried them at the same root, and beside a good start, they can wait.
+        // Where a pilot search has tried them at the same root, and beside a good start, they can
+        // wait.
         let start = ctx.tree.start().filter(|_| at_root);
         let good = has_good_point(ctx, bound);
         let waits = start.is_some_and(|start| start.is_rounded.unwrap_or(good));

@@ -1,7 +1,8 @@
 //! A small search near 0, for programs whose integers have bounds beyond all digits.
 //!
-//! Relaxed points may be anywhere between such bounds, and where a float has no digits after the point, none
-//! of them can be rounded to a point. If there are points near 0, a search between closer bounds finds one.
+//! Relaxed points may be anywhere between such bounds, and where a float has no digits after the
+//! point, none of them can be rounded to a point. If there are points near 0, a search between
+//! closer bounds finds one.
 
 use super::neighbourhood::search_within;
 use super::parameters::HEURISTICS;
@@ -13,7 +14,8 @@ use crate::solution::Heuristic;
 /// A bound of an integer beyond this is far away.
 const FAR_INTEGER_BOUND: f64 = 1e12;
 
-/// The distance from 0, or from the bound that is nearest to it, within which points are looked for.
+/// The distance from 0, or from the bound that is nearest to it, within which points are looked
+/// for.
 const NEAR_DISTANCE: f64 = 1e4;
 
 /// Searches near 0 if no point is known and integers have bounds that are far away.

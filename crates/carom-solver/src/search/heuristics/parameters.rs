@@ -9,10 +9,11 @@ pub(super) struct HeuristicParameters {
     pub(super) pause_with_point: u64,
     /// Largest gap between a good point and the bound, relative to the value of the point.
     pub(super) good_point_gap: f64,
-    /// Interior-point iterations that a heuristic may take whatever the search has cost, while there is no
-    /// point.
+    /// Interior-point iterations that a heuristic may take whatever the search has cost, while
+    /// there is no point.
     pub(super) free_iterations: u64,
-    /// Share of the iterations of the whole search that a heuristic may take while every call is a success.
+    /// Share of the iterations of the whole search that a heuristic may take while every call is a
+    /// success.
     pub(super) iteration_share: f64,
     /// Iterations that must be left for a dive to begin.
     pub(super) dive_iterations: u64,
@@ -32,13 +33,13 @@ pub(super) struct HeuristicParameters {
     pub(super) gap_share: f64,
     /// Most relaxations of all completions of a start.
     pub(super) completion_relaxations: usize,
-    /// Most relaxations of all completions in a prepared solve that no limit may stop. There, the replay of
-    /// the last tree finds points as well.
+    /// Most relaxations of all completions in a prepared solve that no limit may stop. There, the
+    /// replay of the last tree finds points as well.
     pub(super) prepared_relaxations: usize,
     /// Shares of the integers of a start, from its beginning, that are tried.
     pub(super) start_shares: [f64; 3],
-    /// Largest width of a continuous column that counts as known in a roll-out, relative to the width at
-    /// first; in the column's unit if it had no bounds.
+    /// Largest width of a continuous column that counts as known in a roll-out, relative to the
+    /// width at first; in the column's unit if it had no bounds.
     pub(super) known_width: f64,
 }
 

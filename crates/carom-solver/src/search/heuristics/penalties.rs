@@ -1,7 +1,8 @@
 //! Columns that soften rows at a price, such as the depth in an obstacle that may be entered.
 //!
-//! Relaxed points tell little about the integers of such rows, because softening each a little is cheap.
-//! With these columns at their lower bounds propagation tells much, so such a point is looked for as well.
+//! Relaxed points tell little about the integers of such rows, because softening each a little is
+//! cheap. With these columns at their lower bounds propagation tells much, so such a point is
+//! looked for as well.
 
 use crate::program::Program;
 use crate::search::context::Context;
@@ -31,8 +32,8 @@ pub(super) fn pays(program: &Program, penalties: &[usize], point: &[f64]) -> boo
     penalties.iter().any(|&j| point[j] > program.lower[j] + FEASIBILITY)
 }
 
-/// Fixes such columns at their lower bounds. Returns `false` if that is a contradiction; the domain may
-/// have changed then.
+/// Fixes such columns at their lower bounds. Returns `false` if that is a contradiction; the domain
+/// may have changed then.
 pub(super) fn forgo(ctx: &mut Context<'_>, penalties: &[usize]) -> bool {
     let mark = ctx.node.domain.mark();
     for &j in penalties {

@@ -4,8 +4,8 @@
 //! value, with propagation in between. If a value is infeasible, the other side is tried once. The
 //! result is solved as a leaf.
 //!
-//! Without a relaxed point, integers are fixed at the ends of their ranges that cost less, the dearest
-//! first.
+//! Without a relaxed point, integers are fixed at the ends of their ranges that cost less, the
+//! dearest first.
 
 use crate::search::context::Context;
 use crate::search::leaf::solve_assignment;
@@ -20,7 +20,8 @@ pub(super) fn round_and_propagate(ctx: &mut Context<'_>, point: &[f64]) -> bool 
     fix_in_order(ctx, &order, |_, j| point[j])
 }
 
-/// Tries the cheap ends of all integers. Returns whether that is feasible. The domain is left as it was.
+/// Tries the cheap ends of all integers. Returns whether that is feasible. The domain is left as it
+/// was.
 pub(super) fn fix_at_cheap_ends(ctx: &mut Context<'_>) -> bool {
     let mut order: Vec<usize> = ctx.program().integers.to_vec();
     let costs = &ctx.program().linear;

@@ -1,9 +1,10 @@
 //! The deterministic search: the same nodes, counts and answer for any number of threads.
 //!
-//! The search works in rounds. The number of workers is fixed, and larger than the number of threads of most
-//! machines. In a round, each worker gets a node by a fixed rule and plunges from there for a few nodes. It
-//! uses the cutoff that was known when the round began. Threads take workers in any order. The results are
-//! merged in the order of the workers once all are done, so nothing depends on which worker was faster.
+//! The search works in rounds. The number of workers is fixed, and larger than the number of
+//! threads of most machines. In a round, each worker gets a node by a fixed rule and plunges from
+//! there for a few nodes. It uses the cutoff that was known when the round began. Threads take
+//! workers in any order. The results are merged in the order of the workers once all are done, so
+//! nothing depends on which worker was faster.
 
 #[cfg(not(target_family = "wasm"))]
 use std::sync::atomic::AtomicUsize;
@@ -29,7 +30,8 @@ const NODES_PER_ROUND: u64 = 4;
 #[derive(Default)]
 struct Slot<'a> {
     worker: Option<Worker<'a>>,
-    /// The node to process in the present round, and the largest number of nodes to process from there.
+    /// The node to process in the present round, and the largest number of nodes to process from
+    /// there.
     assignment: Option<(Node, u64)>,
     /// The node with which its plunge goes on.
     plunge: Option<Node>,

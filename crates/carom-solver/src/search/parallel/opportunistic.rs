@@ -1,7 +1,7 @@
 //! The opportunistic search: one thread, or several that exchange everything at once.
 //!
-//! A worker plunges: it goes on with one child and leaves the others to the common queue. When a plunge
-//! ends, the best node of the queue is next. Threads start only if nodes wait for them.
+//! A worker plunges: it goes on with one child and leaves the others to the common queue. When a
+//! plunge ends, the best node of the queue is next. Threads start only if nodes wait for them.
 
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,4 +1,5 @@
-//! Cones with room while a binary has one of its values: the same whole points, and a tighter relaxation.
+//! Cones with room while a binary has one of its values: the same whole points, and a tighter
+//! relaxation.
 
 use carom::model::norm;
 use carom::prelude::*;
@@ -25,7 +26,8 @@ enum Case {
         switched: bool,
         off_at_one: bool,
     },
-    /// `(t y)^2 <= (a + p y) (q y - r w)`, with `w <= on`, and perhaps another binary that excludes it.
+    /// `(t y)^2 <= (a + p y) (q y - r w)`, with `w <= on`, and perhaps another binary that excludes
+    /// it.
     Rotated { constant: f64, factors: [f64; 4], excluded: bool, shifted: bool },
 }
 

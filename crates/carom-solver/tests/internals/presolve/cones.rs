@@ -1,7 +1,7 @@
 //! Presolve of programs with cones: the same optimum, and points that are restored.
 //!
-//! The columns of the cones are whole, and all of their values are tried: what is left each time is a program
-//! without cones.
+//! The columns of the cones are whole, and all of their values are tried: what is left each time is
+//! a program without cones.
 
 use carom::model::norm;
 use carom::prelude::*;
@@ -107,8 +107,8 @@ fn tried(program: &Program) -> Vec<usize> {
     columns
 }
 
-/// The best point of a program by trying all values of the columns of its cones; or whether the objective
-/// falls forever.
+/// The best point of a program by trying all values of the columns of its cones; or whether the
+/// objective falls forever.
 #[derive(Debug)]
 enum Best {
     None,

@@ -1,7 +1,7 @@
 //! Cut sets keep every whole point.
 //!
-//! Random networks with arcs that binaries open are enumerated: a choice of binaries is a point if some
-//! whole flow meets all rows, which is so whenever any flow does.
+//! Random networks with arcs that binaries open are enumerated: a choice of binaries is a point if
+//! some whole flow meets all rows, which is so whenever any flow does.
 
 use carom::prelude::*;
 use carom::solver::StopToken;

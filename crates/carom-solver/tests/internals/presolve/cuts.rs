@@ -1,8 +1,8 @@
 //! Cuts and implications keep every whole point.
 //!
-//! Random programs are enumerated: integers over all their values, continuous columns over halves. No
-//! point that satisfies the rows may violate a cut, wherever the relaxed point is taken to be; and
-//! a program with cuts has the optimum that it had without.
+//! Random programs are enumerated: integers over all their values, continuous columns over halves.
+//! No point that satisfies the rows may violate a cut, wherever the relaxed point is taken to be;
+//! and a program with cuts has the optimum that it had without.
 
 use carom::prelude::*;
 use carom::solver::StopToken;

@@ -1,7 +1,7 @@
 //! The conditions of Karush, Kuhn and Tucker hold for restored pairs as they do for presolved ones.
 //!
-//! The integers of a presolved optimum are fixed and the continuous program that is left is solved; the
-//! pair of point and multipliers that comes out is restored, and its residuals on the original
+//! The integers of a presolved optimum are fixed and the continuous program that is left is solved;
+//! the pair of point and multipliers that comes out is restored, and its residuals on the original
 //! program are computed here from the matrices alone.
 
 use carom::prelude::*;

@@ -134,8 +134,8 @@ pub(super) fn selections() -> impl Strategy<Value = Case> {
     })
 }
 
-/// Two stages, each with up to three routes of which one is taken, or at most one; each route has a row of its
-/// own for the time that it takes.
+/// Two stages, each with up to three routes of which one is taken, or at most one; each route has a
+/// row of its own for the time that it takes.
 pub(super) fn routes() -> impl Strategy<Value = Case> {
     let stage = (prop::collection::vec((0i8..=6, -3i8..=3), 2..=3), any::<bool>(), any::<bool>());
     let end = (-2i8..=3, 0u8..12);

@@ -12,8 +12,8 @@ use crate::common::config;
 
 const REGRESSIONS: &str = "tests/regressions/polymatroid.txt";
 
-/// The entries of a tail by binary and factor, a constant entry, and whether the cone is rotated, and by
-/// what its heads differ.
+/// The entries of a tail by binary and factor, a constant entry, and whether the cone is rotated,
+/// and by what its heads differ.
 #[derive(Debug, Clone)]
 struct Case {
     entries: Vec<(usize, f64)>,

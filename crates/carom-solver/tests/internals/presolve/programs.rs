@@ -27,8 +27,8 @@ fn raw_row() -> impl Strategy<Value = RawRow> {
     )
 }
 
-/// A program with chains of equalities, single columns, multiples of rows and columns, and rows that
-/// bounds imply.
+/// A program with chains of equalities, single columns, multiples of rows and columns, and rows
+/// that bounds imply.
 pub(crate) fn program(curved: bool) -> impl Strategy<Value = Case> {
     let column = (0u8..7, -2i8..=2, 0u8..4, 0u8..4);
     let columns = prop::collection::vec(column, COLUMNS);

@@ -179,7 +179,8 @@ fn a_chain_of_equalities_is_solved() {
     assert_eq!(presolved.postsolve.point(&[]), [1.0, 2.0, 4.0]);
 }
 
-/// A conjunction without a bound of its own, `x <= z_1` and `x <= z_2`, is what its two binaries are.
+/// A conjunction without a bound of its own, `x <= z_1` and `x <= z_2`, is what its two binaries
+/// are.
 #[test]
 fn conjunctions_without_a_bound_leave_one_binary() {
     let mut model = Model::new("conjunction");

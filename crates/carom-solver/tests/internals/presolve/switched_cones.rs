@@ -124,8 +124,8 @@ fn build(case: &Case) -> (Program, Vec<usize>, Vec<usize>, Vec<usize>) {
     (program, binaries.iter().map(|b| b.index()).collect(), entries, heads)
 }
 
-/// Sets the columns between binaries and entries, further heads and parts so as to leave as much room as
-/// there is.
+/// Sets the columns between binaries and entries, further heads and parts so as to leave as much
+/// room as there is.
 pub(super) fn complete(program: &Program, x: &mut [f64], open: &[bool]) {
     for j in (0..program.column_count()).filter(|&j| open[j]) {
         let is_part = |cone: &&Cone| cone.shape == ConeShape::Rotated && cone.columns[0] == j;
@@ -215,8 +215,8 @@ fn a_binary_takes_the_place_of_one() {
     assert_eq!(tight.cones[0].head(), [cost.index(), open.index()]);
 }
 
-/// A norm with one binary has its largest length times the binary; entries with binaries of their own are
-/// split.
+/// A norm with one binary has its largest length times the binary; entries with binaries of their
+/// own are split.
 #[test]
 fn norms_are_switched_as_a_whole_or_by_entries() {
     let mut model = Model::new("norms");

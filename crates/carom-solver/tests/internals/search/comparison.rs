@@ -1,5 +1,5 @@
-//! Programs that were tightened wrongly: an accepted point contradicts them, no bound is claimed, and
-//! the search without them is right.
+//! Programs that were tightened wrongly: an accepted point contradicts them, no bound is claimed,
+//! and the search without them is right.
 
 use carom::prelude::*;
 use carom::solution::Heuristic;
@@ -20,8 +20,8 @@ fn program() -> Program {
     Program::assemble(&model).unwrap()
 }
 
-/// Searches a program in place of the right one, from a point if there is one: what it contradicts, and
-/// the answer without it.
+/// Searches a program in place of the right one, from a point if there is one: what it contradicts,
+/// and the answer without it.
 fn contradiction(wrong: &Program, start: Option<Vec<f64>>) -> Option<Contradiction> {
     let (exact, options, token) = (&program(), &Options::default(), &StopToken::default());
     let ladders = &LadderPool::new(options);

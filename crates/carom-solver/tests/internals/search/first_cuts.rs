@@ -11,7 +11,8 @@ use carom_solver::internals::relaxation::{
 };
 use carom_solver::internals::search::SolveTask;
 
-/// A method that interrupts the solve at its first relaxation. Programs with cones have their own methods.
+/// A method that interrupts the solve at its first relaxation. Programs with cones have their own
+/// methods.
 struct Interrupting(Interrupt);
 
 impl Relaxation for Interrupting {

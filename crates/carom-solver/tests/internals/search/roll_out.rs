@@ -5,8 +5,8 @@ use carom_solver::internals::presolve::Domain;
 use carom_solver::internals::program::Program;
 use carom_solver::internals::search::heuristics::Frontier;
 
-/// Three steps of a double integrator that starts at rest: the inputs come one after the other, in the
-/// order of time, although they stand last.
+/// Three steps of a double integrator that starts at rest: the inputs come one after the other, in
+/// the order of time, although they stand last.
 #[test]
 fn inputs_come_in_the_order_of_time() {
     const STEPS: usize = 3;

@@ -1,6 +1,7 @@
-//! Pictures of plans: on a line over time, in the plane with equal axes, still or moving, in space from two
-//! sides. `plans` are what is shown, `motion` says where bodies are between samples, `view` what is visible,
-//! `projection` how space is seen, `obstacles` and `paths` draw, and `words` say it.
+//! Pictures of plans: on a line over time, in the plane with equal axes, still or moving, in space
+//! from two sides. `plans` are what is shown, `motion` says where bodies are between samples,
+//! `view` what is visible, `projection` how space is seen, `obstacles` and `paths` draw, and
+//! `words` say it.
 
 mod motion;
 mod obstacles;
@@ -25,7 +26,8 @@ const PAUSE: f64 = 1.2;
 /// The axes of a scene in the plane.
 const PLANE: [&str; 2] = [AXES[0], AXES[1]];
 
-/// The height of a bar of a race, in pixels, and the part of the picture that the longest one takes.
+/// The height of a bar of a race, in pixels, and the part of the picture that the longest one
+/// takes.
 const BAR: f64 = 24.0;
 const LONGEST: f64 = 0.72;
 
@@ -43,13 +45,14 @@ impl ScenePicture {
         }
     }
 
-    /// The picture with bodies that move in the time that the plans take, over and over, with a rest
-    /// between, and a clock. Where it is not played, or the reader asks for less motion, it is the still
-    /// picture.
+    /// The picture with bodies that move in the time that the plans take, over and over, with a
+    /// rest between, and a clock. Where it is not played, or the reader asks for less motion, it is
+    /// the still picture.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for a plan on a line or in space.
+    /// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange) for a plan on a line or in
+    /// space.
     pub fn to_animation(&self) -> Result<String, Error> {
         let axes = self.scene.axes();
         if axes != 2 {

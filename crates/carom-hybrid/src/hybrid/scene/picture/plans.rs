@@ -11,10 +11,10 @@ use crate::setters::setters;
 /// A picture of a plan of a scene, or of several plans that race, from
 /// [`ScenePlan::picture`].
 ///
-/// In the plane: paths among the obstacles on equal axes, with bodies at several times, start, goal,
-/// and hits with their speeds and impulses. On a line, and where all bodies move along the same line in
-/// the plane: positions over time. In space: the paths from above and from the side, where obstacles are
-/// the shadows that they cast.
+/// In the plane: paths among the obstacles on equal axes, with bodies at several times, start,
+/// goal, and hits with their speeds and impulses. On a line, and where all bodies move along the
+/// same line in the plane: positions over time. In space: the paths from above and from the side,
+/// where obstacles are the shadows that they cast.
 ///
 /// ```
 /// use carom::hybrid::scene::{Body, Scene};
@@ -53,12 +53,13 @@ impl ScenePicture {
         self
     }
 
-    /// Draws another plan into the same picture, in another colour, and how long both take below it.
-    /// The plan may be of a scene with other surfaces and rules.
+    /// Draws another plan into the same picture, in another colour, and how long both take below
+    /// it. The plan may be of a scene with other surfaces and rules.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Length`](crate::error::ErrorKind::Length) for a plan of other bodies or along other axes.
+    /// [`ErrorKind::Length`](crate::error::ErrorKind::Length) for a plan of other bodies or along
+    /// other axes.
     pub fn with_rival(mut self, name: impl Into<String>, plan: &ScenePlan) -> Result<Self, Error> {
         check(&self.scene, plan)?;
         self.plans.push((name.into(), plan.clone()));

@@ -14,8 +14,8 @@ const VIEWS: [[usize; 3]; 2] = [[0, 1, 2], [0, 2, 1]];
 /// Entries of normals below this are none (no unit).
 const ALONG_THE_VIEW: f64 = 1e-9;
 
-/// The picture from each side, in the plane of two axes, with the names of these. Positions and velocities
-/// keep their third entry, so that speeds are those in space.
+/// The picture from each side, in the plane of two axes, with the names of these. Positions and
+/// velocities keep their third entry, so that speeds are those in space.
 pub(super) fn views(picture: &ScenePicture) -> Vec<(ScenePicture, [&'static str; 2])> {
     let frame = frame(picture);
     VIEWS
@@ -91,8 +91,8 @@ fn frame(picture: &ScenePicture) -> Vec<Side> {
     sides.collect()
 }
 
-/// The corners of the convex hull of points, counterclockwise (A. M. Andrew, "Another efficient algorithm for
-/// convex hulls in two dimensions", Information Processing Letters 9(5), 1979).
+/// The corners of the convex hull of points, counterclockwise (A. M. Andrew, "Another efficient
+/// algorithm for convex hulls in two dimensions", Information Processing Letters 9(5), 1979).
 fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let turn = |o: &[f64; 2], a: &[f64; 2], b: &[f64; 2]| {

@@ -27,7 +27,8 @@ pub(super) struct View {
     pub(super) high: [f64; 2],
 }
 
-/// A line along which all bodies move: its axis, and where it is along the other one, if there is one.
+/// A line along which all bodies move: its axis, and where it is along the other one, if there is
+/// one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Track {
     pub(super) axis: usize,

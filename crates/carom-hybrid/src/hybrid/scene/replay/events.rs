@@ -1,8 +1,8 @@
 //! Impacts located inside a step, and the motion with them.
 //!
-//! The time-stepped law reflects a whole step at once, but real contact happens inside the step. For
-//! accelerations of at most `a_max` (m/s²), a flight between samples outside a wall enters it by at
-//! most `a_max Δt²/8` (m), and over one step from a common state speeds differ by at most
+//! The time-stepped law reflects a whole step at once, but real contact happens inside the step.
+//! For accelerations of at most `a_max` (m/s²), a flight between samples outside a wall enters it
+//! by at most `a_max Δt²/8` (m), and over one step from a common state speeds differ by at most
 //! `(1+e) a_max Δt` (m/s), because the law also reflects the acceleration after the impact.
 
 use super::world::{State, Touch, World};
@@ -166,8 +166,8 @@ impl World<'_> {
         self.pushes(touch, face, inputs).iter().map(|push| push.2).sum()
     }
 
-    /// A whole step with impacts where they happen. A body that hardly rebounds stays at the surface
-    /// for the rest of the step.
+    /// A whole step with impacts where they happen. A body that hardly rebounds stays at the
+    /// surface for the rest of the step.
     ///
     /// # Arguments
     ///
@@ -240,8 +240,8 @@ impl World<'_> {
         }
     }
 
-    /// Takes away what presses a body against a surface at which it is at rest. Returns whether that
-    /// was anything.
+    /// Takes away what presses a body against a surface at which it is at rest. Returns whether
+    /// that was anything.
     fn hold(
         &self,
         touch: Touch,

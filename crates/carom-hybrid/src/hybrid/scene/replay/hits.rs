@@ -14,7 +14,8 @@ const MOST_COMBINATIONS: usize = 1 << 16;
 /// The things that touch, the face, and the number of the hit; `None` if the body rests there.
 pub(super) type Claim = (Touch, usize, Option<usize>);
 
-/// The effect of a contact: by how many gaps it moves the body, and the change of the relative velocity.
+/// The effect of a contact: by how many gaps it moves the body, and the change of the relative
+/// velocity.
 #[derive(Clone)]
 struct Effect {
     lift: f64,
@@ -71,8 +72,8 @@ impl Played<'_> {
             .collect()
     }
 
-    /// Drops hits of bodies that start the step at rest at the face: they lie there, and may settle once
-    /// more without a change.
+    /// Drops hits of bodies that start the step at rest at the face: they lie there, and may settle
+    /// once more without a change.
     pub(super) fn drop_rests(&mut self, steps: usize) {
         let rests: Vec<(usize, String, usize)> = (0..steps)
             .flat_map(|step| self.rests(step).into_iter().map(move |rest| (step, rest)))
@@ -85,8 +86,8 @@ impl Played<'_> {
         });
     }
 
-    /// The effect of each contact of a step: where laws allow several changes, those that together come
-    /// nearest to the plan, because the effects of the contacts of a body add up.
+    /// The effect of each contact of a step: where laws allow several changes, those that together
+    /// come nearest to the plan, because the effects of the contacts of a body add up.
     fn effects(&self, step: usize, start: &State, flown: &State, claimed: &[Claim]) -> Vec<Effect> {
         let world = &self.world;
         let allowed = |&(touch, face, number): &Claim| {
@@ -166,8 +167,8 @@ impl Played<'_> {
         groups
     }
 
-    /// How far the velocities and spins that a choice of changes gives the bodies of some contacts are from
-    /// those of the plan, in m/s and rad/s.
+    /// How far the velocities and spins that a choice of changes gives the bodies of some contacts
+    /// are from those of the plan, in m/s and rad/s.
     fn miss<'a>(
         &self,
         step: usize,
@@ -284,7 +285,8 @@ impl Played<'_> {
         kept
     }
 
-    /// The kinetic energy that hits of the same bodies add, beside the work of moving surfaces, in J.
+    /// The kinetic energy that hits of the same bodies add, beside the work of moving surfaces, in
+    /// J.
     fn energy_added<'a>(
         &self,
         step: usize,

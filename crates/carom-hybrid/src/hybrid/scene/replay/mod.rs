@@ -39,8 +39,8 @@ pub struct SceneCertificate {
     pub penetration: f64,
     /// Largest depth between samples of steps without a hit there, in m.
     pub dip: f64,
-    /// Largest excess of an impact speed over the counted damage, where the impact is located within
-    /// its step, in m/s. Up to the largest acceleration times Δt with
+    /// Largest excess of an impact speed over the counted damage, where the impact is located
+    /// within its step, in m/s. Up to the largest acceleration times Δt with
     /// [`ImpactEstimate::EndOfStep`].
     pub unreported: f64,
     /// Number of steps without a hit in which an impact is located.
@@ -51,12 +51,13 @@ pub struct SceneCertificate {
     /// something, in kg m²/s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub angular_momentum_error: f64,
-    /// Largest kinetic energy, with that of spins, that the law of a hit adds to that of the flight's end,
-    /// in J; of hits of a body in one step, all together. What counting a hit at the end of its step adds
-    /// is in `stepped_gain`.
+    /// Largest kinetic energy, with that of spins, that the law of a hit adds to that of the
+    /// flight's end, in J; of hits of a body in one step, all together. What counting a hit at the
+    /// end of its step adds is in `stepped_gain`.
     pub energy_gain: f64,
-    /// Largest energy by which a step with hits ends above the same step with its impacts where they
-    /// are located, in J: what the time-stepped law adds, beside the work of torques. It shrinks with Δt.
+    /// Largest energy by which a step with hits ends above the same step with its impacts where
+    /// they are located, in J: what the time-stepped law adds, beside the work of torques. It
+    /// shrinks with Δt.
     #[cfg_attr(feature = "serde", serde(default))]
     pub stepped_gain: f64,
     /// Largest excess of a friction impulse over its cone, in N s.
@@ -125,8 +126,8 @@ pub(super) fn check_ends(scene: &Scene, bodies: &[BodyPath]) -> Result<(), Scene
     Played::new(scene, bodies, &mut Vec::new()).ends()
 }
 
-/// Replays a plan; completes its hits, and drops those that are rest. Its residual and its drift are in these units of
-/// places, velocities and spins, and all else is in those of the scene.
+/// Replays a plan; completes its hits, and drops those that are rest. Its residual and its drift
+/// are in these units of places, velocities and spins, and all else is in those of the scene.
 pub(super) fn certify(
     scene: &Scene,
     bodies: &[BodyPath],
@@ -181,7 +182,8 @@ pub(super) fn certify(
 }
 
 /// Where one step of the only body of a scene on a line leads if impacts happen where they are:
-/// position (m) and velocity (m/s), impacts as time (s) and speed (m/s), and whether it came to rest.
+/// position (m) and velocity (m/s), impacts as time (s) and speed (m/s), and whether it came to
+/// rest.
 pub fn advance_line(
     scene: &Scene,
     [x, v]: [f64; 2],
@@ -225,9 +227,9 @@ impl Played<'_> {
         Err(SceneError::Replay { step, what: what.to_owned(), by, allowed })
     }
 
-    /// Refuses a sample that is farther from where the inputs and hits lead from the first one than drifts may
-    /// be. Bodies with springs or drag are left out: their motion is integrated here, and the certificate of
-    /// the run judges them.
+    /// Refuses a sample that is farther from where the inputs and hits lead from the first one than
+    /// drifts may be. Bodies with springs or drag are left out: their motion is integrated here,
+    /// and the certificate of the run judges them.
     fn near(&self, step: usize, open: &State, end: &State) -> Result<(), SceneError> {
         let steps = self.inputs.len();
         let what = "the inputs lead elsewhere from the first sample alone (m, m/s, rad/s)";
@@ -256,8 +258,8 @@ impl Played<'_> {
         own.filter_map(|(k, hit)| Some((touch(hit)?, hit.face, k))).collect()
     }
 
-    /// Each hit is at a surface to bounce off, and each body hits once in a step, unless corners are
-    /// allowed.
+    /// Each hit is at a surface to bounce off, and each body hits once in a step, unless corners
+    /// are allowed.
     fn one_hit(&self, step: usize) -> Result<(), SceneError> {
         let world = &self.world;
         let claimed = self.claimed(step);

@@ -103,8 +103,8 @@ impl World<'_> {
         self.scene.bodies[body].mass * share
     }
 
-    /// The bodies of a contact whose spins change in it: their numbers, the way from their centres to the
-    /// surface (m), and their inertias (kg m²).
+    /// The bodies of a contact whose spins change in it: their numbers, the way from their centres
+    /// to the surface (m), and their inertias (kg m²).
     pub(super) fn spins(&self, touch: Touch) -> Vec<(usize, f64, f64)> {
         let of = |(b, _): (usize, f64)| {
             let Body { shape: Shape::Ball(radius), spin: Some(spin), .. } = &self.scene.bodies[b]
@@ -116,8 +116,8 @@ impl World<'_> {
         self.shares(touch).into_iter().filter_map(of).collect()
     }
 
-    /// Adds the change of the relative velocity in a hit to the bodies: along the surface, its impulse
-    /// turns them too.
+    /// Adds the change of the relative velocity in a hit to the bodies: along the surface, its
+    /// impulse turns them too.
     pub(super) fn strike(&self, touch: Touch, face: usize, change: &[f64], state: &mut State) {
         for (body, share) in self.shares(touch) {
             let v = state.v[body].iter_mut().zip(change);
@@ -147,8 +147,8 @@ impl World<'_> {
         0.5 * (relative(state) - relative(&struck))
     }
 
-    /// The largest change of the angular momentum of a body about the point at which it touches a face, in
-    /// kg m²/s.
+    /// The largest change of the angular momentum of a body about the point at which it touches a
+    /// face, in kg m²/s.
     pub(super) fn turned_about(
         &self,
         (touch, face): (Touch, usize),
@@ -291,10 +291,10 @@ impl World<'_> {
         if surface.rests { 1.0 } else { 1.0 + surface.restitution.map_or(0.0, |e| e.value()) }
     }
 
-    /// The changes that a hit may make to the relative velocity at the end of its step: one possibility,
-    /// or, where friction may act in several directions, one for each that its law allows up to
-    /// `slack` (m/s). At a surface with rest the relative velocity at the start of the step decides about
-    /// the rebound.
+    /// The changes that a hit may make to the relative velocity at the end of its step: one
+    /// possibility, or, where friction may act in several directions, one for each that its law
+    /// allows up to `slack` (m/s). At a surface with rest the relative velocity at the start of the
+    /// step decides about the rebound.
     pub(super) fn changes(
         &self,
         touch: Touch,
@@ -314,8 +314,8 @@ impl World<'_> {
             false => -(1.0 + e) * along_normal,
         };
         let normal: Vec<f64> = n.iter().map(|n| total * n).collect();
-        // The touching points slide by what their centres do, and by spin; impulses along the surface
-        // change that by `mobility` times as much.
+        // The touching points slide by what their centres do, and by spin; impulses along the
+        // surface change that by `mobility` times as much.
         let mut sliding: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - along_normal * n).collect();
         let mut mobility = 1.0;
         for (body, lever, inertia) in self.spins(touch) {
