@@ -98,6 +98,18 @@ fn bounds_of_integers_may_be_any() {
     }
 }
 
+/// An integer that is binary by derived bounds only: the log must have these before a tightened row
+/// is proved by its two values.
+#[test]
+fn columns_that_become_binary_have_their_bounds_in_the_log() {
+    let text = "Minimize\n obj: 2 x0 - x1 + [ 9 x0 ^ 2 + x1 ^ 2 ] / 2\nSubject To\n \
+                r0: - 2 x0 - 4 x1 + b >= -7\n r1: 2 x0 - 4 x1 <= -4\n \
+                r2: 4 x0 + 2 x1 + 3 b <= 9.5\nBounds\n -2 <= x0 <= 2\n \
+                -1e16 <= x1 <= 1e17\nGeneral\n x0\nBinary\n b\nEnd\n";
+    let model = lp::read(text).expect("a program").model;
+    assert_eq!(is_proved(&model, "becomes_binary").objective(), Some(-0.5));
+}
+
 /// A square form that is singular, with a factor that is no float, over a column without a bound:
 /// it is made steep there at the cost of the column that has bounds.
 #[test]

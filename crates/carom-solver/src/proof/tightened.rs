@@ -151,6 +151,8 @@ impl TightRowLemma {
         }
         let Some(&binary) = self.binaries.get(values.len()) else { return false };
         self.steps.push(TightStep::Split(binary));
+        // A column may be binary by the bounds of the context only, which the log must have.
+        sides.extend([(binary, false), (binary, true)]);
         for value in [0.0, 1.0] {
             values.push((binary, value));
             let is_closed = self.cases(facts, bounds, values, (sum, columns), sides);
