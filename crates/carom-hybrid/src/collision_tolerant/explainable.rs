@@ -67,21 +67,27 @@ impl PlanningProgram {
             self.program.add("start_acceleration", self.acceleration[0].equals(value))?;
         }
         let Region { ranges, halfspaces, norms, .. } = scenario.goal_states();
-        for (name, variable, range) in
-            [("goal_position", x[last], ranges[0]), ("goal_velocity", v[last], ranges[1])]
+        let last_states = [&x[last], &v[last]];
+        for ((name, value), range) in
+            ["goal_position", "goal_velocity"].into_iter().zip(last_states).zip(&ranges)
         {
             if range.lower == range.upper {
-                self.program.add(name, variable.equals(range.lower))?;
-            } else if range != Interval::REALS {
-                self.program.add(name, variable.within(range.lower, range.upper))?;
+                self.program.add(name, value.equals(range.lower))?;
+            } else if *range != Interval::REALS {
+                self.program.add(name, value.within(range.lower, range.upper))?;
             }
         }
+        let coordinates = self.variables().coordinates().clone();
+        let families = self.variables().states();
+        let last_states = [families[0][last], families[1][last]];
         for (k, halfspace) in halfspaces.into_iter().enumerate() {
             let alone = Region::from([Interval::REALS; 2]).with_halfspace(halfspace);
-            alone.add(self.program.model_mut(), &format!("goal_limit_{k}"), &[x[last], v[last]])?;
+            let alone = coordinates.region(&alone);
+            alone.add(self.program.model_mut(), &format!("goal_limit_{k}"), &last_states)?;
         }
         let discs = Region { norms, ..Region::from([Interval::REALS; 2]) };
-        discs.add(self.program.model_mut(), "goal_limit", &[x[last], v[last]])?;
+        let discs = coordinates.region(&discs);
+        discs.add(self.program.model_mut(), "goal_limit", &last_states)?;
         Ok(())
     }
 
@@ -137,13 +143,16 @@ impl PlanningProgram {
 
     /// The wall as a statement; the domain extends as far behind it as in front of it.
     fn state_wall(&mut self, scenario: &Scenario) -> Result<(), Error> {
-        let wall = scenario.contact.wall;
-        for (t, x) in self.position.iter().enumerate() {
-            let domain = self.program.model_mut().variable_ref(x)?.bounds();
+        let (wall, place) = (scenario.contact.wall, self.units.place(0));
+        let own = self.variables().state("x")?.clone();
+        for (t, (x, variable)) in self.position.iter().zip(&own).enumerate() {
+            let own = self.program.model_mut().variable_ref(variable)?.bounds();
+            let domain = place.outward_range(Interval::new(own.lower, own.upper));
             let gap = wall.gap(domain.lower).max(wall.gap(domain.upper));
             let (one, other) = (wall.at_gap(-gap), wall.at_gap(gap));
-            self.program.model_mut().set_bounds(x, one.min(other), one.max(other))?;
-            self.program.add(("wall", t), wall.gap_of(&x.into()).ge(0.0))?;
+            let wide = place.inward_range(Interval::new(one.min(other), one.max(other)));
+            self.program.model_mut().set_bounds(variable, wide.lower, wide.upper)?;
+            self.program.add(("wall", t), wall.gap_of(x).ge(0.0))?;
         }
         Ok(())
     }

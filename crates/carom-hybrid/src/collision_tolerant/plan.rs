@@ -7,7 +7,7 @@ use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::scene::samples::{check_line_ends, replay_line};
+use crate::hybrid::scene::samples::{Samples, check_line_ends, replay_line_in};
 use crate::hybrid::scene::{SceneCertificate, SceneError, SceneHit};
 use crate::hybrid::{ContactLaw, HybridRun, RunCertificate};
 use crate::solution::{Solution, Statistics, Termination, Verification};
@@ -155,8 +155,15 @@ impl PlanningProgram {
         let horizon = Horizon::new(self.steps(), self.scenario.time_step)?;
         let system = self.scenario.system(&horizon, &self.scenario.damage)?;
         let run = self.variables().read(solution)?;
-        let checked = system.certify(&run)?;
-        let replay = replay(&self.scenario, &horizon, &checked, &mut trajectory)?;
+        let checked = match self.units.is_plain() {
+            true => system.certify(&run)?,
+            false => system.certify_in(self.variables().coordinates(), &run)?,
+        };
+        let own = match solution.point().filter(|_| !self.units.is_plain()) {
+            Some(point) => self.variables().read_own(point)?,
+            None => run.clone(),
+        };
+        let replay = self.replay(&own, &checked, &mut trajectory)?;
         let no_point = || no_point(solution.termination());
         let verification = solution.verification().cloned().ok_or_else(no_point)?;
         let objective = solution.objective().ok_or_else(no_point)?;
@@ -202,39 +209,46 @@ impl Plan {
     }
 }
 
-/// Replays a trajectory and completes its impacts.
-fn replay(
-    scenario: &Scenario,
-    horizon: &Horizon,
-    run: &RunCertificate,
-    trajectory: &mut Trajectory,
-) -> Result<SceneCertificate, Error> {
-    let e = scenario.contact.restitution.value();
-    let scene = scenario.scene(horizon);
-    let certificate = if scenario.contact.law == ContactLaw::Literal {
-        check_line_ends(&scene, &trajectory.samples())?;
-        // The wall pushes from the start of the step on.
-        for t in 0..trajectory.steps() {
-            if trajectory.contact[t] {
+impl PlanningProgram {
+    /// Replays a run, in the units of the program, and completes the impacts of its trajectory.
+    fn replay(
+        &self,
+        own: &HybridRun,
+        run: &RunCertificate,
+        trajectory: &mut Trajectory,
+    ) -> Result<SceneCertificate, Error> {
+        let (scenario, units) = (&self.scenario, &self.units);
+        let (e, steps) = (scenario.contact.restitution.value(), trajectory.steps());
+        let scene = scenario.scene(&Horizon::new(steps, scenario.time_step)?);
+        let (position, velocity) = (own.state("x")?, own.state("v")?);
+        let contact = trajectory.contact[..steps].to_vec();
+        let acceleration = own.input("a")?;
+        let samples = Samples { position, velocity, acceleration, contact: &contact };
+        let certificate = if scenario.contact.law == ContactLaw::Literal {
+            check_line_ends(units, &scene, &samples)?;
+            // The wall pushes from the start of the step on.
+            for t in (0..steps).filter(|&t| contact[t]) {
                 let speed = -scenario.contact.wall.rate(trajectory.velocity[t]);
                 trajectory.add_impact(t, trajectory.time[t], [speed, speed.max(0.0)], e);
             }
+            let RunCertificate { time_step, largest_residual, drift, .. } = *run;
+            SceneCertificate { time_step, largest_residual, drift, ..Default::default() }
+        } else {
+            let (hits, certificate) = replay_line_in(units, &scene, &samples)?;
+            for SceneHit { step, time, end_speed, damage, .. } in hits {
+                trajectory.add_impact(step, time, [end_speed, damage], e);
+            }
+            certificate
+        };
+        let samples = position.iter().chain(velocity);
+        let size = samples.fold(0.0_f64, |size, x| size.max(x.abs()));
+        let [place, speed, _] = units.measures();
+        let allowed = place.scale.max(speed.scale) * tolerance::REPLAY * margin_scale(size, 0.0);
+        let by = certificate.drift;
+        if by <= allowed {
+            return Ok(certificate);
         }
-        let RunCertificate { time_step, largest_residual, drift, .. } = *run;
-        SceneCertificate { time_step, largest_residual, drift, ..Default::default() }
-    } else {
-        let (hits, certificate) = replay_line(&scene, &trajectory.samples())?;
-        for SceneHit { step, time, end_speed, damage, .. } in hits {
-            trajectory.add_impact(step, time, [end_speed, damage], e);
-        }
-        certificate
-    };
-    let samples = trajectory.position.iter().chain(&trajectory.velocity);
-    let size = samples.fold(0.0_f64, |size, x| size.max(x.abs()));
-    let (by, allowed) = (certificate.drift, tolerance::REPLAY * margin_scale(size, 0.0));
-    if by <= allowed {
-        return Ok(certificate);
+        let what = "its accelerations lead elsewhere from the first sample alone (m, m/s)".into();
+        Err(SceneError::Replay { step: steps, what, by, allowed }.into())
     }
-    let what = "its accelerations lead elsewhere from the first sample alone (m, m/s)".into();
-    Err(SceneError::Replay { step: trajectory.steps(), what, by, allowed }.into())
 }

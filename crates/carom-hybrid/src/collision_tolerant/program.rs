@@ -8,8 +8,9 @@ use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::program::owns_program;
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::scene::SceneProgram;
-use crate::hybrid::system::{Coordinates, Restated};
+use crate::hybrid::scene::line::in_unit;
+use crate::hybrid::scene::{SceneProgram, SceneUnits};
+use crate::hybrid::system::Measure;
 use crate::hybrid::{ContactLaw, HybridProgram};
 use crate::model::{Affine, Family, Model, Quadratic};
 
@@ -67,11 +68,11 @@ pub struct PlanningProgram {
     /// The scenario, against which plans are certified.
     pub scenario: Scenario,
     /// x(0), ..., x(τ), in m.
-    pub position: Family,
+    pub position: Vec<Affine>,
     /// v(0), ..., v(τ), in m/s.
-    pub velocity: Family,
+    pub velocity: Vec<Affine>,
     /// a(0), ..., a(τ), in m/s²; a(τ) does not enter the dynamics.
-    pub acceleration: Family,
+    pub acceleration: Vec<Affine>,
     /// ζ(0), ..., ζ(τ-1), if collisions are tolerated.
     pub contact: Option<Family>,
     /// Impact speed of each step, in m/s, valid if ζ(t) = 1; empty if collisions are forbidden.
@@ -80,7 +81,9 @@ pub struct PlanningProgram {
     /// empty if the rule has neither a total nor a price.
     pub damage: Vec<Affine>,
     /// The impact speeds that count as damage, in m/s, if the model has them.
-    pub(super) counted_speed: Option<Family>,
+    pub(super) counted_speed: Option<Vec<Affine>>,
+    /// Those of the variables.
+    pub(super) units: SceneUnits,
     /// The cases, by name; the model is that of this program.
     pub(super) cases: Vec<(String, PlanningProgram)>,
 }
@@ -118,19 +121,25 @@ impl PlanningProgram {
             Collisions::Tolerated => "collision_tolerant",
             Collisions::Forbidden => "collision_free",
         });
-        let hybrid =
-            scenario.system(&horizon, &scenario.damage)?.write_plain(&mut model, "", steps)?;
+        let units = scenario.units();
+        let system = scenario.system(&horizon, &scenario.damage)?;
+        system.check()?;
+        let own = scenario.restated(&system, &units)?;
+        let hybrid = system.write_restated(&own, &mut model, "", &horizon, None)?;
         let program = HybridProgram::from_parts(model, hybrid);
-        let (mut program, cost) = PlanningProgram::completed(scenario, program, objective, ends)?;
+        let (mut program, cost) =
+            PlanningProgram::completed(scenario, units, program, objective, ends)?;
         if objective != Objective::Feasibility {
             program.minimize(cost)?;
         }
         Ok(program)
     }
 
-    /// A program whose first system is that of the scenario, with its ends and rules, and its cost.
+    /// A program whose first system is that of the scenario in some units, with its ends and rules,
+    /// and its cost.
     fn completed(
         scenario: &Scenario,
+        units: SceneUnits,
         mut program: HybridProgram,
         objective: Objective,
         ends: Ends,
@@ -138,30 +147,40 @@ impl PlanningProgram {
         let steps = program.steps();
         let horizon = Horizon::new(steps, scenario.time_step)?;
         let hybrid = program.variables().clone();
+        let measures = units.measures();
         // a(τ) does not enter the dynamics.
-        let limits = scenario.acceleration;
+        let limits = measures[2].inward_range(scenario.acceleration);
         let last = program.model.continuous(("a", steps), limits.lower, limits.upper)?;
-        let (position, velocity) = (hybrid.state("x")?.clone(), hybrid.state("v")?.clone());
-        let acceleration: Family = hybrid.input("a")?.iter().chain([last]).collect();
+        let own: [Family; 3] = [
+            hybrid.state("x")?.clone(),
+            hybrid.state("v")?.clone(),
+            hybrid.input("a")?.iter().chain([last]).collect(),
+        ];
+        if ends == Ends::Fixed {
+            fix_ends(scenario, &mut program, &own, &measures)?;
+        }
+        let stated = |k: usize| own[k].iter().map(|x| hybrid.in_units(measures[k], x)).collect();
+        let [position, velocity, acceleration]: [Vec<Affine>; 3] = [0, 1, 2].map(stated);
         let contact = contacts(&hybrid);
         let impact_speed = match (scenario.collisions, scenario.contact.law) {
             (Collisions::Forbidden, _) => Vec::new(),
             (_, ContactLaw::Literal) => {
                 let speeds = velocity.iter().take(steps);
-                speeds.map(|v| -scenario.contact.wall.rate_of(&v.into())).collect()
+                speeds.map(|v| -scenario.contact.wall.rate_of(v)).collect()
             }
-            _ => hybrid.output(IMPACT_SPEED)?.to_vec(),
+            _ => {
+                let own = hybrid.output(IMPACT_SPEED)?.iter();
+                own.map(|speed| in_unit(units.speed(), speed.clone())).collect()
+            }
         };
-        if ends == Ends::Fixed {
-            fix_ends(scenario, &mut program, [&position, &velocity, &acceleration])?;
-        }
         // (14)-(20).
         let hit = match scenario.contact.law {
             _ if contact.is_none() => None,
             ContactLaw::Literal => Some("contact"),
             _ => Some("impact"),
         };
-        let mut program = SceneProgram::on_line(scenario.scene(&horizon), program, hit)?;
+        let scene = scenario.scene(&horizon);
+        let mut program = SceneProgram::on_line(&scene, &units, program, hit)?;
         let cost = cost(&mut program, objective)?;
         let program = PlanningProgram {
             damage: program.damage_by_step(),
@@ -173,6 +192,7 @@ impl PlanningProgram {
             acceleration,
             contact,
             impact_speed,
+            units,
             cases: Vec::new(),
         };
         Ok((program, cost))
@@ -224,10 +244,12 @@ impl PlanningProgram {
         let horizon = Horizon::new(self.steps(), scenario.time_step)?;
         let system = scenario.system(&horizon, &scenario.damage)?;
         let mut cost = Quadratic::zero();
-        let own = Restated { system: system.clone(), coordinates: Coordinates::default() };
+        system.check()?;
+        let own = scenario.restated(&system, &self.units)?;
+        let units = self.units.clone();
         let case = self.program.write_case(name, &system, &own, until, |program| {
             let (case, own) =
-                PlanningProgram::completed(scenario, program, objective, Ends::Fixed)?;
+                PlanningProgram::completed(scenario, units, program, objective, Ends::Fixed)?;
             cost = own;
             Ok(case)
         })?;
@@ -255,28 +277,29 @@ fn cost(program: &mut SceneProgram, objective: Objective) -> Result<Quadratic, E
     Ok(cost + program.price())
 }
 
-/// (1), (2), (21c)-(21h), on the positions, velocities and accelerations.
+/// (1), (2), (21c)-(21h), on the positions, velocities and accelerations, which are in measures.
 fn fix_ends(
     scenario: &Scenario,
     program: &mut HybridProgram,
-    [x, v, a]: [&Family; 3],
+    [x, v, a]: &[Family; 3],
+    [place, speed, push]: &[Measure; 3],
 ) -> Result<(), Error> {
     let (start, goal, last) = (&scenario.start, &scenario.goal, program.steps());
     if scenario.goal_region.is_some() {
         program.goal(scenario.goal_states())?;
     }
     let model = program.model_mut();
-    model.fix(x[0], start.position)?; // (1), (21c)
-    model.fix(v[0], start.velocity)?; // (21e)
+    model.fix(x[0], place.inward(start.position))?; // (1), (21c)
+    model.fix(v[0], speed.inward(start.velocity))?; // (21e)
     if scenario.goal_region.is_none() {
-        model.fix(x[last], goal.position)?; // (2), (21d)
-        model.fix(v[last], goal.velocity)?; // (21f)
+        model.fix(x[last], place.inward(goal.position))?; // (2), (21d)
+        model.fix(v[last], speed.inward(goal.velocity))?; // (21f)
     }
     if let Some(value) = start.acceleration {
-        model.fix(a[0], value)?; // (21g)
+        model.fix(a[0], push.inward(value))?; // (21g)
     }
     if let Some(value) = goal.acceleration {
-        model.fix(a[last], value)?; // (21h)
+        model.fix(a[last], push.inward(value))?; // (21h)
     }
     Ok(())
 }

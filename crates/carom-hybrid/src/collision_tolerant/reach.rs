@@ -82,13 +82,18 @@ impl Scenario {
     /// The scenario under the reflecting law as a [scene](crate::hybrid::scene) on a line: one
     /// body, one wall.
     pub(super) fn scene(&self, horizon: &Horizon) -> Scene {
+        self.scene_within(self.positions(horizon))
+    }
+
+    /// The scene with a domain of the positions, in m.
+    pub(super) fn scene_within(&self, positions: Interval) -> Scene {
         let surface = match self.collisions {
             Collisions::Tolerated => {
                 Surface::bounce(self.contact.restitution).with_spread(self.contact.spread)
             }
             Collisions::Forbidden => Surface::avoid(),
         };
-        let (domain, most) = ([self.positions(horizon)], self.max_acceleration());
+        let (domain, most) = ([positions], self.max_acceleration());
         let mut vehicle = Body::new("vehicle", domain, self.max_speed, most)
             .with_acceleration([self.acceleration])
             .with_start(self.start_state())
@@ -124,10 +129,16 @@ impl Scenario {
     ///
     /// Those of [`Scenario::check`].
     pub fn reach_sets(&self) -> Result<ReachSets, Error> {
-        let system = self.hybrid_system()?;
+        let (system, units) = (self.hybrid_system()?, self.units());
         let (start, goal) = (self.start_state(), self.goal_states());
+        system.check()?;
+        start.check(&system, "the start")?;
+        goal.check(&system, "the goal")?;
         let options = SetOptions { words: Arc::new(words()), ..SetOptions::default() };
-        let sets = ReachSets::in_plain_numbers(&system, &start, &goal, options)?;
+        let own = self.restated(&system, &units)?;
+        let (start, goal) = (own.coordinates.region(&start), own.coordinates.region(&goal));
+        let stated = (!units.is_plain()).then(|| Arc::new(system));
+        let sets = ReachSets::restated(stated, own, start, goal, options);
         match self.start.acceleration {
             Some(a) => sets.with_first_inputs(&[Interval::point(a)]),
             None => Ok(sets),
@@ -199,8 +210,11 @@ impl HorizonModel for Programs {
         if first.zip(last).is_some_and(|(first, last)| first != last) {
             return Ok(None);
         }
-        let (start, goal) = (self.scenario.start_state(), self.scenario.goal_states());
-        Ok(Some((self.scenario.hybrid_system()?, start, goal)))
+        let system = self.scenario.hybrid_system()?;
+        let own = self.scenario.restated(&system, &self.scenario.units())?;
+        let ends = [self.scenario.start_state(), self.scenario.goal_states()];
+        let [start, goal] = ends.map(|region| own.coordinates.region(&region));
+        Ok(Some((own.system, start, goal)))
     }
 
     fn with_hybrid(

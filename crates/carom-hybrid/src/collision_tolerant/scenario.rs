@@ -5,9 +5,11 @@ use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::hybrid::SystemRow;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::scene::{DamageRule, region_where};
+use crate::hybrid::scene::{DamageRule, SceneUnits, region_where};
+use crate::hybrid::system::{Restated, check_digits};
 use crate::hybrid::{
-    Contact, ContactLaw, FreeSide, ImpactEstimate, Region, Restitution, State, Waiting, Wall,
+    Contact, ContactLaw, FreeSide, HybridSystem, ImpactEstimate, Region, Restitution, State,
+    Waiting, Wall,
 };
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -312,14 +314,45 @@ impl Scenario {
             let range = format!("within {lower} and {upper}");
             return Err(Error::out_of_range("the goal's acceleration", acceleration, range));
         }
+        let (near, units) = (self.near(), self.units());
+        check_digits("x", near)?;
         let mut scene = self.scene(&horizon);
         if self.domain.is_none() {
             // So that a start behind the wall is found to be there.
-            let ends = Interval::point(self.start.position).hull(self.goal_positions());
-            let inside = ends.intersection(Interval::new(-1e9, 1e9));
-            scene.bodies.iter_mut().for_each(|body| body.domain[0] = body.domain[0].hull(inside));
+            scene.bodies.iter_mut().for_each(|body| body.domain[0] = body.domain[0].hull(near));
         }
-        scene.checked_as_stated().map(drop)
+        match units.scene(&scene).checked_as_stated() {
+            Ok(_) => Ok(()),
+            // Said in the user's units where it is wrong there too.
+            Err(error) => scene.checked_as_stated().and(Err(error)),
+        }
+    }
+
+    /// The positions at the wall, at the start and at the goal, and those within a step of them, in
+    /// m: they have the size of the task, which domains over many steps have not.
+    fn near(&self) -> Interval {
+        let (wall, start) = (self.contact.wall.position(), self.start.position);
+        let step = self.max_speed * self.time_step;
+        let ends = Interval::point(start).hull(Interval::point(wall));
+        let goal = self.goal_positions();
+        let goal = if goal.is_bounded() { goal } else { Interval::point(goal.nearest(start)) };
+        let Interval { lower, upper } = ends.hull(goal);
+        Interval::new(lower - step, upper + step)
+    }
+
+    /// The units in which the scenario is computed: those of its scene.
+    pub(super) fn units(&self) -> SceneUnits {
+        SceneUnits::of(&self.scene_within(self.near()))
+    }
+
+    /// A system of the scenario, in units.
+    pub(super) fn restated(
+        &self,
+        system: &HybridSystem,
+        units: &SceneUnits,
+    ) -> Result<Restated, Error> {
+        let coordinates = units.coordinates(&self.scene_within(self.near()));
+        Ok(Restated { system: coordinates.system(system)?, coordinates })
     }
 
     /// The positions at which a plan may end, in m: on the wall's free side, if there are any

@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 
 use super::program::PlanningProgram;
 use crate::error::Error;
-use crate::hybrid::scene::samples::Samples;
-use crate::model::Family;
+use crate::model::Affine;
 use crate::number::{DIGITS, TableColumn, rounded};
 use crate::solution::Solution;
 
@@ -55,8 +54,8 @@ pub struct Trajectory {
 impl Trajectory {
     /// Reads the samples of a solution of a program, without its impacts.
     pub(super) fn read(program: &PlanningProgram, solution: &Solution) -> Result<Self, Error> {
-        let values = |family: &Family| {
-            family.iter().map(|variable| solution.value(variable)).collect::<Result<Vec<_>, _>>()
+        let values = |family: &[Affine]| {
+            family.iter().map(|value| solution.value(value)).collect::<Result<Vec<_>, _>>()
         };
         let (steps, time_step) = (program.steps(), program.scenario.time_step);
         let mut contact = vec![false; steps + 1];
@@ -114,17 +113,6 @@ impl Trajectory {
     pub fn effort(&self) -> f64 {
         let applied = &self.acceleration[..self.steps()];
         applied.iter().map(|a| self.time_step * a * a).sum()
-    }
-
-    /// The samples, for a replay.
-    pub(super) fn samples(&self) -> Samples<'_> {
-        let steps = self.steps();
-        Samples {
-            position: &self.position,
-            velocity: &self.velocity,
-            acceleration: &self.acceleration[..steps],
-            contact: &self.contact[..steps],
-        }
     }
 
     /// The samples as comma-separated text: a header

@@ -105,22 +105,6 @@ impl ReachSets {
         Ok(ReachSets::restated(stated, restated, start, goal, options))
     }
 
-    /// As [`new`](ReachSets::new), in the user's own numbers, for statements that are made in these
-    /// and whose domains are wide for want of a limit.
-    pub(crate) fn in_plain_numbers(
-        system: &HybridSystem,
-        start: &Region,
-        goal: &Region,
-        options: SetOptions,
-    ) -> Result<Self, Error> {
-        system.check()?;
-        options.check(system.states.len())?;
-        start.check(system, "the start")?;
-        goal.check(system, "the goal")?;
-        let restated = Restated { system: system.clone(), coordinates: Coordinates::default() };
-        Ok(ReachSets::restated(None, restated, start.clone(), goal.clone(), options))
-    }
-
     /// The sets of a system in coordinates, with a start, a goal and options in them.
     pub(crate) fn restated(
         stated: Option<Arc<HybridSystem>>,

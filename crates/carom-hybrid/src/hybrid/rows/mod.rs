@@ -63,7 +63,7 @@ impl HybridSystem {
     }
 
     /// Adds the system in given coordinates.
-    pub(in crate::hybrid) fn write_restated(
+    pub(crate) fn write_restated(
         &self,
         restated: &Restated,
         model: &mut Model,
@@ -77,17 +77,6 @@ impl HybridSystem {
             true => variables,
             false => variables.stated_as(self, coordinates),
         })
-    }
-
-    /// Adds the system in the user's own numbers, for owners whose further statements are in these.
-    pub(crate) fn write_plain(
-        &self,
-        model: &mut Model,
-        prefix: &str,
-        steps: usize,
-    ) -> Result<SystemVariables, Error> {
-        self.check()?;
-        write::write(self, model, prefix, &Horizon::new(steps, self.time_step)?, None)
     }
 
     /// As [`write_by`](HybridSystem::write_by), by the default method.

@@ -18,7 +18,7 @@ use crate::hybrid::program::HybridProgram;
 use crate::hybrid::system::Transition;
 use crate::hybrid::wall::Wall;
 use crate::interval::Interval;
-use crate::model::{Affine, Family};
+use crate::model::Affine;
 
 impl Contact {
     /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for
@@ -169,12 +169,16 @@ impl SceneProgram {
     ///
     /// # Arguments
     ///
+    /// * `scene`: as it is stated.
+    /// * `units`: those of the program.
     /// * `hit`: the transition that hits, of the choice `mode`.
     pub(crate) fn on_line(
-        scene: Scene,
+        scene: &Scene,
+        units: &SceneUnits,
         program: HybridProgram,
         hit: Option<&str>,
     ) -> Result<Self, Error> {
+        let (scene, units) = (units.scene(scene), units.clone());
         let mut contacts = contacts(&scene);
         for contact in &mut contacts {
             contact.name = "mode".into();
@@ -183,7 +187,6 @@ impl SceneProgram {
         }
         let damage = vec![None; contacts.len()];
         let (measured, cases) = Default::default();
-        let units = SceneUnits::plain();
         let mut program = SceneProgram { program, scene, units, contacts, damage, measured, cases };
         program.add_damage()?;
         program.add_rules()?;
@@ -191,14 +194,24 @@ impl SceneProgram {
     }
 
     /// The impact speeds at the first contact that count as damage, in m/s, if the model has them.
-    pub(crate) fn counted_speed(&self) -> Option<Family> {
-        self.damage.first().cloned().flatten()
+    pub(crate) fn counted_speed(&self) -> Option<Vec<Affine>> {
+        let own = self.damage.first()?.as_ref()?;
+        Some(own.iter().map(|speed| in_unit(self.units.speed(), speed.into())).collect())
     }
 
     /// The damage of the first rule by step, in its unit; empty if it needs no variables.
     pub(crate) fn damage_by_step(&self) -> Vec<Affine> {
-        self.measured.first().map_or_else(Vec::new, |contacts| contacts.concat())
+        let Some((rule, own)) = self.scene.rules.iter().zip(&self.measured).next() else {
+            return Vec::new();
+        };
+        let unit = self.units.damage(&rule.measure);
+        own.iter().flatten().map(|damage| in_unit(unit, damage.clone())).collect()
     }
+}
+
+/// An expression in the user's unit, of which a unit is a multiple.
+pub(crate) fn in_unit(unit: f64, own: Affine) -> Affine {
+    if unit == 1.0 { own } else { unit * own }
 }
 
 /// A wall as the obstacle `wall`.

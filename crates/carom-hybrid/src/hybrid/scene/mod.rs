@@ -53,3 +53,4 @@ pub use solid::Solid;
 #[doc(alias("obstacle avoidance", "collision avoidance", "motion planning"))]
 pub use statement::Scene;
 pub use surface::Surface;
+pub(crate) use units::SceneUnits;

@@ -88,7 +88,7 @@ impl SceneUnits {
     }
 
     /// The refusal of a replay in these units, in the user's.
-    fn stated_refusal(&self, own: SceneError) -> SceneError {
+    pub(super) fn stated_refusal(&self, own: SceneError) -> SceneError {
         let SceneError::Replay { step, what, by, allowed } = own else { return own };
         let unit = match &what[..] {
             text if text.ends_with("(m)") => self.length,

@@ -72,7 +72,7 @@ impl HybridSystem {
     }
 
     /// The same of a checked system, with tolerances in the units of these coordinates.
-    fn certify_in(
+    pub(crate) fn certify_in(
         &self,
         coordinates: &Coordinates,
         run: &HybridRun,
@@ -111,10 +111,14 @@ impl HybridSystem {
     }
 }
 
-/// The difference of two values of a state that a tolerance of 1 allows, in the state's unit: that
-/// of its domain, and more for large numbers.
-fn difference_scale(measure: Measure, first: f64, second: f64) -> f64 {
-    measure.scale * margin_scale(measure.inward(first).abs(), measure.inward(second))
+/// The roundings of a value and of what leads to it, as a multiple of the distance of floats.
+const ROUNDINGS: f64 = 8.0;
+
+/// The difference of two values of a state that is allowed, in the state's unit: the tolerance in
+/// the unit of its domain, more for large numbers, and what the digits of the user's numbers round.
+fn allowed_difference(measure: Measure, first: f64, second: f64) -> f64 {
+    let scale = measure.scale * margin_scale(measure.inward(first).abs(), measure.inward(second));
+    REPLAY * scale + ROUNDINGS * f64::EPSILON * first.abs().max(second.abs())
 }
 
 impl SystemVariables {
@@ -202,7 +206,7 @@ impl RunCertificate {
     ) -> Result<(), Error> {
         let names = plan.system.states.iter().map(|(name, _)| name).enumerate();
         for ((i, name), (&own, &replayed)) in names.zip(plan.states[sample].iter().zip(next)) {
-            let allowed = REPLAY * difference_scale(coordinates.state(i), replayed, own);
+            let allowed = allowed_difference(coordinates.state(i), replayed, own);
             let residual = (own - replayed).abs();
             // NaN fails as well.
             if residual.is_nan() || residual > allowed {
