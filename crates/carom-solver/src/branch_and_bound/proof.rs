@@ -50,7 +50,7 @@ impl Solve<'_> {
             _ => return Ok(None),
         };
         let guide = Guide::new(
-            std::mem::take(&mut found.forks),
+            std::mem::take(&mut found.splits),
             solved.columns.take(),
             program.column_count(),
         );

@@ -36,6 +36,6 @@ impl Relaxer<'_> {
         if self.token.is_over() {
             return Err(Limit);
         }
-        Ok(Guide { is_plain: true, ..Guide::new(found.forks, None, usize::MAX) })
+        Ok(Guide { is_plain: true, ..Guide::new(found.splits, None, usize::MAX) })
     }
 }

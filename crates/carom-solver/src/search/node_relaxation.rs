@@ -7,7 +7,7 @@ use super::cone_method::ConeMethod;
 use super::cone_pool::separate_cones;
 use super::context::Context;
 use super::leaf_reduction::reduce_leaf;
-use super::proofs::ProofMultipliers;
+use super::saved_tree::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use web_time::Instant;
@@ -201,7 +201,7 @@ pub(super) fn relax_and_keep(
         RelaxationVerdict::Relaxed { x, y, .. } => (Some(x), y),
         _ => return (verdict, None),
     };
-    let multipliers = ctx.tree.keeps_proofs().then(|| {
+    let multipliers = ctx.tree.keeps_duals().then(|| {
         let x = x.map_or(Vec::new(), |x| projection.reduced.lift(x));
         let y = projection.multipliers(y, ctx.program().row_count());
         Arc::new(ProofMultipliers { x, y })

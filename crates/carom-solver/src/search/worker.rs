@@ -2,7 +2,7 @@
 
 use super::branching::{Branching, RelaxedPoint};
 use super::children::branch;
-use super::close_node::{close_refuted, cut_off, keep_proof};
+use super::close_node::{close_refuted, cut_off, keep_duals};
 use super::context::Context;
 use super::heuristics::{HeuristicAccounts, look_for_points, look_for_settled_point};
 use super::indifferent_binaries::{settle_groups, settle_lone};
@@ -15,10 +15,10 @@ use super::node_relaxation::{
 };
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
-use super::replay::replay;
 use super::switch_node::switch_to;
 use super::trace::span;
 use super::tree_view::TreeView;
+use super::tree_warm_start::warm_start_tree;
 use super::unbounded::settle_descent;
 use crate::presolve::{Projection, Reduced};
 use crate::relaxation::{Purpose, RelaxationVerdict};
@@ -153,9 +153,9 @@ impl<'a> Worker<'a> {
         }
         if at_root
             && bound > f64::NEG_INFINITY
-            && let Some(parts) = replay(ctx, &node, bound, &x)
+            && let Some(parts) = warm_start_tree(ctx, &node, bound, &x)
         {
-            self.heuristics.note_replay(ctx, bound);
+            self.heuristics.note_tree_warm_start(ctx, bound);
             let mut parts = parts.into_iter();
             let first = parts.next();
             parts.for_each(|part| ctx.tree.push(part));
@@ -222,7 +222,7 @@ fn relax_node(
     let (mut verdict, multipliers) = relax_and_keep(ctx, &mut projection, purpose);
     ctx.node.multipliers = multipliers.or(ctx.node.multipliers.take());
     if node.id == 0 {
-        keep_proof(ctx);
+        keep_duals(ctx);
     }
     let relaxed = conclude_from(ctx, pseudocosts, node, &projection, &mut verdict);
     ctx.ladder.reuse(verdict);

@@ -21,7 +21,7 @@ pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
     let before = ctx.tree.begin(Heuristic::Start);
     let mut contradiction = None;
     let mut found = None;
-    let is_quick = start.proofs.is_some() && !ctx.options().may_stop();
+    let is_quick = start.saved_tree.is_some() && !ctx.options().may_stop();
     let mut left =
         if is_quick { HEURISTICS.prepared_relaxations } else { HEURISTICS.completion_relaxations };
     for share in HEURISTICS.start_shares {
