@@ -30,8 +30,8 @@ pub mod program {
 
 pub mod relaxation {
     pub use crate::relaxation::{
-        ActiveSet, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
-        LadderPool, Prover, Record, Relaxation, RelaxationClaim, RelaxationResult, WarmState,
+        ActiveSet, CascadePool, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint,
+        MethodCascade, Prover, Record, Relaxation, RelaxationClaim, RelaxationResult, WarmState,
         polish,
     };
 }

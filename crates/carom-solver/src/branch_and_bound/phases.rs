@@ -131,7 +131,7 @@ impl Solve<'_> {
         control.report(&Event::Presolved(program.size(), progress));
         let judge = &ModelJudge::new(self, &presolved);
         let task =
-            SolveTask::new(presolved.program(), judge, self.ladders, self.options, self.token);
+            SolveTask::new(presolved.program(), judge, self.cascades, self.options, self.token);
         let start = known.start.map(|start| presolved.carry(start));
         let carried = EarlierResults { start: start.as_ref(), ..*known };
         // A proof follows the blocks of the lowered program.

@@ -54,10 +54,10 @@ pub(super) fn search_once(
     // An interrupt may come before the search has relaxed the root itself.
     let mut bound_before = f64::NEG_INFINITY;
     if !program.cones.is_empty() {
-        let mut ladder = task.ladders.take();
+        let mut cascade = task.cascades.take();
         let ConeApproximation { program: cut_off, bound } =
-            approximate_cones(&program, &root, options, token, &mut ladder, known.cone_cuts);
-        task.ladders.give_back(ladder);
+            approximate_cones(&program, &root, options, token, &mut cascade, known.cone_cuts);
+        task.cascades.give_back(cascade);
         bound_before = bound;
         if let Some((cut_off, cuts)) = cut_off {
             cone_cuts = cuts;

@@ -60,7 +60,7 @@ use std::io::{self, Write};
 use std::rc::Rc;
 
 use crate::program::Program;
-use crate::relaxation::LadderPool;
+use crate::relaxation::CascadePool;
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
 pub(crate) use block_lemmas::count_blocks;
@@ -91,7 +91,7 @@ pub(crate) struct ProofRequest<'a> {
     pub(crate) token: &'a StopToken,
     /// Splits besides those of the search.
     pub(crate) most_splits: u64,
-    pub(crate) ladders: &'a LadderPool,
+    pub(crate) cascades: &'a CascadePool,
 }
 
 impl ProofRequest<'_> {
@@ -119,7 +119,7 @@ impl ProofRequest<'_> {
             options,
             token,
             most_splits,
-            ladders,
+            cascades,
         } = self;
         let mut log = ProofLog::new(out, program, &Names { columns, rows }, claim);
         if let Some(point) = point {
@@ -146,8 +146,8 @@ impl ProofRequest<'_> {
             claim,
             options,
             token,
-            ladder: ladders.take(),
-            ladders,
+            cascade: cascades.take(),
+            cascades,
             warm: None,
             wants_vertex: false,
             sum: FactSum::default(),
@@ -172,7 +172,7 @@ impl ProofRequest<'_> {
         };
         let result = writer.run(Rc::new(guide), point);
         let gaps = writer.gaps;
-        ladders.give_back(writer.relaxer.ladder);
+        cascades.give_back(writer.relaxer.cascade);
         if result.is_err() {
             log.remark("a limit came before the end of the proof");
             let (commands, bytes) = log.abandon()?;

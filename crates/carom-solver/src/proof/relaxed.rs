@@ -16,7 +16,7 @@ use super::zero_products::ObjectiveTerms;
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{
-    Ladder, LadderPool, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
+    CascadePool, MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
 };
 use crate::solver::{Options, StopToken};
 
@@ -55,8 +55,8 @@ pub(super) struct Relaxer<'a> {
     pub(super) claim: Claim,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
-    pub(super) ladder: Ladder,
-    pub(super) ladders: &'a LadderPool,
+    pub(super) cascade: MethodCascade,
+    pub(super) cascades: &'a CascadePool,
     /// The same program, with the bounds of the context that is searched.
     pub(super) within: Program,
     pub(super) sum: FactSum,
@@ -133,7 +133,7 @@ impl Relaxer<'_> {
         }
         let mut reduced = match is_whole {
             true => self.whole(bounds),
-            false => self.ladder.reducer().reduce(&self.program, &domain)?,
+            false => self.cascade.reducer().reduce(&self.program, &domain)?,
         };
         reduced.wants_vertex = self.wants_vertex;
         let before = RowsBefore::of(&reduced);
@@ -194,9 +194,9 @@ impl Relaxer<'_> {
             token: self.token,
             warm: warm.as_ref(),
         };
-        let mut verdict = self.ladder.solve(&mut reduced, &question);
+        let mut verdict = self.cascade.solve(&mut reduced, &question);
         let mut is_short = false;
-        let cuts = self.ladder.take_cone_cuts();
+        let cuts = self.cascade.take_cone_cuts();
         let relaxed = match &verdict {
             RelaxationVerdict::Stopped => return Relaxed::Stopped,
             RelaxationVerdict::Descent => Relaxed::Open(None),
@@ -224,8 +224,8 @@ impl Relaxer<'_> {
             RelaxationVerdict::Relaxed { warm: state, .. } => state.take().or(warm),
             _ => warm,
         };
-        self.ladder.reuse(verdict);
-        self.ladder.reducer().reuse(reduced);
+        self.cascade.reuse(verdict);
+        self.cascade.reducer().reuse(reduced);
         // What has changed the rows may have no proof.
         let may_have_costs = self.claim == Claim::Infeasible && self.program.cones.is_empty();
         match (is_short, is_whole, is_tight) {

@@ -28,7 +28,7 @@ impl Relaxer<'_> {
             changed
         };
         let accepts = |_: &[f64]| true;
-        let mut task = SolveTask::new(&self.within, &accepts, self.ladders, &options, self.token);
+        let mut task = SolveTask::new(&self.within, &accepts, self.cascades, &options, self.token);
         if let Claim::Bound(bound) = self.claim {
             task.cutoff = bound;
         }

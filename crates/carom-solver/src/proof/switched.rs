@@ -41,8 +41,8 @@ impl ProofWriter<'_, '_> {
         if squares.is_empty() {
             return;
         }
-        let ladder = &mut self.relaxer.ladder;
-        let slopes = lifting_slopes(&bounded, squares, options, token, ladder);
+        let cascade = &mut self.relaxer.cascade;
+        let slopes = lifting_slopes(&bounded, squares, options, token, cascade);
         let products = self.zero_products(&slopes);
         self.add_products(&products);
     }

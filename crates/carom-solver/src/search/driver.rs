@@ -152,8 +152,8 @@ fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
     let saved = ctx.tree.saved_tree().and_then(|tree| tree.of(End::Node(0)).cloned());
     let Some((saved, root)) = saved.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };
     let memory = &mut ProofMultipliers::default();
-    let tried = saved.prove(&root, f64::INFINITY, ctx.ladder.prover(), memory);
-    ctx.ladder.reducer().reuse(root);
+    let tried = saved.prove(&root, f64::INFINITY, ctx.cascade.prover(), memory);
+    ctx.cascade.reducer().reuse(root);
     match tried {
         ProofTrial::Bound(bound) => bound,
         _ => f64::NEG_INFINITY,

@@ -312,9 +312,9 @@ impl TreeWarmStart {
         let Some(reduced) = reduce_node(ctx) else { return ProofTrial::Closed };
         let activity = ctx.clock.switch(Activity::Proof);
         let cutoff = ctx.tree.cutoff();
-        let tried = multipliers.prove(&reduced, cutoff, ctx.ladder.prover(), &mut self.picked);
+        let tried = multipliers.prove(&reduced, cutoff, ctx.cascade.prover(), &mut self.picked);
         ctx.clock.switch(activity);
-        ctx.ladder.reducer().reuse(reduced);
+        ctx.cascade.reducer().reuse(reduced);
         if let ProofTrial::Closed = tried {
             self.keep((before, now), multipliers);
         }
@@ -333,7 +333,7 @@ impl TreeWarmStart {
         let Some(reduced) = reduce_node(ctx) else { return true };
         let mut projection = project_reduced(ctx, reduced);
         let (verdict, multipliers) = relax_and_keep(ctx, &mut projection, Purpose::Trial);
-        ctx.ladder.reducer().reuse_projection(projection);
+        ctx.cascade.reducer().reuse_projection(projection);
         let closes = match verdict {
             RelaxationVerdict::Refuted(_) => true,
             RelaxationVerdict::Relaxed { bound, .. } => {
@@ -341,7 +341,7 @@ impl TreeWarmStart {
             }
             RelaxationVerdict::Stopped | RelaxationVerdict::Descent => false,
         };
-        ctx.ladder.reuse(verdict);
+        ctx.cascade.reuse(verdict);
         if closes {
             ctx.tree.count(|s| s.closed_by_trials += 1);
             self.duals.extend(multipliers.map(|multipliers| SavedDuals::new(end, multipliers)));

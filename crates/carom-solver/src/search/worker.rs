@@ -225,8 +225,8 @@ fn relax_node(
         keep_duals(ctx);
     }
     let relaxed = conclude_from(ctx, pseudocosts, node, &projection, &mut verdict);
-    ctx.ladder.reuse(verdict);
-    ctx.ladder.reducer().reuse_projection(projection);
+    ctx.cascade.reuse(verdict);
+    ctx.cascade.reducer().reuse_projection(projection);
     relaxed
 }
 

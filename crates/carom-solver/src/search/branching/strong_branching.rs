@@ -57,7 +57,7 @@ pub(super) fn try_child(
     if let RelaxationVerdict::Relaxed { x, converged: true, .. } = &verdict {
         point = projection.lift(x);
     }
-    ctx.ladder.reducer().reuse_projection(projection);
+    ctx.cascade.reducer().reuse_projection(projection);
     ctx.node.domain.undo_to(mark);
     let trial = match &mut verdict {
         RelaxationVerdict::Refuted(_) => {
@@ -85,7 +85,7 @@ pub(super) fn try_child(
             Some(ChildTrial { gain: 0.0, bound: f64::NEG_INFINITY, known: None, multipliers: None })
         }
     };
-    ctx.ladder.reuse(verdict);
+    ctx.cascade.reuse(verdict);
     trial
 }
 

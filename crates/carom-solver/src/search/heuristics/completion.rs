@@ -84,8 +84,8 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
             RelaxationVerdict::Relaxed { x, .. } => Some(projection.lift(x)),
             _ => None,
         };
-        ctx.ladder.reuse(verdict);
-        ctx.ladder.reducer().reuse_projection(projection);
+        ctx.cascade.reuse(verdict);
+        ctx.cascade.reducer().reuse_projection(projection);
         let Some(point) = point else { return };
         round_and_propagate(ctx, &point);
         if ctx.tree.has_last_found() {

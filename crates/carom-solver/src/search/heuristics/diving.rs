@@ -155,8 +155,8 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
         }
         _ => None,
     };
-    ctx.ladder.reuse(verdict);
-    ctx.ladder.reducer().reuse_projection(projection);
+    ctx.cascade.reuse(verdict);
+    ctx.cascade.reducer().reuse_projection(projection);
     let mut point = point?;
     let integrality = ctx.options().integrality;
     settle_groups(ctx.program(), &ctx.node.domain, &ctx.root().groups, integrality, &mut point);
