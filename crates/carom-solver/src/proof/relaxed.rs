@@ -4,11 +4,11 @@
 //! No relaxation is trusted: its multipliers are put together again from facts, tangents and
 //! bounds that the log has, and only a sum that is a contradiction is written.
 
+use super::aggregated_row::AggregatedRow;
 use super::bounds::{Bounds, Side};
 use super::claim::Claim;
 use super::cones::ConeRow;
 use super::conjugate_gradients::curved_solution;
-use super::fact_sum::FactSum;
 use super::facts::Facts;
 use super::simple_sums::ObjectiveFact;
 use super::tightened::{RowsBefore, TightRowLemma};
@@ -59,9 +59,9 @@ pub(super) struct Relaxer<'a> {
     pub(super) cascades: &'a CascadePool,
     /// The same program, with the bounds of the context that is searched.
     pub(super) within: Program,
-    pub(super) sum: FactSum,
+    pub(super) sum: AggregatedRow,
     /// The sum for the proofs of tightened rows.
-    pub(super) tight_sum: FactSum,
+    pub(super) tight_sum: AggregatedRow,
     /// The state that the last relaxation has left: the next context is near.
     pub(super) warm: Option<WarmState>,
     /// The columns of the block that is proved; `None` for all.
