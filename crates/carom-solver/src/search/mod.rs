@@ -115,7 +115,7 @@ pub(crate) use tree::granularity;
 pub use best_points::{Accepted, BestPoints};
 pub use branching::{FixingCredit, growth_rate};
 pub use heuristics::{Allowance, Frontier};
-pub use indifferent_binaries::{groups, lone_binaries, settle_groups, settle_lone};
+pub use indifferent_binaries::{groups, round_groups, shift_to_integers, ungrouped_binaries};
 pub use node::{Decision, Node, NodeQueue, Path, StepCount};
 pub use node_probing::NodeProbing;
 pub use pseudocosts::{LEAST_GAIN, Pseudocosts};

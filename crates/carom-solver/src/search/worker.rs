@@ -5,7 +5,7 @@ use super::children::branch;
 use super::close_node::{close_refuted, cut_off, keep_duals};
 use super::context::Context;
 use super::heuristics::{HeuristicAccounts, look_for_points, look_for_settled_point};
-use super::indifferent_binaries::{settle_groups, settle_lone};
+use super::indifferent_binaries::{round_groups, shift_to_integers};
 use super::leaf::offer_leaf;
 use super::node::{Decision, KnownRelaxation, Node};
 use super::node_probing::NodeProbing;
@@ -114,14 +114,14 @@ impl<'a> Worker<'a> {
             return None;
         }
         let (program, root, options) = (ctx.program(), ctx.root(), ctx.options());
-        settle_groups(program, &ctx.node.domain, &root.groups, options.integrality, &mut x);
+        round_groups(program, &ctx.node.domain, &root.groups, options.integrality, &mut x);
         let pseudocosts = &self.branching.pseudocosts;
         look_for_points(ctx, &mut self.heuristics, pseudocosts, &x, bound, at_root);
         if is_cut_off(ctx, bound) {
             return None;
         }
         let mut raw = x.clone();
-        settle_lone(program, &ctx.node.domain, &root.lone, options.integrality, &mut x);
+        shift_to_integers(program, &ctx.node.domain, &root.ungrouped, options.integrality, &mut x);
         look_for_settled_point(ctx, &raw, &x);
         if is_cut_off(ctx, bound) {
             return None;
