@@ -65,7 +65,7 @@ pub mod search {
     }
 
     pub mod indifferent_binaries {
-        pub use crate::search::{groups, lone_binaries, settle_groups, settle_lone};
+        pub use crate::search::{groups, round_groups, shift_to_integers, ungrouped_binaries};
     }
 
     pub mod node {

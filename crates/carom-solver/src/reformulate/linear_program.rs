@@ -138,7 +138,7 @@ impl<'a> Maximizer<'a> {
 
     /// A proved upper bound on `terms` if all of `when` are true: `-inf` if that is proved
     /// impossible, `+inf` if there is no proof.
-    pub(super) fn most(&mut self, terms: &[(Variable, f64)], when: &[Literal]) -> f64 {
+    pub(super) fn upper_bound(&mut self, terms: &[(Variable, f64)], when: &[Literal]) -> f64 {
         if self.empty {
             return f64::NEG_INFINITY;
         }
@@ -152,13 +152,13 @@ impl<'a> Maximizer<'a> {
             }
             self.domain.apply(column, !on, value);
         }
-        let most = self.most_in_domain(terms, mark);
+        let most = self.upper_bound_in_domain(terms, mark);
         self.domain.undo_to(mark);
         // Infinities are unchanged.
         if most.is_finite() { most + EXPRESSION_MARGIN * most.abs().max(1.0) } else { most }
     }
 
-    fn most_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {
+    fn upper_bound_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {
         let Maximizer { token, program, domain, propagator, cascade, .. } = self;
         if propagator.propagate_since(program, domain, mark).is_err() {
             return f64::NEG_INFINITY;
