@@ -21,11 +21,11 @@ use super::search::search_task;
 use super::solve::{EarlierResults, Solve, SolveResult};
 use super::verify::ModelJudge;
 use crate::error::Error;
+use crate::mutations;
 use crate::presolve::root::PresolveRule;
 use crate::proof::count_blocks;
 use crate::reformulate::is_missing_bound;
 use crate::search::{SearchResult, SolveTask};
-use crate::slips;
 use crate::solution::Termination;
 use crate::solver::{Control, Event, Progress};
 
@@ -88,7 +88,7 @@ impl Solve<'_> {
         let solved = self.run_by_rules(lowered, rules, known, control)?;
         let contradicted = solved.found.contradiction.is_some();
         debug_assert!(
-            !contradicted || slips::has_any(),
+            !contradicted || mutations::has_any(),
             "presolve has changed the objective of {:?}",
             solved.point
         );

@@ -18,10 +18,10 @@ use std::collections::BTreeMap;
 
 use super::root::Root;
 use super::root_point::{RootPoint, Strengthened};
+use crate::mutations::{self, Mutation};
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::MethodCascade;
-use crate::slips::{self, Slip};
 use crate::solver::{Options, StopToken};
 
 /// Longest rows that are looked at (columns).
@@ -135,7 +135,7 @@ fn tighten_by_row(
 fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
     // A side without an end says nothing: its width and the room would both be infinite.
     let is_open = !lower.is_finite() || !upper.is_finite();
-    if own[0] == own[1] || (is_open && !slips::has(Slip::OpenSquare)) {
+    if own[0] == own[1] || (is_open && !mutations::has(Mutation::OpenSquare)) {
         return None;
     }
     let room = FIXED_WIDTH * lower.abs().max(upper.abs()).max(1.0);
