@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 pub use flaw::{Flaw, Witness};
 
 use super::affine::{self, Behaviour};
-use super::system::{Bracket, Choice, HybridSystem, Transition};
+use super::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::solver::Solver;
@@ -68,7 +68,7 @@ impl HybridSystem {
     /// [`ErrorKind::NoPoint`](crate::error::ErrorKind::NoPoint) if a limit stops it.
     pub fn flaws(&self, solver: &mut dyn Solver) -> Result<Vec<Flaw>, Error> {
         self.check()?;
-        let system = &self.polyhedral(Bracket::Around);
+        let system = &self.polyhedral(Approximation::Outer);
         let mut search = Search { system, solver, flaws: Vec::new(), found: BTreeSet::new() };
         let never = |choice: &Choice| vec![false; choice.transitions.len()];
         let mut possible: Vec<Vec<bool>> = system.choices.iter().map(never).collect();

@@ -121,8 +121,8 @@ impl HybridProgram {
                 let at = |sample: usize| {
                     let own = |row: &SystemRow| {
                         let row = row.at_sample(&members, sample)?;
-                        Ok(if is_never(&row) {
-                            members.first().never_at(sample).into()
+                        Ok(if is_infeasible(&row) {
+                            members.first().infeasible_row_at(sample).into()
                         } else {
                             row
                         })
@@ -142,7 +142,7 @@ fn is_always(row: &SystemRow) -> bool {
 
 /// Whether a row has no variables and does not hold, as one about an output that no transition
 /// states.
-fn is_never(row: &SystemRow) -> bool {
+fn is_infeasible(row: &SystemRow) -> bool {
     let SystemRow::Row(row) = row else { return false };
     row.expression().terms().is_empty()
         && row.lower() <= row.upper()

@@ -97,7 +97,7 @@ pub enum Obstacle {
 }
 
 /// The obstacles that tell why no transition is left: the first one, and rules of the user's.
-fn telling(obstacles: impl Iterator<Item = Obstacle>) -> Vec<Obstacle> {
+fn reported(obstacles: impl Iterator<Item = Obstacle>) -> Vec<Obstacle> {
     let mut told: Vec<Obstacle> = Vec::new();
     let name_of = |obstacle: &Obstacle| match obstacle {
         Obstacle::Limit { name, transition: None, .. } => Some(name.clone()),
@@ -268,7 +268,7 @@ impl ReachSets {
             // The forward sets became empty by themselves.
             let Some((step, emptied)) = &self.emptied else { return (sample, Vec::new()) };
             let obstacles = emptied.iter().filter_map(|emptied| self.obstacle(step + 1, emptied));
-            return (step + 1, telling(obstacles).into_iter().map(Finding::of_all).collect());
+            return (step + 1, reported(obstacles).into_iter().map(Finding::of_all).collect());
         }
         let needed = self.needed(tube, sample);
         let has_events = self.system().transitions().any(|transition| transition.is_event);

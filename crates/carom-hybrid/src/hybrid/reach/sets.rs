@@ -12,7 +12,7 @@ use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::system::{
-    Bracket, Coordinates, HybridSystem, IntoRegion, NormLimit, Region, Restated, check_ends,
+    Approximation, Coordinates, HybridSystem, IntoRegion, NormLimit, Region, Restated, check_ends,
 };
 use crate::interval::Interval;
 #[cfg(doc)]
@@ -132,7 +132,7 @@ impl ReachSets {
         let Restated { system, coordinates } = restated;
         let (system, coordinates) = (&system, Arc::new(coordinates));
         // Sets have polygons for norms.
-        let around = system.polyhedral(Bracket::Around);
+        let around = system.polyhedral(Approximation::Outer);
         let norms = system.all_norms().chain(&start.norms).chain(&goal.norms);
         let norm_excess = norms.map(NormLimit::excess).fold(0.0, f64::max);
         let computed = system.clone();

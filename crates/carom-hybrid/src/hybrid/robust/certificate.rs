@@ -199,7 +199,7 @@ impl Flight<'_> {
     }
 
     /// Notes by how much a value of all runs is above 0, and refuses more than a tolerance.
-    fn below(
+    fn check_nonpositive(
         &mut self,
         step: usize,
         condition: Condition,
@@ -225,7 +225,7 @@ impl Flight<'_> {
         let terms = map.factors.iter().zip(start).map(|(a, x)| (a * x).abs());
         let size = terms.fold(map.constant.abs(), f64::max);
         let value = self.over(map, start).upper;
-        self.below(step, condition, value, size)
+        self.check_nonpositive(step, condition, value, size)
     }
 
     fn norm(
@@ -244,7 +244,7 @@ impl Flight<'_> {
             .fold(point(0.0), |sum, entry| sum + point(entry.magnitude()) * entry.magnitude());
         let length = squares.upper.sqrt().next_up();
         let value = (point(length) + -point(bound.lower)).upper;
-        self.below(step, condition, value, length)
+        self.check_nonpositive(step, condition, value, length)
     }
 
     /// The conditions of a sample, and the box of its states.
@@ -259,7 +259,7 @@ impl Flight<'_> {
             let above = (value + point(-domain.upper)).upper;
             let beyond = above.max((point(domain.lower) + -value).upper);
             let condition = Condition::Domain { state: name.clone() };
-            self.below(sample, condition, beyond, domain.magnitude())?;
+            self.check_nonpositive(sample, condition, beyond, domain.magnitude())?;
         }
         self.certificate.states.push(errors);
         let mut start = state.to_vec();

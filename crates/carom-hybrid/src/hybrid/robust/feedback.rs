@@ -230,7 +230,7 @@ impl Feedback {
         let inputs = (0..m).map(|u| system.input_ranges(u, 0).map(|r| r.width()).sum());
         let widths: Vec<f64> = ranges.chain(inputs).collect();
         let units: Vec<Vec<f64>> = (0..n + m).map(unit).collect();
-        let most = |radius: &[f64], range: std::ops::Range<usize>| {
+        let largest_share = |radius: &[f64], range: std::ops::Range<usize>| {
             let share = |k: usize| 2.0 * size(&units[k], radius) / widths[k].max(1e-9);
             range.map(share).fold(0.0, f64::max)
         };
@@ -243,7 +243,7 @@ impl Feedback {
         radius.iter_mut().zip(event).for_each(|(radius, by)| *radius += by);
         let mut share = 0.0_f64;
         for _ in 0..STEPS {
-            share = share.max(most(&radius, 0..n) + most(&radius, n..n + m));
+            share = share.max(largest_share(&radius, 0..n) + largest_share(&radius, n..n + m));
             radius = grown(&radius);
         }
         share

@@ -226,7 +226,7 @@ impl<'a> ErrorTube<'a> {
         let limits = system.limits.iter().filter(|limit| !limit.is_joint(n)).enumerate();
         for (k, limit) in limits {
             if let Some(map) = affine::excess(limit, width, sample) {
-                self.below(model, &format!("tube_limit_{k}"), sample, None, &map)?;
+                self.add_row(model, &format!("tube_limit_{k}"), sample, None, &map)?;
             }
         }
         let norms = system.norms.iter().filter(|limit| !limit.is_joint(n)).enumerate();
@@ -243,7 +243,7 @@ impl<'a> ErrorTube<'a> {
         let limits = system.limits.iter().filter(|limit| limit.is_joint(n)).enumerate();
         for (k, limit) in limits {
             if let Some(map) = affine::excess(limit, width, step) {
-                self.below(model, &format!("tube_joint_limit_{k}"), step, None, &map)?;
+                self.add_row(model, &format!("tube_joint_limit_{k}"), step, None, &map)?;
             }
         }
         let norms = system.norms.iter().filter(|limit| limit.is_joint(n)).enumerate();
@@ -263,7 +263,7 @@ impl<'a> ErrorTube<'a> {
                     self.within(model, &name("input", u), step, when, &map, range)?;
                 }
                 for guard in &own.guards {
-                    self.below(model, &name("guard", guard.number), step, when, &guard.map)?;
+                    self.add_row(model, &name("guard", guard.number), step, when, &guard.map)?;
                 }
                 let norms = transition.norms.iter().map(|limit| (limit, None));
                 let flow = affine::flow(&transition.flow);
@@ -277,8 +277,8 @@ impl<'a> ErrorTube<'a> {
         Ok(())
     }
 
-    /// `map <= 0` for every error.
-    fn below(
+    /// Adds `map <= 0` for every error.
+    fn add_row(
         &self,
         model: &mut Model,
         name: &str,
@@ -307,8 +307,8 @@ impl<'a> ErrorTube<'a> {
         above.constant -= range.upper;
         let mut below = map.scaled(-1.0);
         below.constant += range.lower;
-        self.below(model, &format!("{name}_most"), sample, when, &above)?;
-        self.below(model, &format!("{name}_least"), sample, when, &below)
+        self.add_row(model, &format!("{name}_most"), sample, when, &above)?;
+        self.add_row(model, &format!("{name}_least"), sample, when, &below)
     }
 
     /// A limit of a length for every error: of the start of a step, or of what a flow predicts. The

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::change::{Part, quantity};
-use super::lengths::telling;
+use super::lengths::nontrivial;
 use super::names::Names;
 use super::program::{ChoiceProgram, SystemVariables};
 use super::switch::{Label, Switch, SwitchRow};
@@ -265,7 +265,7 @@ impl ChoiceStep<'_> {
                 true => norm.row(self.step, at_start),
                 false => norm.row(self.step, predicted),
             };
-            let Some(row) = telling(self.program, row, self.step) else { continue };
+            let Some(row) = nontrivial(self.program, row, self.step) else { continue };
             let label = Label::Guard { number: usize::MAX - k, is_limit: norm.is_limit };
             let key = (self.number, transition, Some(label), false);
             let family = names.keyed(key, &[of, &own.name, &norm.name]);

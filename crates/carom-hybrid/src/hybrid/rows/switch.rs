@@ -7,7 +7,7 @@
 //! Half-spaces that are limits are never left out because of others and never used to leave others
 //! out, so that an explanation can drop them.
 
-use super::bound::{self, LinearRow, most, size};
+use super::bound::{self, LinearRow, size, upper_bound};
 use super::change::Changes;
 use crate::hybrid::affine::{Behaviour, Map};
 use crate::interval::Interval;
@@ -45,15 +45,15 @@ impl Region {
         let domain = [domains, &behaviour.inputs].concat();
         let mut rows = known.to_vec();
         let guards = behaviour.guards.iter().filter(|guard| !guard.is_limit);
-        rows.extend(guards.map(|guard| below(&guard.map, 0.0)));
+        rows.extend(guards.map(|guard| row_at_most(&guard.map, 0.0)));
         if alone {
             for (next, range) in behaviour.next.iter().zip(domains) {
-                rows.push(below(next, range.upper));
-                rows.push(below(&next.scaled(-1.0), -range.lower));
+                rows.push(row_at_most(next, range.upper));
+                rows.push(row_at_most(&next.scaled(-1.0), -range.lower));
             }
         }
-        let nothing = vec![0.0; domain.len()];
-        if most(&nothing, 0.0, &domain, &rows, f64::NEG_INFINITY).value == f64::NEG_INFINITY {
+        let (nothing, none) = (vec![0.0; domain.len()], f64::NEG_INFINITY);
+        if upper_bound(&nothing, 0.0, &domain, &rows, none).value == none {
             rows.clear();
         }
         Region { domain, rows }
@@ -61,12 +61,12 @@ impl Region {
 }
 
 /// `map <= limit`.
-pub(super) fn below(map: &Map, limit: f64) -> LinearRow {
+pub(super) fn row_at_most(map: &Map, limit: f64) -> LinearRow {
     LinearRow { factors: map.factors.clone(), limit: limit - map.constant }
 }
 
 /// The coefficient and the limit with which a variable of this range satisfies no row.
-pub(super) fn never(range: Interval) -> (f64, f64) {
+pub(super) fn infeasible_row(range: Interval) -> (f64, f64) {
     (1.0, range.lower - 1.0)
 }
 
@@ -202,13 +202,13 @@ impl Analysis<'_> {
         }
         let none = || vec![0.0; groups];
         for guard in &own.guards {
-            let LinearRow { factors: mut z, mut limit } = below(&guard.map, 0.0);
+            let LinearRow { factors: mut z, mut limit } = row_at_most(&guard.map, 0.0);
             if guard.map.is_constant() {
                 if guard.map.constant <= 0.0 {
                     continue;
                 }
                 // A row needs a variable.
-                (z[0], limit) = never(ranges[0]);
+                (z[0], limit) = infeasible_row(ranges[0]);
             }
             let label = Label::Guard { number: guard.number, is_limit: guard.is_limit };
             rows.push(SwitchRow { label, z, w: none(), limit });
@@ -255,7 +255,7 @@ impl Analysis<'_> {
                 let (map, magnitude) = self.within(&self.changes, other, row);
                 let allowed = ROUNDING * magnitude;
                 let Region { domain, rows } = region;
-                let miss = most(&map.factors, map.constant, domain, rows, allowed).value;
+                let miss = upper_bound(&map.factors, map.constant, domain, rows, allowed).value;
                 if miss > allowed {
                     return None;
                 }
@@ -291,7 +291,7 @@ impl Analysis<'_> {
     fn state(&mut self, from: usize, row: SwitchRow, common: &mut Vec<(usize, SwitchRow)>) {
         let factors = [&row.z[..], &row.w].concat();
         let allowed = ROUNDING * (row.limit.abs() + size(&factors, &self.domain));
-        let found = most(&factors, -row.limit, &self.domain, &self.known, allowed);
+        let found = upper_bound(&factors, -row.limit, &self.domain, &self.known, allowed);
         if found.value <= allowed && found.weight <= WEIGHT {
             return;
         }
@@ -308,12 +308,12 @@ impl Analysis<'_> {
             let (z, w) = row.factors.split_at(self.width);
             let label = Label::Change { group: 0, upper: true };
             let row = SwitchRow { label, z: z.to_vec(), w: w.to_vec(), limit: row.limit };
-            below(&self.within(&self.stated, transition, &row).0, 0.0)
+            row_at_most(&self.within(&self.stated, transition, &row).0, 0.0)
         };
         let bounds =
             self.stated.iter().zip(&self.domain[self.width..]).flat_map(|(maps, range)| {
                 let map = &maps[transition];
-                [below(map, range.upper), below(&map.scaled(-1.0), -range.lower)]
+                [row_at_most(map, range.upper), row_at_most(&map.scaled(-1.0), -range.lower)]
             });
         let rows = self.known.iter().map(split).chain(bounds);
         rows.filter(|row| row.factors.iter().any(|&a| a != 0.0)).collect()
@@ -326,7 +326,7 @@ impl Analysis<'_> {
         }
         let domain = &self.domain[..self.width];
         let allowed = ROUNDING * (row.limit.abs() + size(&row.z, domain));
-        let found = most(&row.z, -row.limit, domain, given, allowed);
+        let found = upper_bound(&row.z, -row.limit, domain, given, allowed);
         found.value <= allowed && found.weight <= WEIGHT
     }
 }

@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
-use super::lengths::telling;
+use super::lengths::nontrivial;
 use super::levels;
 use super::modes;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
-use super::switch::{Region, Switch, below, switch};
+use super::switch::{Region, Switch, row_at_most, switch};
 use crate::error::Error;
 use crate::hybrid::affine::{self, Behaviour, Map};
 use crate::hybrid::horizon::Horizon;
@@ -38,7 +38,8 @@ fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
 fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
     let width = system.states.len() + system.inputs.len();
     let limits = system.limits.iter().filter(|limit| !limit.is_limit);
-    limits.filter_map(|limit| Some(below(&affine::excess(limit, width, step)?, 0.0))).collect()
+    let row = |limit| Some(row_at_most(&affine::excess(limit, width, step)?, 0.0));
+    limits.filter_map(row).collect()
 }
 
 fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
@@ -322,7 +323,7 @@ impl Writer<'_> {
                 match modes::constant(&row) {
                     None => {}
                     Some(true) => continue,
-                    Some(false) => row = self.program.never_at(t),
+                    Some(false) => row = self.program.infeasible_row_at(t),
                 }
                 self.model.add((family.as_str(), t), row)?;
                 any = true;
@@ -339,7 +340,7 @@ impl Writer<'_> {
                 let row = limit.row(t, |factors, constant| {
                     expression(self.program, &Map { factors: factors.to_vec(), constant }, t)
                 });
-                let Some(row) = telling(self.program, row, t) else { continue };
+                let Some(row) = nontrivial(self.program, row, t) else { continue };
                 self.model.add((family.as_str(), t), row)?;
                 any = true;
             }
@@ -428,7 +429,7 @@ impl Writer<'_> {
         match modes::constant(&row) {
             None => {}
             Some(true) => return Ok(()),
-            Some(false) => row = self.program.never_at(0),
+            Some(false) => row = self.program.infeasible_row_at(0),
         }
         let family = self.names.family(&["most_events"]);
         self.model.add(family.as_str(), row)?;

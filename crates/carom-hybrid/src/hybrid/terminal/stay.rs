@@ -6,7 +6,7 @@ use super::error::TerminalError;
 use crate::error::{Error, check_length};
 use crate::hybrid::affine::{self, Behaviour, Map, excess};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Bracket, Choice, HybridSystem, Transition};
+use crate::hybrid::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::interval::Interval;
 
 /// A row `factors . (x, u) <= limit`.
@@ -43,7 +43,7 @@ impl Stay {
     pub(crate) fn new(system: &HybridSystem, transitions: &[&str]) -> Result<Self, Error> {
         system.check()?;
         // Polygons within norms, so that what keeps the former keeps the latter.
-        let system = &system.polyhedral(Bracket::Within);
+        let system = &system.polyhedral(Approximation::Inner);
         check_length("the list of transitions", transitions.len(), system.choices.len())?;
         let (n, m) = (system.states.len(), system.inputs.len());
         let step = system.settles();
