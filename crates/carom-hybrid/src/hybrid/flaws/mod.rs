@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 
 pub use flaw::{Flaw, Witness};
 
-use super::affine::{self, Behaviour};
+use super::affine::{self, Dynamics};
 use super::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::error::Error;
 use crate::interval::Interval;
@@ -105,7 +105,7 @@ struct Step {
     /// The base within the system's own ranges of the inputs.
     in_range: Piece,
     /// By choice, then by transition.
-    behaviours: Vec<Vec<Behaviour>>,
+    dynamics: Vec<Vec<Dynamics>>,
     /// By choice, then by transition.
     pieces: Vec<Vec<Piece>>,
 }
@@ -119,25 +119,25 @@ impl Step {
             let range = range.get(number).copied().unwrap_or(Interval::REALS);
             in_range.cut_to(&units, system.states.len() + k, range);
         }
-        let behaviours = |choice: &Choice| -> Vec<Behaviour> {
+        let dynamics = |choice: &Choice| -> Vec<Dynamics> {
             let of = |transition| {
                 // All numbers if the choice does not limit an input.
                 let own = |k| system.input_range(choice, transition, k, number);
                 let inputs = (0..system.inputs.len()).map(|k| own(k).unwrap_or(Interval::REALS));
-                affine::behaviour(system, transition, &[], inputs.collect(), number)
+                affine::dynamics(system, transition, &[], inputs.collect(), number)
             };
             choice.transitions.iter().map(of).collect()
         };
-        let behaviours: Vec<Vec<Behaviour>> = system.choices.iter().map(behaviours).collect();
-        let pieces = |own: &Vec<Behaviour>| own.iter().map(|own| piece(&units, own)).collect();
-        let pieces = behaviours.iter().map(pieces).collect();
-        Step { number, units, base, in_range, behaviours, pieces }
+        let dynamics: Vec<Vec<Dynamics>> = system.choices.iter().map(dynamics).collect();
+        let pieces = |own: &Vec<Dynamics>| own.iter().map(|own| piece(&units, own)).collect();
+        let pieces = dynamics.iter().map(pieces).collect();
+        Step { number, units, base, in_range, dynamics, pieces }
     }
 
     fn is_like(&self, other: &Step) -> bool {
         self.units == other.units
             && self.in_range == other.in_range
-            && self.behaviours == other.behaviours
+            && self.dynamics == other.dynamics
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Step;
 use super::piece::Piece;
-use crate::hybrid::affine::{self, Map, excess};
+use crate::hybrid::affine::{self, AffineForm, excess};
 use crate::hybrid::system::HybridSystem;
 
 /// The most moves that are looked at.
@@ -38,8 +38,8 @@ pub(super) fn moves(system: &HybridSystem, step: &Step) -> Option<Vec<Move>> {
     let common = system.flow.as_ref().map(affine::flow);
     let of = |taken: Vec<usize>| {
         let piece = joined(step.pieces.iter().zip(&taken).map(|(own, &j)| &own[j]));
-        let parts = step.behaviours.iter().zip(&taken).map(|(own, &j)| &own[j].next[..]);
-        let next = affine::sum(common.as_deref(), &parts.collect::<Vec<&[Map]>>());
+        let parts = step.dynamics.iter().zip(&taken).map(|(own, &j)| &own[j].next[..]);
+        let next = affine::sum(common.as_deref(), &parts.collect::<Vec<&[AffineForm]>>());
         let mut inside = piece.clone();
         for (next, (_, domain)) in next.iter().zip(&system.states) {
             for (sign, end) in [(1.0, domain.upper), (-1.0, -domain.lower)] {
@@ -49,7 +49,8 @@ pub(super) fn moves(system: &HybridSystem, step: &Step) -> Option<Vec<Move>> {
             }
         }
         for limit in system.limits.iter().filter(|limit| !limit.is_joint(next.len())) {
-            let Some(Map { factors, constant }) = excess(limit, width, step.number + 1) else {
+            let Some(AffineForm { factors, constant }) = excess(limit, width, step.number + 1)
+            else {
                 continue;
             };
             let after = affine::combine(factors, &next, width, constant);

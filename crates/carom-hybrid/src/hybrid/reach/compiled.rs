@@ -12,7 +12,7 @@ use super::margins::Margins;
 use super::moves::Moves;
 use super::options::SetOptions;
 use super::rounding::EPSILON;
-use super::shape::{Map, Matrix, Shape};
+use super::shape::{AffineMap, Matrix, Shape};
 use super::template::Template;
 use crate::hybrid::system::{Coordinates, HybridSystem, MODE, Region};
 use crate::interval::Interval;
@@ -45,10 +45,10 @@ pub(super) struct Cut {
 #[derive(Debug, Clone)]
 pub(super) struct Step {
     pub(super) before: Vec<Cut>,
-    pub(super) flow: Map,
+    pub(super) flow: AffineMap,
     pub(super) push: Push,
     pub(super) after: Vec<Cut>,
-    pub(super) reset: Option<Map>,
+    pub(super) reset: Option<AffineMap>,
     /// The margin again after a reset, because the reset may shrink it and an accepted plan may
     /// also miss the reset itself; and everything else that the next state may differ by.
     pub(super) loose: Vec<f64>,
@@ -455,16 +455,16 @@ impl Source<'_> {
 
 /// Maps by their matrices, because combinations of template directions are found once for each.
 struct Maps<'a> {
-    known: Vec<Map>,
+    known: Vec<AffineMap>,
     template: Option<&'a Template>,
 }
 
 impl Maps<'_> {
-    fn map(&mut self, matrix: Matrix, offset: Vec<f64>) -> Map {
+    fn map(&mut self, matrix: Matrix, offset: Vec<f64>) -> AffineMap {
         if let Some(known) = self.known.iter().find(|map| *map.matrix() == matrix) {
             return known.with_offset(offset);
         }
-        let map = Map::new(matrix, offset, self.template);
+        let map = AffineMap::new(matrix, offset, self.template);
         self.known.push(map.clone());
         map
     }

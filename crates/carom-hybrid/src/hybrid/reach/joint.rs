@@ -14,7 +14,7 @@ use super::inputs::{Joint, least};
 use super::lifted::{Lift, Pair, Slab};
 use super::rounding::EPSILON;
 use super::set::{Emptied, Place};
-use super::shape::{Map, Shape};
+use super::shape::{AffineMap, Shape};
 use crate::interval::Interval;
 
 /// The guards of a block, and how it treats them.
@@ -132,7 +132,7 @@ pub(super) fn flown(
         }
         _ => {
             let push = push(&local.step.gains, &local.step.constant, inputs, 0.0);
-            let map: Map = local.step.flow.with_offset(push.shift.clone());
+            let map: AffineMap = local.step.flow.with_offset(push.shift.clone());
             (start.map(&map), push)
         }
     };

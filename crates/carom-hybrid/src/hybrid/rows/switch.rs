@@ -9,7 +9,7 @@
 
 use super::bound::{self, LinearRow, size, upper_bound};
 use super::change::Changes;
-use crate::hybrid::affine::{Behaviour, Map};
+use crate::hybrid::affine::{AffineForm, Dynamics};
 use crate::interval::Interval;
 
 /// How much a row that holds everywhere may be violated by rounding, relative to its terms (no
@@ -37,17 +37,17 @@ impl Region {
     /// * `known`: what holds at the start of the step in any case.
     /// * `alone`: whether the choice decides on the next state alone.
     pub(super) fn new(
-        behaviour: &Behaviour,
+        dynamics: &Dynamics,
         domains: &[Interval],
         known: &[LinearRow],
         alone: bool,
     ) -> Self {
-        let domain = [domains, &behaviour.inputs].concat();
+        let domain = [domains, &dynamics.inputs].concat();
         let mut rows = known.to_vec();
-        let guards = behaviour.guards.iter().filter(|guard| !guard.is_limit);
+        let guards = dynamics.guards.iter().filter(|guard| !guard.is_limit);
         rows.extend(guards.map(|guard| row_at_most(&guard.map, 0.0)));
         if alone {
-            for (next, range) in behaviour.next.iter().zip(domains) {
+            for (next, range) in dynamics.next.iter().zip(domains) {
                 rows.push(row_at_most(next, range.upper));
                 rows.push(row_at_most(&next.scaled(-1.0), -range.lower));
             }
@@ -61,7 +61,7 @@ impl Region {
 }
 
 /// `map <= limit`.
-pub(super) fn row_at_most(map: &Map, limit: f64) -> LinearRow {
+pub(super) fn row_at_most(map: &AffineForm, limit: f64) -> LinearRow {
     LinearRow { factors: map.factors.clone(), limit: limit - map.constant }
 }
 
@@ -106,9 +106,9 @@ pub(super) struct Switch {
 struct Analysis<'a> {
     regions: &'a [Region],
     /// The values of the groups' variables, by group and transition.
-    changes: Vec<Vec<Map>>,
+    changes: Vec<Vec<AffineForm>>,
     /// The same as the rows state them: only their range, where that is a point.
-    stated: Vec<Vec<Map>>,
+    stated: Vec<Vec<AffineForm>>,
     /// Ranges of states and inputs in any transition, and then of the groups' variables.
     domain: Vec<Interval>,
     /// Rows that hold in any transition, in these variables.
@@ -123,17 +123,17 @@ struct Analysis<'a> {
 /// * `ranges`: of the states and of the inputs, over all transitions.
 /// * `known`: what holds at the start of the step in any case.
 pub(super) fn switch(
-    step: &[Behaviour],
+    step: &[Dynamics],
     changes: &Changes,
     regions: &[Region],
     ranges: &[Interval],
     known: &[LinearRow],
 ) -> Switch {
     let groups = changes.groups.len();
-    let maps: Vec<Vec<Map>> = (0..groups).map(|g| changes.group(step, g)).collect();
-    let of = |maps: &Vec<Map>| -> Vec<Interval> {
+    let maps: Vec<Vec<AffineForm>> = (0..groups).map(|g| changes.group(step, g)).collect();
+    let of = |maps: &Vec<AffineForm>| -> Vec<Interval> {
         let each = maps.iter().zip(regions);
-        let range = |(map, region): (&Map, &Region)| {
+        let range = |(map, region): (&AffineForm, &Region)| {
             bound::range(&map.factors, map.constant, &region.domain, &region.rows)
         };
         each.map(range).collect()
@@ -153,8 +153,8 @@ pub(super) fn switch(
     let is_range = |span: &Interval| regions.len() > 2 && span.width() == 0.0;
     let stated = maps.iter().zip(&spans).map(|(maps, spans)| {
         let each = maps.iter().zip(spans);
-        let map = |(map, span): (&Map, &Interval)| match is_range(span) {
-            true => Map::constant(map.factors.len(), span.lower),
+        let map = |(map, span): (&AffineForm, &Interval)| match is_range(span) {
+            true => AffineForm::constant(map.factors.len(), span.lower),
             false => map.clone(),
         };
         each.map(map).collect()
@@ -188,7 +188,7 @@ pub(super) fn switch(
 
 impl Analysis<'_> {
     /// Everything that a transition demands.
-    fn rows(&self, transition: usize, own: &Behaviour, ranges: &[Interval]) -> Vec<SwitchRow> {
+    fn rows(&self, transition: usize, own: &Dynamics, ranges: &[Interval]) -> Vec<SwitchRow> {
         let groups = self.changes.len();
         let mut rows = Vec::new();
         for (group, maps) in self.changes.iter().enumerate() {
@@ -228,10 +228,15 @@ impl Analysis<'_> {
 
     /// A row in states and inputs alone, where the changes are those of a transition; and the sum
     /// of the magnitudes of its terms.
-    fn within(&self, changes: &[Vec<Map>], transition: usize, row: &SwitchRow) -> (Map, f64) {
-        let mut map = Map { factors: row.z.clone(), constant: -row.limit };
+    fn within(
+        &self,
+        changes: &[Vec<AffineForm>],
+        transition: usize,
+        row: &SwitchRow,
+    ) -> (AffineForm, f64) {
+        let mut map = AffineForm { factors: row.z.clone(), constant: -row.limit };
         let domain = &self.regions[transition].domain;
-        let size = |map: &Map| -> f64 {
+        let size = |map: &AffineForm| -> f64 {
             let terms = map.factors.iter().zip(domain);
             terms.map(|(a, range)| (a * range.magnitude()).abs()).sum::<f64>() + map.constant.abs()
         };

@@ -12,7 +12,7 @@ use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
 use super::switch::{Region, Switch, row_at_most, switch};
 use crate::error::Error;
-use crate::hybrid::affine::{self, Behaviour, Map};
+use crate::hybrid::affine::{self, AffineForm, Dynamics};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem};
 use crate::interval::Interval;
@@ -22,7 +22,7 @@ use crate::model::{Affine, Family, Method, Model, Variable, VariableKind};
 struct Plan {
     changes: Changes,
     /// The transitions and their rows at every step that differs from others.
-    steps: Vec<(Vec<Behaviour>, Switch)>,
+    steps: Vec<(Vec<Dynamics>, Switch)>,
 }
 
 /// The ranges of the inputs at a step, over all transitions of every choice that limits them.
@@ -50,20 +50,20 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
     for t in 0..count {
         let ranges = input_ranges(system, t);
         let known = known(system, t);
-        let behaviour = |transition| {
+        let dynamics = |transition| {
             let inputs = ranges.iter().enumerate().map(|(u, all)| {
                 let own = system.input_range(choice, transition, u, t).unwrap_or(*all);
                 let both = own.intersection(*all);
                 if both.is_empty() { own } else { both }
             });
-            affine::behaviour(system, transition, &outputs, inputs.collect(), t)
+            affine::dynamics(system, transition, &outputs, inputs.collect(), t)
         };
-        let own: Vec<Behaviour> = choice.transitions.iter().map(behaviour).collect();
-        let region = |own: &Behaviour| Region::new(own, &domains, &known, alone);
+        let own: Vec<Dynamics> = choice.transitions.iter().map(dynamics).collect();
+        let region = |own: &Dynamics| Region::new(own, &domains, &known, alone);
         let regions: Vec<Region> = own.iter().map(region).collect();
         steps.push((own, regions, [&domains[..], &ranges].concat(), known));
     }
-    let all: Vec<&[Behaviour]> = steps.iter().map(|(own, ..)| &own[..]).collect();
+    let all: Vec<&[Dynamics]> = steps.iter().map(|(own, ..)| &own[..]).collect();
     let last: &[Region] = steps.last().map_or(&[], |(_, regions, ..)| regions);
     let changes = Changes::new(&choice.transitions, &all, last);
     let steps = steps.into_iter().map(|(own, regions, ranges, known)| {
@@ -219,7 +219,11 @@ fn at<T>(list: &[T], step: usize) -> &T {
 }
 
 /// A map of states and inputs at a step, as an expression.
-pub(in crate::hybrid) fn expression(program: &SystemVariables, map: &Map, step: usize) -> Affine {
+pub(in crate::hybrid) fn expression(
+    program: &SystemVariables,
+    map: &AffineForm,
+    step: usize,
+) -> Affine {
     let mut sum = Affine::constant(map.constant);
     let variables = program.states.iter().chain(&program.inputs).map(|family| family.get(step));
     for (factor, variable) in map.factors.iter().zip(variables) {
@@ -231,7 +235,7 @@ pub(in crate::hybrid) fn expression(program: &SystemVariables, map: &Map, step: 
 }
 
 /// The change that a choice adds to a quantity of its reference in a step, as an expression.
-fn change(program: &ChoiceProgram, own: &[Behaviour], number: usize, step: usize) -> Affine {
+fn change(program: &ChoiceProgram, own: &[Dynamics], number: usize, step: usize) -> Affine {
     match program.changes.parts[number] {
         Part::Same => Affine::zero(),
         Part::Constant => {
@@ -338,7 +342,7 @@ impl Writer<'_> {
             let mut any = false;
             for t in 0..last {
                 let row = limit.row(t, |factors, constant| {
-                    expression(self.program, &Map { factors: factors.to_vec(), constant }, t)
+                    expression(self.program, &AffineForm { factors: factors.to_vec(), constant }, t)
                 });
                 let Some(row) = nontrivial(self.program, row, t) else { continue };
                 self.model.add((family.as_str(), t), row)?;
@@ -402,7 +406,7 @@ impl Writer<'_> {
         let mut choices = choices.map(|(own, plan)| (own, &at(&plan.steps, step).0));
         let mut sum = Affine::zero();
         let flow = self.system.flow.as_ref().filter(|_| self.plans.len() > 1).map(affine::flow);
-        let mut common = flow.map_or(Map::constant(width, 0.0), |flow| flow[state].clone());
+        let mut common = flow.map_or(AffineForm::constant(width, 0.0), |flow| flow[state].clone());
         let base = (self.plans.len() > 1).then(|| common.clone());
         choices.by_ref().for_each(|(choice, own)| {
             let reference = &own[choice.changes.reference].next[state];

@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::error::TerminalError;
 use crate::error::{Error, check_length};
-use crate::hybrid::affine::{self, Behaviour, Map, excess};
+use crate::hybrid::affine::{self, AffineForm, Dynamics, excess};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::interval::Interval;
@@ -19,7 +19,7 @@ pub(crate) struct Limit {
 
 impl Limit {
     /// The row `map <= 0`.
-    fn new(name: &str, map: Map) -> Self {
+    fn new(name: &str, map: AffineForm) -> Self {
         Limit { name: name.to_owned(), factors: map.factors, limit: -map.constant }
     }
 }
@@ -56,16 +56,16 @@ impl Stay {
         let mut limits: Vec<Limit> = limits
             .filter_map(|limit| Some(Limit::new(&limit.name, excess(limit, n + m, step)?)))
             .collect();
-        let behaviour = |t: &&Transition| affine::behaviour(system, t, &[], Vec::new(), step);
-        let behaviours: Vec<Behaviour> = taken.iter().map(behaviour).collect();
-        for (transition, own) in taken.iter().zip(&behaviours) {
+        let dynamics = |t: &&Transition| affine::dynamics(system, t, &[], Vec::new(), step);
+        let dynamics: Vec<Dynamics> = taken.iter().map(dynamics).collect();
+        for (transition, own) in taken.iter().zip(&dynamics) {
             let names = transition.guards.iter().chain(&transition.prediction_guards);
             let names: Vec<&String> = names.map(|guard| &guard.name).collect();
             let guards = own.guards.iter();
             limits.extend(guards.map(|guard| Limit::new(names[guard.number], guard.map.clone())));
         }
         let common = system.flow.as_ref().map(affine::flow);
-        let parts: Vec<&[Map]> = behaviours.iter().map(|own| &own.next[..]).collect();
+        let parts: Vec<&[AffineForm]> = dynamics.iter().map(|own| &own.next[..]).collect();
         let next = affine::sum(common.as_deref(), &parts);
         let map = LinearSystem::new(
             Mat::from_fn(n, n, |i, j| next[i].factors[j]),
