@@ -5,7 +5,7 @@
 //! every point is evaluated again before it is reported.
 
 mod flaw;
-mod moves;
+mod joint_transitions;
 mod piece;
 mod programs;
 mod stuck;
@@ -19,7 +19,7 @@ use super::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::solver::Solver;
-use moves::{Move, joined, moves};
+use joint_transitions::{JointPiece, joined, joint_transitions};
 use piece::{Piece, Units, base, piece};
 use programs::{Found, gap, is_empty_at, overlap};
 
@@ -82,9 +82,9 @@ impl HybridSystem {
                 search.gaps(&compiled, c)?;
                 search.overlaps(&compiled, c)?;
             }
-            let moves = moves(system, &compiled);
-            search.stuck(&compiled, moves.as_deref().unwrap_or_default())?;
-            search.possible(&compiled, moves.as_deref(), &mut possible)?;
+            let transitions = joint_transitions(system, &compiled);
+            search.stuck(&compiled, transitions.as_deref().unwrap_or_default())?;
+            search.possible(&compiled, transitions.as_deref(), &mut possible)?;
             steps.push(compiled);
         }
         for (choice, possible) in system.choices.iter().zip(possible) {
@@ -238,7 +238,7 @@ impl Search<'_> {
     fn possible(
         &mut self,
         step: &Step,
-        moves: Option<&[Move]>,
+        transitions: Option<&[JointPiece]>,
         possible: &mut [Vec<bool>],
     ) -> Result<(), Error> {
         for (c, choice) in self.system.choices.iter().enumerate() {
@@ -247,12 +247,12 @@ impl Search<'_> {
                 if is_excluded || possible[c][j] {
                     continue;
                 }
-                let ways: Vec<&Piece> = match moves {
-                    Some(moves) => {
-                        let own = moves.iter().filter(|own| own.taken[c] == j);
+                let ways: Vec<&Piece> = match transitions {
+                    Some(transitions) => {
+                        let own = transitions.iter().filter(|own| own.taken[c] == j);
                         own.map(|own| &own.inside).collect()
                     }
-                    // With many moves, the conditions of the transition alone.
+                    // With many joint transitions, the conditions of the transition alone.
                     None => vec![&step.pieces[c][j]],
                 };
                 for way in ways {

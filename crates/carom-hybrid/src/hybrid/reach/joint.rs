@@ -29,7 +29,7 @@ struct Local<'a> {
 impl<'a> Local<'a> {
     fn new(system: &'a Compiled, number: usize, block: usize, inputs: &'a [Interval]) -> Self {
         let step = &system.blocks[block].steps[number];
-        let joint = system.moves[number].joint.iter().enumerate();
+        let joint = system.joint_transitions[number].joint.iter().enumerate();
         let guards: Vec<(usize, &Joint)> = joint.filter(|(_, g)| g.block == Some(block)).collect();
         let weight = |j: usize| -> f64 {
             let width = (inputs[j].upper - inputs[j].lower).max(0.0);

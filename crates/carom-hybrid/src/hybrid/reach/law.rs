@@ -1,16 +1,16 @@
-//! The law of a move in one step: one flow, guards, reset and input ranges for what all choices do
-//! together.
+//! The law of a joint transition in one step: one flow, guards, reset and input ranges for what all
+//! choices do together.
 
 use faer::Mat;
 
-use super::moves::Move;
+use super::joint_transitions::JointTransition;
 use super::rounding::EPSILON;
 use crate::hybrid::affine::{self, AffineForm, Dynamics};
 use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Reset, Transition, Uncertain};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
-/// A half-space of a move.
+/// A half-space of a joint transition.
 #[derive(Debug, Clone)]
 pub(super) struct Guard {
     pub(super) name: String,
@@ -36,16 +36,16 @@ impl Guard {
     }
 }
 
-/// How a transition's prediction follows from a move.
+/// How a transition's prediction follows from a joint transition.
 #[derive(Debug, Clone)]
 pub(super) enum Prediction {
-    /// The move's prediction, shifted.
+    /// The joint transition's prediction, shifted.
     Shifted(Vec<f64>),
     /// By a flow of its own.
     Own(Vec<AffineForm>),
 }
 
-/// A move in one step: guards, `y = A x + B u + c`, guards on y, and a reset.
+/// A joint transition in one step: guards, `y = A x + B u + c`, guards on y, and a reset.
 #[derive(Debug, Clone)]
 pub(super) struct Law {
     /// One row per state.
@@ -80,7 +80,7 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    pub(super) fn law(&self, taken: &Move) -> Law {
+    pub(super) fn law(&self, taken: &JointTransition) -> Law {
         let system = self.system;
         let members: Vec<&Transition> =
             taken.members.iter().map(|&m| self.transitions[m]).collect();
@@ -187,7 +187,7 @@ impl Context<'_> {
     /// The law of several choices, whose effects add to the common flow.
     fn sum(
         &self,
-        taken: &Move,
+        taken: &JointTransition,
         members: &[&Transition],
         before: Vec<Guard>,
         inputs: Vec<Interval>,
@@ -221,7 +221,7 @@ impl Context<'_> {
     }
 
     /// The choices share A and B, so that each of them resets the common prediction.
-    fn add_resets(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
+    fn add_resets(&self, law: &mut Law, taken: &JointTransition, members: &[&Transition]) {
         let n = law.flow.len();
         let identity = Mat::<f64>::identity(n, n);
         let (mut matrix, mut offset) = (identity.clone(), vec![0.0; n]);
@@ -263,7 +263,7 @@ impl Context<'_> {
 
     /// The choices have flows of their own: the sum of their effects is one flow, and guards on
     /// predictions become guards on states and inputs.
-    fn add_flows(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
+    fn add_flows(&self, law: &mut Law, taken: &JointTransition, members: &[&Transition]) {
         let common = law.flow.clone();
         let width = common[0].factors.len();
         let mut sizes = vec![AffineForm::constant(width, 0.0); common.len()];
