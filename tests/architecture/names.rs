@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::{code, first_name, sources};
 
 /// Types and traits that still share their name with another one.
-const SHARED_TYPES: [&str; 21] = [
+const SHARED_TYPES: [&str; 20] = [
     "Context",
     "Cut",
     "Facet",
@@ -22,7 +22,6 @@ const SHARED_TYPES: [&str; 21] = [
     "Multipliers",
     "Names",
     "Pair",
-    "Plan",
     "Polyhedron",
     "Question",
     "Region",

@@ -19,7 +19,7 @@ use crate::interval::Interval;
 use crate::model::{Affine, Family, Method, Model, Variable, VariableKind};
 
 /// The changes and rows of a choice, known before its variables are made.
-struct Plan {
+struct Formulation {
     changes: Changes,
     /// The transitions and their rows at every step that differs from others.
     steps: Vec<(Vec<Dynamics>, Switch)>,
@@ -42,7 +42,7 @@ fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
     limits.filter_map(row).collect()
 }
 
-fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
+fn formulate(system: &HybridSystem, choice: &Choice, count: usize) -> Formulation {
     let outputs = affine::output_names(&choice.transitions);
     let domains: Vec<Interval> = system.states.iter().map(|(_, domain)| *domain).collect();
     let alone = system.choices.len() == 1;
@@ -70,7 +70,7 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
         let rows = switch(&own, &changes, &regions, &ranges, &known);
         (own, rows)
     });
-    Plan { steps: steps.collect(), changes }
+    Formulation { steps: steps.collect(), changes }
 }
 
 /// The numbers of rows, indicators, conic rows and disjunctions.
@@ -88,17 +88,18 @@ pub(super) fn write(
     method: Option<Method>,
 ) -> Result<SystemVariables, Error> {
     let count = system.settles().min(horizon.steps() - 1) + 1;
-    let plans: Vec<Plan> = system.choices.iter().map(|own| plan(system, own, count)).collect();
+    let formulations: Vec<Formulation> =
+        system.choices.iter().map(|own| formulate(system, own, count)).collect();
     let before = counts(model);
     let (mut program, background, words) = model.all_or_nothing(|model| {
         let mut names = Names::new(prefix);
-        let program = variables(system, model, &mut names, horizon, &plans)?;
+        let program = variables(system, model, &mut names, horizon, &formulations)?;
         let mut writer = Writer {
             system,
             model,
             names: Names::new(prefix),
             program: &program,
-            plans: &plans,
+            formulations: &formulations,
             method,
             as_predicted: as_predicted(system),
             background: BTreeSet::new(),
@@ -127,7 +128,7 @@ fn variables(
     model: &mut Model,
     names: &mut Names,
     horizon: &Horizon,
-    plans: &[Plan],
+    formulations: &[Formulation],
 ) -> Result<SystemVariables, Error> {
     let steps = horizon.steps();
     let mut program = SystemVariables {
@@ -167,29 +168,29 @@ fn variables(
         program.inputs.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
         program.levels.push(levels::variables(system, u, model, names, steps)?);
     }
-    for (choice, plan) in system.choices.iter().zip(plans) {
+    for (choice, own) in system.choices.iter().zip(formulations) {
         // A single choice needs no name.
         let of = if system.choices.len() == 1 { "" } else { &choice.name };
         let transitions: Vec<&str> = choice.transitions.iter().map(|t| t.name.as_str()).collect();
-        let on = 1 - plan.changes.reference.min(1);
+        let on = 1 - own.changes.reference.min(1);
         let taken = one_of(model, names, &transitions, on, steps, &[of])?;
         let modes = one_of(model, names, &choice.modes(), 1, steps + 1, &[&choice.name, "is"])?;
         let mut groups = Vec::new();
         let outputs = affine::output_names(&choice.transitions);
-        for (g, &quantity) in plan.changes.groups.iter().enumerate() {
+        for (g, &quantity) in own.changes.groups.iter().enumerate() {
             let name = match system.states.get(quantity) {
                 Some((state, _)) => names.family(&[of, "change", state]),
                 None => names.family(&[of, outputs[quantity - system.states.len()]]),
             };
             let member = |t: usize| {
-                let range = at(&plan.steps, t).1.bounds[g];
+                let range = at(&own.steps, t).1.bounds[g];
                 model.continuous((name.as_str(), t), range.lower, range.upper)
             };
             groups.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
         }
-        program.choices.push(ChoiceProgram { changes: plan.changes.clone(), taken, modes, groups });
+        program.choices.push(ChoiceProgram { changes: own.changes.clone(), taken, modes, groups });
     }
-    outputs(&mut program, plans);
+    outputs(&mut program, formulations);
     Ok(program)
 }
 
@@ -251,7 +252,7 @@ fn change(program: &ChoiceProgram, own: &[Dynamics], number: usize, step: usize)
 }
 
 /// Adds the outputs of all choices, by name.
-fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
+fn outputs(program: &mut SystemVariables, formulations: &[Formulation]) {
     let (n, steps) = (program.states.len(), program.horizon.steps());
     let mut outputs: Vec<(String, Vec<Affine>)> = Vec::new();
     let mut by_choice = Vec::new();
@@ -259,7 +260,7 @@ fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
         let mut of_choice = Vec::new();
         for (o, name) in affine::output_names(&choice.transitions).into_iter().enumerate() {
             let value = |t: usize| {
-                let own = &at(&plans[c].steps, t).0;
+                let own = &at(&formulations[c].steps, t).0;
                 let changes = &program.choices[c].changes;
                 let common = quantity(&own[changes.reference], n + o);
                 expression(program, common, t) + change(&program.choices[c], own, n + o, t)
@@ -304,7 +305,7 @@ struct Writer<'a> {
     model: &'a mut Model,
     names: Names,
     program: &'a SystemVariables,
-    plans: &'a [Plan],
+    formulations: &'a [Formulation],
     method: Option<Method>,
     /// Which states are as predicted.
     as_predicted: Vec<bool>,
@@ -379,8 +380,8 @@ impl Writer<'_> {
                     self.model.add((name.as_str(), t), variable.equals(next))?;
                 }
             }
-            for (number, plan) in self.plans.iter().enumerate() {
-                let (own, rows) = at(&plan.steps, t);
+            for (number, formulation) in self.formulations.iter().enumerate() {
+                let (own, rows) = at(&formulation.steps, t);
                 let method = self.method;
                 let as_predicted = &self.as_predicted;
                 let step = ChoiceStep {
@@ -402,12 +403,13 @@ impl Writer<'_> {
     /// The next value of a state: the common flow, and what the choices change about it.
     fn next(&self, state: usize, step: usize) -> Affine {
         let width = self.system.states.len() + self.system.inputs.len();
-        let choices = self.program.choices.iter().zip(self.plans);
-        let mut choices = choices.map(|(own, plan)| (own, &at(&plan.steps, step).0));
+        let choices = self.program.choices.iter().zip(self.formulations);
+        let mut choices = choices.map(|(own, formulation)| (own, &at(&formulation.steps, step).0));
         let mut sum = Affine::zero();
-        let flow = self.system.flow.as_ref().filter(|_| self.plans.len() > 1).map(affine::flow);
+        let has_several = self.formulations.len() > 1;
+        let flow = self.system.flow.as_ref().filter(|_| has_several).map(affine::flow);
         let mut common = flow.map_or(AffineForm::constant(width, 0.0), |flow| flow[state].clone());
-        let base = (self.plans.len() > 1).then(|| common.clone());
+        let base = has_several.then(|| common.clone());
         choices.by_ref().for_each(|(choice, own)| {
             let reference = &own[choice.changes.reference].next[state];
             let difference = base.as_ref().map_or(reference.clone(), |base| reference.minus(base));
@@ -418,7 +420,7 @@ impl Writer<'_> {
     }
 
     fn modes(&mut self) -> Result<(), Error> {
-        for number in 0..self.plans.len() {
+        for number in 0..self.formulations.len() {
             let families = modes::add(self.model, &mut self.names, self.program, number)?;
             self.background.extend(families);
         }
