@@ -7,7 +7,7 @@
 use web_time::{Duration, Instant};
 
 use super::active_set::ActiveSet;
-use super::attempts::{MethodAttempt, MethodStage, Purpose, VERTEX, attempts};
+use super::attempts::{MethodAttempt, Purpose, Stage, VERTEX, attempts};
 use super::borderline::{Doubt, WIDENINGS, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::cone_cut::ConeCut;
@@ -220,8 +220,8 @@ impl MethodCascade {
     fn attempts(&self, purpose: Purpose, warm: Option<WarmMethod>) -> &'static [MethodAttempt] {
         let all = attempts(purpose);
         let others = match all {
-            [MethodAttempt { stage: MethodStage::Warm, .. }, ..] if warm.is_some() => return all,
-            [MethodAttempt { stage: MethodStage::Warm, .. }, others @ ..] => others,
+            [MethodAttempt { stage: Stage::Warm, .. }, ..] if warm.is_some() => return all,
+            [MethodAttempt { stage: Stage::Warm, .. }, others @ ..] => others,
             all => all,
         };
         match others {
@@ -271,8 +271,8 @@ impl MethodCascade {
     ) -> RelaxationResult {
         let MethodAttempt { stage, iterations, tolerance, refinements } = attempt;
         let entry = match (stage, request.warm_method, &mut self.warm) {
-            (MethodStage::Warm, Some(method), Some(warm)) => Some(&mut warm[method as usize]),
-            (MethodStage::Fallback, ..) => self.fallback.as_mut(),
+            (Stage::Warm, Some(method), Some(warm)) => Some(&mut warm[method as usize]),
+            (Stage::Fallback, ..) => self.fallback.as_mut(),
             _ => None,
         };
         let entry = entry.unwrap_or(&mut self.cold);
