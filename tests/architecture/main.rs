@@ -15,12 +15,12 @@ use circles::{File, circles};
 /// What everything stands on, from the bottom up; each module sees those before it.
 const GROUND: [&str; 13] = [
     "setters",
-    "slips",
+    "mutations",
     "rounding",
     "number",
     "error",
     "tolerance",
-    "wire",
+    "serde_numbers",
     "interval",
     "sum",
     "semidefinite",

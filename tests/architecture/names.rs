@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::{code, first_name, sources};
 
 /// Types and traits that still share their name with another one.
-const SHARED_TYPES: [&str; 23] = [
+const SHARED_TYPES: [&str; 20] = [
     "Context",
     "Cut",
     "Facet",
@@ -18,13 +18,10 @@ const SHARED_TYPES: [&str; 23] = [
     "Label",
     "Law",
     "Limit",
-    "Map",
     "Memory",
-    "Move",
     "Multipliers",
     "Names",
     "Pair",
-    "Plan",
     "Polyhedron",
     "Question",
     "Region",
@@ -36,13 +33,12 @@ const SHARED_TYPES: [&str; 23] = [
 ];
 
 /// Constants that still share their name with another one.
-const SHARED_CONSTANTS: [&str; 11] = [
+const SHARED_CONSTANTS: [&str; 10] = [
     "AXES",
     "COARSER",
     "MARGIN",
     "MISS",
     "MOST_COMBINATIONS",
-    "MOST_MOVES",
     "NOISE",
     "ROUNDING",
     "ROUNDS",

@@ -12,7 +12,7 @@ pub mod internals;
 pub mod picture;
 
 #[cfg(feature = "serde")]
-use carom_model::internals::wire;
+use carom_model::internals::serde_numbers;
 use carom_model::internals::{
     error, interval, model, number, setters, solution, solver, sum, tolerance,
 };

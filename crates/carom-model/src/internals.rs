@@ -58,8 +58,8 @@ pub mod setters {
     pub use crate::setters;
 }
 
-pub mod slips {
-    pub use crate::slips::*;
+pub mod mutations {
+    pub use crate::mutations::*;
 }
 
 pub mod solution {
@@ -84,6 +84,6 @@ pub mod tolerance {
 }
 
 #[cfg(feature = "serde")]
-pub mod wire {
-    pub use crate::wire::*;
+pub mod serde_numbers {
+    pub use crate::serde_numbers::*;
 }

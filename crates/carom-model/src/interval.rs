@@ -22,10 +22,10 @@ use crate::rounding::{add_down, add_up, down, is_exact_product, up};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Interval {
     /// The smaller end; `-inf` when unbounded below.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub lower: f64,
     /// The larger end; `+inf` when unbounded above.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub upper: f64,
 }
 

@@ -9,16 +9,16 @@ pub mod error;
 pub mod internals;
 pub mod interval;
 pub mod model;
+mod mutations;
 mod number;
 mod rounding;
 mod semidefinite;
+#[cfg(feature = "serde")]
+mod serde_numbers;
 mod setters;
-mod slips;
 pub mod solution;
 pub mod solver;
 mod sum;
 pub mod tolerance;
-#[cfg(feature = "serde")]
-mod wire;
 
 pub use error::{Error, ErrorKind};

@@ -31,7 +31,7 @@ mod verify;
 
 use crate::error::Error;
 use crate::model::Model;
-use crate::relaxation::LadderPool;
+use crate::relaxation::CascadePool;
 use crate::search::{SearchResult, SolveTask};
 use crate::solution::Solution;
 use crate::solver::{Control, Options, Prepared, Solver, StopToken};
@@ -99,8 +99,8 @@ impl Solver for BranchAndBound {
             return solve_in_rounds(model, options, control);
         }
         let token = &StopToken::new(options.time_limit, control.interrupt());
-        let (ladders, refusals) = (&LadderPool::new(options), &Refusals::default());
-        let solve = Solve { model, options, token, ladders, refusals, rows: None };
+        let (cascades, refusals) = (&CascadePool::new(options), &Refusals::default());
+        let solve = Solve { model, options, token, cascades, refusals, rows: None };
         let given = control.start().map(|given| GivenStart::new(model, given));
         let start = given.as_ref().map(|given| &given.start);
         let solved = solve.run(&EarlierResults { start, ..EarlierResults::default() }, control)?;

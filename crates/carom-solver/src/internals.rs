@@ -30,8 +30,8 @@ pub mod program {
 
 pub mod relaxation {
     pub use crate::relaxation::{
-        ActiveSet, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
-        LadderPool, Prover, Record, Relaxation, RelaxationClaim, RelaxationResult, WarmState,
+        ActiveSet, CascadePool, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint,
+        MethodCascade, Prover, Record, Relaxation, RelaxationClaim, RelaxationResult, WarmState,
         polish,
     };
 }
@@ -65,7 +65,7 @@ pub mod search {
     }
 
     pub mod indifferent_binaries {
-        pub use crate::search::{groups, lone_binaries, settle_groups, settle_lone};
+        pub use crate::search::{groups, round_groups, shift_to_integers, ungrouped_binaries};
     }
 
     pub mod node {

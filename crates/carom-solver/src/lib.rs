@@ -20,7 +20,8 @@ pub use branch_and_bound::BranchAndBound;
 pub use carom_model;
 
 #[cfg(feature = "serde")]
-use carom_model::internals::wire;
+use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    error, interval, model, number, semidefinite, setters, slips, solution, solver, sum, tolerance,
+    error, interval, model, mutations, number, semidefinite, setters, solution, solver, sum,
+    tolerance,
 };

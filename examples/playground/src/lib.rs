@@ -49,13 +49,13 @@ const QUICK: Duration = Duration::from_millis(100);
 ///   `found`.
 #[wasm_bindgen]
 pub fn plan(task: &str, tell: Option<js_sys::Function>) -> String {
-    plan_with(task, &mut telling(tell))
+    plan_with(task, &mut message_callback(tell))
 }
 
 /// The same for a scene.
 #[wasm_bindgen]
 pub fn plan_scene(task: &str, tell: Option<js_sys::Function>) -> String {
-    plan_scene_with(task, &mut telling(tell))
+    plan_scene_with(task, &mut message_callback(tell))
 }
 
 /// Why no plan of a task has so many steps, without (`free`) and with collisions (`tolerant`).
@@ -94,7 +94,7 @@ pub fn plan_scene_with(task: &str, tell: &mut Tell<'_>) -> String {
     text(&scene::solve(task, tell).unwrap_or_else(|error| SceneAnswer::of_error(&error)))
 }
 
-fn telling(function: Option<js_sys::Function>) -> impl FnMut(&str) {
+fn message_callback(function: Option<js_sys::Function>) -> impl FnMut(&str) {
     move |news| {
         if let Some(function) = &function {
             // A page that fails to show news still gets the answer.

@@ -10,22 +10,22 @@ use carom::model::sos1;
 use carom::prelude::*;
 
 use super::promises::{MISS, runs, value};
-use super::{Draw, kinds};
+use super::{Draw, random_systems};
 
 #[test]
 fn no_disturbed_run_of_any_kind_leaves_its_plan() -> Result<(), Error> {
     let mut found = BTreeSet::new();
     let mut count = 0;
-    for case in 0..2 * kinds::KINDS {
+    for case in 0..2 * random_systems::KINDS {
         for factor in [1.0, 0.4] {
-            let (program, feedback, miss) = kinds::kind(case, factor)?;
+            let (program, feedback, miss) = random_systems::kind(case, factor)?;
             let robust = program.robust(&feedback)?;
             let plan = match robust.solve(&mut BranchAndBound::default()) {
                 Ok(plan) => plan,
                 Err(error) if matches!(error.kind(), ErrorKind::NoPlan { .. }) => continue,
                 Err(error) => return Err(error),
             };
-            found.insert(case % kinds::KINDS);
+            found.insert(case % random_systems::KINDS);
             count += 1;
             for run in 0..runs() {
                 let mut draw = Draw::new(7919 * case + run);
@@ -37,7 +37,7 @@ fn no_disturbed_run_of_any_kind_leaves_its_plan() -> Result<(), Error> {
             break;
         }
     }
-    assert_eq!(found.len() as u64, kinds::KINDS, "{found:?}");
+    assert_eq!(found.len() as u64, random_systems::KINDS, "{found:?}");
     assert!(count >= 16, "{count}");
     Ok(())
 }
@@ -47,8 +47,8 @@ fn no_disturbed_run_of_any_kind_leaves_its_plan() -> Result<(), Error> {
 #[test]
 fn certificates_fail_before_runs_do() -> Result<(), Error> {
     let mut failed = 0;
-    for case in 0..2 * kinds::KINDS {
-        let (program, feedback, miss) = kinds::kind(case, 0.4)?;
+    for case in 0..2 * random_systems::KINDS {
+        let (program, feedback, miss) = random_systems::kind(case, 0.4)?;
         let Ok(plan) = program.robust(&feedback)?.solve(&mut BranchAndBound::default()) else {
             continue;
         };

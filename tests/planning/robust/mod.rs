@@ -2,10 +2,10 @@
 
 mod broken;
 mod cases;
-mod kinds;
+mod nominal_and_robust;
 mod promises;
+mod random_systems;
 mod refusals;
-mod same;
 mod scenarios;
 mod shared;
 mod starts;

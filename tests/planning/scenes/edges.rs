@@ -5,7 +5,7 @@ use carom::hybrid::{ImpactEstimate, Region, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
 
-use super::numbers::Numbers;
+use super::seeded_numbers::Numbers;
 
 const TIME_STEP: f64 = 0.1;
 const RESTITUTION: f64 = 0.5;

@@ -7,7 +7,7 @@ use carom::model::Affine;
 use carom::prelude::*;
 use proptest::prelude::*;
 
-use super::numbers::Numbers;
+use super::seeded_numbers::Numbers;
 use crate::common::config;
 
 const TIME_STEP: f64 = 0.05;

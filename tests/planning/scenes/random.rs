@@ -6,7 +6,7 @@ use carom::interval::Interval;
 use carom::model::Affine;
 use carom::prelude::*;
 
-use super::numbers::Numbers;
+use super::seeded_numbers::Numbers;
 
 const TIME_STEP: f64 = 0.1;
 const STEPS: usize = 3;

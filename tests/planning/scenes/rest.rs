@@ -10,7 +10,7 @@ use carom::model::Affine;
 use carom::prelude::*;
 use std::error::Error as _;
 
-use super::numbers::Numbers;
+use super::seeded_numbers::Numbers;
 
 fn bounce(e: f64) -> Surface {
     Surface::bounce(Restitution::new(e).unwrap())

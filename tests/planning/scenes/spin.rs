@@ -8,7 +8,7 @@ use carom::hybrid::{Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
-use super::numbers::Numbers;
+use super::seeded_numbers::Numbers;
 
 /// A disc, in numbers.
 #[derive(Clone, Copy)]

@@ -7,7 +7,7 @@ mod damaged;
 mod declarations;
 mod lemmas;
 mod open_integers;
-mod past_slips;
+mod past_mutations;
 mod switched;
 mod texts;
 mod ways_of_solving;

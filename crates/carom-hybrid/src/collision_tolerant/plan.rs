@@ -48,7 +48,7 @@ pub struct Plan {
     /// Value of the objective, in the unit of [`Objective`].
     pub objective: f64,
     /// Proved lower bound of the objective over this horizon, in the same unit.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub bound: f64,
     /// Why the solver stopped; [`Termination::Optimal`] when the plan is proved optimal.
     pub termination: Termination,

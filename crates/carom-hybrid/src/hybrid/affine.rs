@@ -4,16 +4,16 @@ use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, HybridSystem, Transition};
 use crate::interval::Interval;
 
-/// An affine function of `z = (state, input)`.
+/// An affine form `factors . z + constant` of `z = (state, input)`.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Map {
+pub(crate) struct AffineForm {
     pub(crate) factors: Vec<f64>,
     pub(crate) constant: f64,
 }
 
-impl Map {
+impl AffineForm {
     pub(crate) fn constant(width: usize, constant: f64) -> Self {
-        Map { factors: vec![0.0; width], constant }
+        AffineForm { factors: vec![0.0; width], constant }
     }
 
     pub(crate) fn is_constant(&self) -> bool {
@@ -25,20 +25,20 @@ impl Map {
     }
 
     /// Adds a multiple of another map.
-    pub(crate) fn add(&mut self, factor: f64, other: &Map) {
+    pub(crate) fn add(&mut self, factor: f64, other: &AffineForm) {
         self.constant += factor * other.constant;
         self.factors.iter_mut().zip(&other.factors).for_each(|(own, its)| *own += factor * its);
     }
 
-    pub(crate) fn minus(&self, other: &Map) -> Map {
+    pub(crate) fn minus(&self, other: &AffineForm) -> AffineForm {
         let mut difference = self.clone();
         difference.add(-1.0, other);
         difference
     }
 
-    pub(crate) fn scaled(&self, factor: f64) -> Map {
+    pub(crate) fn scaled(&self, factor: f64) -> AffineForm {
         let factors = self.factors.iter().map(|a| factor * a).collect();
-        Map { factors, constant: factor * self.constant }
+        AffineForm { factors, constant: factor * self.constant }
     }
 
     /// All its numbers: the factors, then the constant.
@@ -47,9 +47,9 @@ impl Map {
     }
 
     /// The magnitudes of all its numbers.
-    pub(crate) fn magnitudes(&self) -> Map {
+    pub(crate) fn magnitudes(&self) -> AffineForm {
         let factors = self.factors.iter().map(|a| a.abs()).collect();
-        Map { factors, constant: self.constant.abs() }
+        AffineForm { factors, constant: self.constant.abs() }
     }
 
     /// Its range over a box.
@@ -69,17 +69,17 @@ impl Map {
 pub(crate) struct Guard {
     /// Its position: the guards at the start, then those on the prediction.
     pub(crate) number: usize,
-    pub(crate) map: Map,
+    pub(crate) map: AffineForm,
     pub(crate) is_limit: bool,
 }
 
-/// A transition at one step.
+/// The affine dynamics of a transition at one step.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Behaviour {
+pub(crate) struct Dynamics {
     /// The next state.
-    pub(crate) next: Vec<Map>,
+    pub(crate) next: Vec<AffineForm>,
     /// The outputs, by the choice's list of names.
-    pub(crate) outputs: Vec<Map>,
+    pub(crate) outputs: Vec<AffineForm>,
     /// The guards that say something at this step.
     pub(crate) guards: Vec<Guard>,
     /// The ranges of the inputs; the transition may set its own.
@@ -98,18 +98,18 @@ pub(crate) fn output_names(transitions: &[Transition]) -> Vec<&str> {
 }
 
 /// The rows of a flow.
-pub(crate) fn flow(system: &LinearSystem) -> Vec<Map> {
+pub(crate) fn flow(system: &LinearSystem) -> Vec<AffineForm> {
     let (n, m) = (system.states(), system.inputs());
     let row = |i: usize| {
         let from_states = (0..n).map(|j| system.a()[(i, j)]);
         let factors = from_states.chain((0..m).map(|j| system.b()[(i, j)])).collect();
-        Map { factors, constant: system.c()[i] }
+        AffineForm { factors, constant: system.c()[i] }
     };
     (0..n).map(row).collect()
 }
 
 /// The next state, where each of several choices adds what it changes about the common flow.
-pub(crate) fn sum(common: Option<&[Map]>, parts: &[&[Map]]) -> Vec<Map> {
+pub(crate) fn sum(common: Option<&[AffineForm]>, parts: &[&[AffineForm]]) -> Vec<AffineForm> {
     let Some((first, others)) = parts.split_first() else { return Vec::new() };
     let mut next = first.to_vec();
     for (i, next) in next.iter_mut().enumerate() {
@@ -126,32 +126,32 @@ pub(crate) fn sum(common: Option<&[Map]>, parts: &[&[Map]]) -> Vec<Map> {
 /// `factors . maps + constant`.
 pub(crate) fn combine<'a>(
     factors: impl IntoIterator<Item = f64>,
-    maps: impl IntoIterator<Item = &'a Map>,
+    maps: impl IntoIterator<Item = &'a AffineForm>,
     width: usize,
     constant: f64,
-) -> Map {
-    let mut sum = Map::constant(width, constant);
+) -> AffineForm {
+    let mut sum = AffineForm::constant(width, constant);
     let terms = factors.into_iter().zip(maps).filter(|(factor, _)| *factor != 0.0);
     terms.for_each(|(factor, map)| sum.add(factor, map));
     sum
 }
 
 /// `normal . z - limit`, of a half-space at a step; `None` if it limits nothing there.
-pub(crate) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option<Map> {
+pub(crate) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option<AffineForm> {
     let limit = halfspace.limit_at(step);
     let mut factors = halfspace.normal.clone();
     factors.resize(width, 0.0);
-    limit.is_finite().then_some(Map { factors, constant: -limit })
+    limit.is_finite().then_some(AffineForm { factors, constant: -limit })
 }
 
-/// A transition of a checked system at a step, with the ranges of the inputs in it.
-pub(crate) fn behaviour(
+/// The dynamics of a transition of a checked system at a step, with the ranges of the inputs in it.
+pub(crate) fn dynamics(
     system: &HybridSystem,
     transition: &Transition,
     outputs: &[&str],
     inputs: Vec<Interval>,
     step: usize,
-) -> Behaviour {
+) -> Dynamics {
     let (n, m) = (system.states.len(), system.inputs.len());
     let width = n + m;
     let predicted = flow(&transition.flow);
@@ -168,12 +168,12 @@ pub(crate) fn behaviour(
     };
     let output = |name: &&str| {
         let own = transition.outputs.iter().find(|output| output.name == **name);
-        own.map_or(Map::constant(width, 0.0), |output| {
+        own.map_or(AffineForm::constant(width, 0.0), |output| {
             let constant = output.constant.get(step).copied().unwrap_or(0.0);
             if output.is_at_start {
                 let mut factors = output.factors.clone();
                 factors.resize(width, 0.0);
-                return Map { factors, constant };
+                return AffineForm { factors, constant };
             }
             combine(output.factors.iter().copied(), &predicted, width, constant)
         })
@@ -187,7 +187,7 @@ pub(crate) fn behaviour(
     let guards = at_start.chain(at_end).enumerate().filter_map(|(number, (guard, map))| {
         Some(Guard { number, map: map?, is_limit: guard.is_limit })
     });
-    Behaviour {
+    Dynamics {
         next,
         outputs: outputs.iter().map(output).collect(),
         guards: guards.collect(),

@@ -77,9 +77,9 @@ pub(super) struct StoredModel {
 pub(super) struct VariableData {
     pub(super) name: Name,
     pub(super) kind: VariableKind,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub(super) lower: f64,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub(super) upper: f64,
     /// For a parameter, its declared range; its bounds are its value.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -93,9 +93,9 @@ pub(super) struct VariableData {
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SemicontinuousRange {
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub(super) lower: f64,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub(super) upper: f64,
 }
 

@@ -11,10 +11,10 @@ pub struct StoredRow {
     /// Variables and coefficients, each variable once, in order.
     pub terms: Vec<(Variable, f64)>,
     /// The lower limit, or `-inf`.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub lower: f64,
     /// The upper limit, or `inf`.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub upper: f64,
 }
 

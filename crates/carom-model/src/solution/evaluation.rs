@@ -2,7 +2,7 @@
 
 use crate::interval::Interval;
 use crate::model::{Affine, Function, Model, Quadratic, StoredConic, Variable};
-use crate::slips::{self, Slip};
+use crate::mutations::{self, Mutation};
 use crate::sum::Sum;
 use crate::tolerance;
 
@@ -98,7 +98,7 @@ impl<'a> Evaluation<'a> {
         let rounded = if value.whole { 0.0 } else { value.magnitude + limit };
         let amount = below.max(above).max(0.0);
         let size = value.largest.max(limit);
-        let mut allowed = if slips::has(Slip::ScaledTolerance) {
+        let mut allowed = if mutations::has(Mutation::ScaledTolerance) {
             self.feasibility * tolerance::margin_scale(value.largest, limit)
         } else {
             tolerance::allowed_miss(self.feasibility, rounded)

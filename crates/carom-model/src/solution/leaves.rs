@@ -14,7 +14,7 @@ pub struct LeafBox {
     pub bounds: Vec<LeafBound>,
     /// The bound that was proved, in the model's own sense: no point in the box is better. It is
     /// valid only for the model that was solved.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub bound: f64,
 }
 
@@ -34,10 +34,10 @@ pub struct LeafBound {
     /// The variable.
     pub variable: Variable,
     /// Its lower bound, in the variable's unit.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub lower: f64,
     /// Its upper bound, in the variable's unit.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub upper: f64,
 }
 

@@ -46,7 +46,7 @@ pub struct Solution {
     termination: Termination,
     point: Option<Point>,
     objective: Option<f64>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     bound: f64,
     #[cfg_attr(feature = "serde", serde(default))]
     constant: f64,

@@ -19,7 +19,7 @@ use super::point::Point;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verification {
     violations: Vec<Violation>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     largest_residual: f64,
     checked: Checked,
     assumed: Vec<String>,
@@ -65,11 +65,11 @@ pub struct Violation {
     /// The variable or statement.
     pub name: String,
     /// By how much, in the statement's own unit.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub amount: f64,
     /// By how much, without a unit: the amount divided by the largest term or limit of the
     /// statement, or by 1 if that is smaller.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub relative: f64,
 }
 

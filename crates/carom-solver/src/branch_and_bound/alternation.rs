@@ -114,8 +114,8 @@ fn run_turn(
 fn without_objective(found: SearchResult, task: SolveTask<'_>) -> SearchResult {
     let bound = if found.bound == f64::INFINITY { found.bound } else { task.program.offset };
     // The splits guide a proof that there is no point, whatever the objective was.
-    let forks = if task.options.proof_path().is_some() { found.forks } else { Vec::new() };
-    SearchResult { bound, proofs: Vec::new(), forks, strengthened: None, ..found }
+    let splits = if task.options.proof_path().is_some() { found.splits } else { Vec::new() };
+    SearchResult { bound, duals: Vec::new(), splits, strengthened: None, ..found }
 }
 
 /// The program with the artificial objective, the number of binaries that are 1: conditions that do

@@ -44,12 +44,12 @@ pub(super) fn cut(
     control: &mut Control<'_>,
 ) -> CutOutcome {
     let SolveTask { options, token, .. } = task;
-    let mut ladder = task.ladders.take();
-    let bent = with_perspective(task.program, root, options, token, &mut ladder);
+    let mut cascade = task.cascades.take();
+    let bent = with_perspective(task.program, root, options, token, &mut cascade);
     let program = bent.as_ref().map_or(task.program, |bent| &bent.program);
     let (task, sign) = (SolveTask { program, ..task }, program.sign);
     let mut pilot = Pilot::default();
-    let cut = strengthen(program, root, options, token, &mut ladder, &mut |root| {
+    let cut = strengthen(program, root, options, token, &mut cascade, &mut |root| {
         if let Some(bound) = root.relaxed_bound() {
             let mut progress = Progress::new(0, 0, 1, None, sign * bound, token.elapsed());
             progress.constant = sign * program.constant;
@@ -60,8 +60,8 @@ pub(super) fn cut(
     if bent.is_some() || cut.is_some() {
         root.carry_over(cut.as_ref().map_or(program, |cut| &cut.program), token);
     }
-    ladder.take_spent().count(&mut pilot.statistics);
-    task.ladders.give_back(ladder);
+    cascade.take_spent().count(&mut pilot.statistics);
+    task.cascades.give_back(cascade);
     let first = bent.as_ref().or(cut.as_ref()).map(|first| first.values[0]);
     let last = cut.as_ref().or(bent.as_ref()).map(|last| last.values[1]);
     CutOutcome {

@@ -1,5 +1,5 @@
 //! The data that a prepared model keeps from solve to solve: the integers of the best point, and
-//! the tree with the proofs that closed its ends, and the cuts of cones that it began with.
+//! the tree with the multipliers that closed its ends, and the cuts of cones that it began with.
 //!
 //! The integers are a start for the next solve: fixed, completed and verified like any other point.
 //! The tree is gone through again, and the bounds of the multipliers are proved anew. Nothing is
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::model::Name;
 use crate::relaxation::ConeCut;
-use crate::search::{Fork, Proof, Proofs, SearchResult, Start};
+use crate::search::{SavedDuals, SavedSplit, SavedTree, SearchResult, Start};
 use crate::solution::Termination;
 
 /// Least part of the gap between the root and the best point that cuts and tighter costs must
@@ -31,8 +31,8 @@ const FEW_NODES: u64 = 3;
 pub(super) struct LastSolve {
     /// Values of integral columns at the last point that was found, the earliest steps first.
     integers: Vec<(usize, f64)>,
-    proofs: Vec<Proof>,
-    forks: Vec<Fork>,
+    duals: Vec<SavedDuals>,
+    splits: Vec<SavedSplit>,
     /// The cuts of cones that the search began with: they hold for all values of the parameters.
     cone_cuts: Vec<ConeCut>,
     /// By column, where the same variable of the next step is, or the column itself.
@@ -53,8 +53,8 @@ impl LastSolve {
 
     /// The start that the last solve leaves for the next one.
     pub(super) fn start(&self) -> Start {
-        let proofs = Some(Arc::new(Proofs::new(&self.proofs, &self.forks)));
-        Start { integers: self.integers.clone(), proofs, ..Start::default() }
+        let saved_tree = Some(Arc::new(SavedTree::new(&self.duals, &self.splits)));
+        Start { integers: self.integers.clone(), saved_tree, ..Start::default() }
     }
 
     /// The cuts of cones to begin with.
@@ -88,9 +88,9 @@ impl LastSolve {
         // A search that was stopped before its first split has nothing new to say.
         let ended = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
         let nodes = found.statistics.nodes;
-        if ended || !found.forks.is_empty() {
-            self.proofs = std::mem::take(&mut found.proofs);
-            self.forks = std::mem::take(&mut found.forks);
+        if ended || !found.splits.is_empty() {
+            self.duals = std::mem::take(&mut found.duals);
+            self.splits = std::mem::take(&mut found.splits);
         }
         if !found.cone_cuts.is_empty() {
             self.cone_cuts = std::mem::take(&mut found.cone_cuts);

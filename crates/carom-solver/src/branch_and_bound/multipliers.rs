@@ -4,7 +4,7 @@
 use crate::presolve::Reduced;
 use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve};
 use crate::program::Program;
-use crate::relaxation::{ConeCut, Ladder, Purpose, RelaxationClaim};
+use crate::relaxation::{ConeCut, MethodCascade, Purpose, RelaxationClaim};
 use crate::solver::StopToken;
 use crate::sum::Sum;
 use crate::tolerance;
@@ -26,7 +26,7 @@ pub(super) fn derivatives(
     program: &Program,
     presolved: &Presolved,
     point: &[f64],
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
     token: &StopToken,
 ) -> Option<Derivatives> {
     if program.is_feasibility_problem() {
@@ -34,7 +34,7 @@ pub(super) fn derivatives(
         return Some(Derivatives { rows, columns });
     }
     if !program.cones.is_empty() {
-        return conic_derivatives(program, point, ladder, token);
+        return conic_derivatives(program, point, cascade, token);
     }
     // An interior-point method wants an interior.
     let small = &presolved.program;
@@ -52,7 +52,7 @@ pub(super) fn derivatives(
     if left.columns.is_empty() {
         return checked(program, presolved, point, &[], &vec![0.0; left.rows.len()]);
     }
-    ladder.solve_until(&left, Purpose::Multipliers, token, |result| {
+    cascade.solve_until(&left, Purpose::Multipliers, token, |result| {
         let solved = result.claim == RelaxationClaim::Solved;
         solved.then(|| checked(program, presolved, point, &result.x, &result.y))?
     })
@@ -74,10 +74,10 @@ fn checked(
 fn conic_derivatives(
     program: &Program,
     point: &[f64],
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
     token: &StopToken,
 ) -> Option<Derivatives> {
-    ladder.conic_multipliers(&Reduced::whole(program), token, |(x, y, cuts)| {
+    cascade.conic_multipliers(&Reduced::whole(program), token, |(x, y, cuts)| {
         judged(program, point, x, y, &cuts)
     })
 }

@@ -21,11 +21,11 @@ use super::search::search_task;
 use super::solve::{EarlierResults, Solve, SolveResult};
 use super::verify::ModelJudge;
 use crate::error::Error;
+use crate::mutations;
 use crate::presolve::root::PresolveRule;
 use crate::proof::count_blocks;
 use crate::reformulate::is_missing_bound;
 use crate::search::{SearchResult, SolveTask};
-use crate::slips;
 use crate::solution::Termination;
 use crate::solver::{Control, Event, Progress};
 
@@ -88,7 +88,7 @@ impl Solve<'_> {
         let solved = self.run_by_rules(lowered, rules, known, control)?;
         let contradicted = solved.found.contradiction.is_some();
         debug_assert!(
-            !contradicted || slips::has_any(),
+            !contradicted || mutations::has_any(),
             "presolve has changed the objective of {:?}",
             solved.point
         );
@@ -131,7 +131,7 @@ impl Solve<'_> {
         control.report(&Event::Presolved(program.size(), progress));
         let judge = &ModelJudge::new(self, &presolved);
         let task =
-            SolveTask::new(presolved.program(), judge, self.ladders, self.options, self.token);
+            SolveTask::new(presolved.program(), judge, self.cascades, self.options, self.token);
         let start = known.start.map(|start| presolved.carry(start));
         let carried = EarlierResults { start: start.as_ref(), ..*known };
         // A proof follows the blocks of the lowered program.

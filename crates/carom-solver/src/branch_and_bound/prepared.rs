@@ -21,7 +21,7 @@ use crate::model::{Model, Name, Variable};
 use crate::presolve::root::{Presolve, PresolveRule, blocks, presolve, presolve_around};
 use crate::program::Program;
 use crate::reformulate;
-use crate::relaxation::LadderPool;
+use crate::relaxation::CascadePool;
 use crate::search::{SearchResult, Start};
 use crate::solution::Solution;
 use crate::solver::{Control, Options, Prepared, StopToken};
@@ -35,7 +35,7 @@ pub(super) struct PreparedProgram<'a> {
     /// The assembled program, in which the columns of the parameters are those of the model.
     lowered: LoweredProgram,
     reduction: Reduction,
-    ladders: LadderPool,
+    cascades: CascadePool,
 }
 
 /// The result of presolve for all values of the parameters.
@@ -75,8 +75,8 @@ impl<'a> PreparedProgram<'a> {
             true => ReducedProgram::of(options, model, &lowered, &names, &parameters)?,
             false => Reduction::Off,
         };
-        let (ladders, model) = (LadderPool::new(options), model.clone());
-        Ok(PreparedProgram { options, model, parameters, lowered, reduction, ladders })
+        let (cascades, model) = (CascadePool::new(options), model.clone());
+        Ok(PreparedProgram { options, model, parameters, lowered, reduction, cascades })
     }
 }
 
@@ -109,11 +109,11 @@ impl Prepared for PreparedProgram<'_> {
             return solve_in_rounds(model, options, control);
         }
         let token = &StopToken::new(options.time_limit, control.interrupt());
-        if !self.ladders.suits(options) {
-            self.ladders = LadderPool::new(options);
+        if !self.cascades.suits(options) {
+            self.cascades = CascadePool::new(options);
         }
-        let (ladders, refusals) = (&self.ladders, &Refusals::default());
-        let solve = Solve { model, options, token, ladders, refusals, rows: None };
+        let (cascades, refusals) = (&self.cascades, &Refusals::default());
+        let solve = Solve { model, options, token, cascades, refusals, rows: None };
         let given = control.start().map(|given| GivenStart::new(model, given));
         let start = given.as_ref().map(|given| &given.start);
         let is_about_columns = options.pool > 1 || options.keep_leaves;

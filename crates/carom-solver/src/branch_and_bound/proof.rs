@@ -10,7 +10,7 @@ use super::solve::{Solve, SolveResult};
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::proof::{Claim, Guide, ProofRequest};
-use crate::relaxation::LadderPool;
+use crate::relaxation::CascadePool;
 use crate::solution::{ProofReport, Termination};
 use crate::solver::{Interrupt, Options, StopToken};
 
@@ -50,7 +50,7 @@ impl Solve<'_> {
             _ => return Ok(None),
         };
         let guide = Guide::new(
-            std::mem::take(&mut found.forks),
+            std::mem::take(&mut found.splits),
             solved.columns.take(),
             program.column_count(),
         );
@@ -63,7 +63,7 @@ impl Solve<'_> {
         let mut out = BufWriter::new(create(path).map_err(failed)?);
         let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
         let point = solved.lowered_point.as_deref();
-        let (options, token, ladders) = (self.options, &token, self.ladders);
+        let (options, token, cascades) = (self.options, &token, self.cascades);
         let asked = ProofRequest {
             program,
             squares,
@@ -72,7 +72,7 @@ impl Solve<'_> {
             options,
             token,
             most_splits: MOST_SPLITS,
-            ladders,
+            cascades,
         };
         asked.prove(guide, point, &mut out).map(Some).map_err(failed)
     }
@@ -105,7 +105,7 @@ pub fn write_proof_of(
     let Some(lowered) = lower(model, token, true)? else { return Err(ErrorKind::Other.into()) };
     let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
     let claim = bound.map_or(Claim::Infeasible, Claim::Bound);
-    let ladders = &LadderPool::new(options);
+    let cascades = &CascadePool::new(options);
     let (program, squares) = lowered.stated();
     let asked = ProofRequest {
         program,
@@ -115,7 +115,7 @@ pub fn write_proof_of(
         options,
         token,
         most_splits: FEW_SPLITS,
-        ladders,
+        cascades,
     };
     asked.prove(Guide::default(), None, out).map_err(|source| {
         let (what, help) = ("the proof cannot be written".into(), "look at the writer");

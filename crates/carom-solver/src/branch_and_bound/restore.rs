@@ -23,10 +23,10 @@ pub(super) fn restore(
         let own = presolved.presolved.as_ref()?;
         let program = &presolved.lowered.program;
         let is_wanted = found.termination == Termination::Optimal && program.integers.is_empty();
-        let mut ladder = is_wanted.then(|| solve.ladders.take())?;
+        let mut cascade = is_wanted.then(|| solve.cascades.take())?;
         let point = own.postsolve.point(values);
-        let derivatives = derivatives(program, own, &point, &mut ladder, solve.token);
-        solve.ladders.give_back(ladder);
+        let derivatives = derivatives(program, own, &point, &mut cascade, solve.token);
+        solve.cascades.give_back(cascade);
         derivatives
     });
     if point.as_ref().is_some_and(|values| presolved.changes_objective(values)) {

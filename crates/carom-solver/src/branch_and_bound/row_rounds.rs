@@ -19,7 +19,7 @@ use super::rows::{CUT, LAZY, add_new, is_violated, with_rows};
 use super::solve::{EarlierResults, Solve, SolveResult};
 use crate::error::Error;
 use crate::model::{Model, StoredRow};
-use crate::relaxation::LadderPool;
+use crate::relaxation::CascadePool;
 use crate::search::{Completion, SearchResult, Start};
 use crate::solution::{Point, ProofReport, Solution, Statistics, Termination};
 use crate::solver::{Control, Interrupt, Options, PoolMode, Progress, StopToken};
@@ -50,7 +50,7 @@ pub(super) fn solve_in_rounds(
         model,
         options,
         token: &token,
-        ladders: LadderPool::new(options),
+        cascades: CascadePool::new(options),
         refusals: Refusals::default(),
         given,
         completion: None,
@@ -66,10 +66,10 @@ pub(super) fn solve_in_rounds(
     if let Some(path) = options.proof_path() {
         solved.proof = rounds.write_proof(path, &mut solved, control.interrupt())?;
     }
-    let RowRounds { ladders, refusals, given, completion, .. } = &mut rounds;
+    let RowRounds { cascades, refusals, given, completion, .. } = &mut rounds;
     solved.found.completion = completion.take();
-    let (ladders, token) = (&*ladders, &token);
-    let solve = Solve { model, options, token, ladders, refusals, rows: None };
+    let (cascades, token) = (&*cascades, &token);
+    let solve = Solve { model, options, token, cascades, refusals, rows: None };
     answer(&solve, solved, given.as_ref())
 }
 
@@ -78,7 +78,7 @@ pub(super) struct RowRounds<'a> {
     model: &'a Model,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
-    pub(super) ladders: LadderPool,
+    pub(super) cascades: CascadePool,
     refusals: Refusals,
     /// The user's MIP start.
     given: Option<GivenStart>,
@@ -172,8 +172,8 @@ impl RowRounds<'_> {
         let own = self.start();
         let given = self.given.as_ref().map(|given| &given.start);
         let known = &EarlierResults { start: own.as_ref().or(given), ..EarlierResults::default() };
-        let (ladders, refusals) = (&self.ladders, &self.refusals);
-        let solve = Solve { model, options, token, ladders, refusals, rows: Some(&rows) };
+        let (cascades, refusals) = (&self.cascades, &self.refusals);
+        let solve = Solve { model, options, token, cascades, refusals, rows: Some(&rows) };
         let mut solved = self.watched(control, |control| solve.run(known, control))?;
         let found = &mut solved.found;
         if own.is_none() && self.completion.is_none() {
@@ -332,8 +332,8 @@ impl RowRounds<'_> {
     ) -> Result<Option<ProofReport>, Error> {
         let model = &with_rows(&with_rows(self.model, LAZY, &self.lazy)?, CUT, &self.cuts)?;
         let token = &StopToken::new(None, interrupt);
-        let RowRounds { options, ladders, refusals, .. } = self;
-        let solve = Solve { model, options, token, ladders, refusals, rows: None };
+        let RowRounds { options, cascades, refusals, .. } = self;
+        let solve = Solve { model, options, token, cascades, refusals, rows: None };
         match lower(model, token, true)? {
             Some(lowered) => solve.write_proof(path, &lowered, solved, interrupt),
             None => Ok(None),

@@ -5,10 +5,10 @@ use super::cut::{CutOutcome, cut};
 use super::solve::EarlierResults;
 use super::start::PreliminaryResult;
 use super::tighten::Tightened;
+use crate::mutations;
 use crate::search::{
     ConeApproximation, SearchResult, SolveTask, approximate_cones, search, search_unstrengthened,
 };
-use crate::slips;
 use crate::solver::Control;
 use std::borrow::Cow;
 
@@ -54,10 +54,10 @@ pub(super) fn search_once(
     // An interrupt may come before the search has relaxed the root itself.
     let mut bound_before = f64::NEG_INFINITY;
     if !program.cones.is_empty() {
-        let mut ladder = task.ladders.take();
+        let mut cascade = task.cascades.take();
         let ConeApproximation { program: cut_off, bound } =
-            approximate_cones(&program, &root, options, token, &mut ladder, known.cone_cuts);
-        task.ladders.give_back(ladder);
+            approximate_cones(&program, &root, options, token, &mut cascade, known.cone_cuts);
+        task.cascades.give_back(cascade);
         bound_before = bound;
         if let Some((cut_off, cuts)) = cut_off {
             cone_cuts = cuts;
@@ -72,7 +72,7 @@ pub(super) fn search_once(
     let task = SolveTask { program, root: Some(&root), ..task };
     let mut found = search(task, control, cut.start(known.start).as_ref());
     if let Some(what) = found.contradiction {
-        debug_assert!(slips::has_any(), "a strengthened program is wrong: {what:?}");
+        debug_assert!(mutations::has_any(), "a strengthened program is wrong: {what:?}");
         found = search_unstrengthened(task, found, control);
     }
     cut.add_to(&mut found);

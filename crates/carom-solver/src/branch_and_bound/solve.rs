@@ -6,7 +6,7 @@ use super::refusals::Refusals;
 use super::row_judge::RowJudge;
 use super::tighten::Tightened;
 use crate::model::Model;
-use crate::relaxation::{ConeCut, LadderPool};
+use crate::relaxation::{CascadePool, ConeCut};
 use crate::search::{SearchResult, Start};
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
@@ -17,7 +17,7 @@ pub(super) struct Solve<'a> {
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
-    pub(super) ladders: &'a LadderPool,
+    pub(super) cascades: &'a CascadePool,
     pub(super) refusals: &'a Refusals,
     /// The judge of points by rows that are found while the program is searched.
     pub(super) rows: Option<&'a RowJudge<'a>>,

@@ -98,7 +98,7 @@ impl PreliminaryResult {
 /// Whether the integers of a start are completed before the search. A solve of a prepared model
 /// that may be stopped looks for a point even where the last solve has left none.
 fn is_completed(task: SolveTask<'_>, start: &Start) -> bool {
-    !start.integers.is_empty() || (start.proofs.is_some() && task.options.may_stop())
+    !start.integers.is_empty() || (start.saved_tree.is_some() && task.options.may_stop())
 }
 
 /// Whether the bounds alone prove that no point costs less: also where there is no objective.

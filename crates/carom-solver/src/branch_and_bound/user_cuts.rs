@@ -63,8 +63,8 @@ impl RowRounds<'_> {
             changed.node_limit = None;
             changed
         };
-        let (token, ladders, refusals) = (self.token, &self.ladders, &Refusals::default());
-        let solve = Solve { model, options, token, ladders, refusals, rows: None };
+        let (token, cascades, refusals) = (self.token, &self.cascades, &Refusals::default());
+        let solve = Solve { model, options, token, cascades, refusals, rows: None };
         Ok(solve.run(&EarlierResults::default(), &mut Control::default())?.found)
     }
 }

@@ -12,7 +12,7 @@ use crate::model::{AnyStatement, Model, Name, VariableKind, VariableRef, stateme
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
-use crate::relaxation::{Ladder, Purpose, RelaxationQuestion, RelaxationVerdict};
+use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict};
 use crate::solver::Options;
 
 /// Limit on propagations; variables that are not reached count as used.
@@ -35,7 +35,7 @@ struct DomainReduction<'a> {
     /// For each variable of the model, whether it may have any value.
     free: Vec<bool>,
     trials: usize,
-    ladder: Ladder,
+    cascade: MethodCascade,
     options: Options,
     relaxations: usize,
 }
@@ -68,7 +68,7 @@ pub(super) fn used_domains(
         used: bounded.collect(),
         free: vec![false; model.variable_count()],
         trials: MAX_PROPAGATIONS,
-        ladder: Ladder::new(Options::default().relaxation),
+        cascade: MethodCascade::new(Options::default().relaxation),
         options: Options::default(),
         relaxations: 0,
     };
@@ -185,7 +185,7 @@ impl DomainReduction<'_> {
             return false;
         }
         self.relaxations -= 1;
-        let Some(mut reduced) = self.ladder.reducer().reduce(self.program, domain) else {
+        let Some(mut reduced) = self.cascade.reducer().reduce(self.program, domain) else {
             return true;
         };
         let question = RelaxationQuestion {
@@ -197,6 +197,6 @@ impl DomainReduction<'_> {
             token: oracle.token(),
             warm: None,
         };
-        matches!(self.ladder.solve(&mut reduced, &question), RelaxationVerdict::Refuted(_))
+        matches!(self.cascade.solve(&mut reduced, &question), RelaxationVerdict::Refuted(_))
     }
 }

@@ -93,7 +93,7 @@ pub struct ElasticRelaxation {
     stretches: Vec<Stretch>,
     point: Option<Point>,
     cost: Option<f64>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     bound: f64,
 }
 

@@ -16,8 +16,8 @@ use super::coefficients::{Columns, round_limits, tighten_terms};
 use super::domain::Domain;
 use super::implication_probing::{ColumnBounds, write_changes};
 use super::propagation::{Conflict, Propagator};
+use crate::mutations::{self, Mutation};
 use crate::program::Program;
-use crate::slips::{self, Slip};
 use crate::solver::StopToken;
 
 /// The largest number of trials. A trial propagates the rows that it reaches.
@@ -139,7 +139,7 @@ fn gain(
             let mut has_case = false;
             shared.clear();
             for &j in columns.iter() {
-                if domain.lower(j) == 1.0 && !slips::has(Slip::ExcludedCase) {
+                if domain.lower(j) == 1.0 && !mutations::has(Mutation::ExcludedCase) {
                     // Excluding the others has selected this case, so the hull of the others is
                     // void.
                     shared.clear();

@@ -324,7 +324,7 @@ impl Projector {
         // At the value of the binary that relaxes a row, the bounds must imply the row.
         let implied = |row: &Inequality, coefficient: f64| {
             let terms = self.taken.terms.of(row);
-            let most: f64 = terms.iter().map(|&(k, a)| most(reduced, k, a)).sum();
+            let most: f64 = terms.iter().map(|&(k, a)| term_upper_bound(reduced, k, a)).sum();
             let limit = row.limit - coefficient.min(0.0);
             most <= limit + IMPLIED_EXCESS * limit.abs().max(1.0)
         };
@@ -341,7 +341,9 @@ impl Projector {
         sum.range[1] = sum.range[0] + merge(&mut terms.0[sum.range[0]..]);
         terms.0.truncate(sum.range[1]);
         // The largest magnitude of a term.
-        let reach = |&(k, a): &(usize, f64)| most(reduced, k, a).max(most(reduced, k, -a));
+        let reach = |&(k, a): &(usize, f64)| {
+            term_upper_bound(reduced, k, a).max(term_upper_bound(reduced, k, -a))
+        };
         let size: f64 = terms.of(&sum).iter().map(reach).sum();
         let limit = c.limit + factor * h.limit;
         let limit = limit + 16.0 * f64::EPSILON * (size + c.limit.abs() + (factor * h.limit).abs());
@@ -461,7 +463,7 @@ fn sign(reduced: &Reduced, row: usize) -> f64 {
 }
 
 /// The largest value of a term.
-fn most(reduced: &Reduced, k: usize, a: f64) -> f64 {
+fn term_upper_bound(reduced: &Reduced, k: usize, a: f64) -> f64 {
     (a * reduced.lower[k]).max(a * reduced.upper[k])
 }
 

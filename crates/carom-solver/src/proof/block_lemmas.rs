@@ -127,8 +127,8 @@ impl ProofWriter<'_, '_> {
         };
         let has_none = |part: &&ProgramBlock| {
             let accepts = |_: &[f64]| true;
-            let (ladders, token) = (self.relaxer.ladders, self.relaxer.token);
-            let task = SolveTask::new(&part.program, &accepts, ladders, &options, token);
+            let (cascades, token) = (self.relaxer.cascades, self.relaxer.token);
+            let task = SolveTask::new(&part.program, &accepts, cascades, &options, token);
             let found = search(task, &mut Control::default(), None);
             found.termination == Termination::Infeasible
         };

@@ -3,8 +3,8 @@
 //! may be 0 because all points can be shifted. See the rules `u` and `v` of the checker, which
 //! judges each of them again.
 
+use super::aggregated_row::SMALLEST_EXACT;
 use super::bounds::Bounds;
-use super::fact_sum::SMALLEST_EXACT;
 use super::facts::Facts;
 use super::tree::{Limit, ProofWriter};
 use crate::presolve::root::shifts;

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::tree::ProofPart;
-use crate::search::{Decision, Fork};
+use crate::search::{Decision, SavedSplit};
 
 /// The tree of a search, as a hint where to split.
 #[derive(Debug, Default)]
 pub(crate) struct Guide {
-    pub(super) forks: BTreeMap<u32, Fork>,
+    pub(super) splits: BTreeMap<u32, SavedSplit>,
     /// The column of the lowered program behind each column of the search.
     pub(super) columns: Option<Vec<usize>>,
     /// Number of columns of the lowered program; the search may have had more.
@@ -20,17 +20,17 @@ pub(crate) struct Guide {
 
 impl Guide {
     /// The splits of a search.
-    pub(crate) fn new(forks: Vec<Fork>, columns: Option<Vec<usize>>, count: usize) -> Self {
+    pub(crate) fn new(splits: Vec<SavedSplit>, columns: Option<Vec<usize>>, count: usize) -> Self {
         Guide {
-            forks: forks.into_iter().map(|fork| (fork.id(), fork)).collect(),
+            splits: splits.into_iter().map(|saved| (saved.id(), saved)).collect(),
             columns,
             count,
             is_plain: false,
         }
     }
 
-    pub(super) fn fork(&self, node: u32) -> Option<&Fork> {
-        self.forks.get(&node)
+    pub(super) fn saved_split(&self, node: u32) -> Option<&SavedSplit> {
+        self.splits.get(&node)
     }
 
     /// Where a child goes on; without a name it is an end.
@@ -45,10 +45,10 @@ impl Guide {
     /// last one. The decision is `None` if it is about no column of the lowered program.
     pub(super) fn split(
         &self,
-        fork: &Fork,
+        saved: &SavedSplit,
         place: usize,
     ) -> Option<(Option<Decision>, Option<u32>)> {
-        let (decision, child) = fork.decision(place)?;
+        let (decision, child) = saved.decision(place)?;
         let column = match &self.columns {
             Some(columns) => columns.get(decision.column).copied(),
             None => Some(decision.column),

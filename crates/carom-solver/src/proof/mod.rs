@@ -8,7 +8,7 @@
 //!
 //! * `facts` - rows of the program, and those derived from them
 //! * `bounds` - bounds with the facts that they follow from
-//! * `fact_sum` - sums of facts with bounds on their rounding
+//! * `aggregated_row` - weighted sums of facts with bounds on their rounding
 //! * `convexity` - the proof that the objective is convex
 //! * `relaxed`, `cones` - multipliers of relaxations as sums of facts
 //! * `tightened` - rows with smaller big-Ms, as lemmas
@@ -26,6 +26,7 @@
 //!   of the search first
 //! * `log` - the text
 
+mod aggregated_row;
 mod block_lemmas;
 mod bounds;
 mod case_bounds;
@@ -35,7 +36,6 @@ mod conjugate_gradients;
 mod convexity;
 mod curvature_bounds;
 mod declarations;
-mod fact_sum;
 mod facts;
 mod guide;
 mod guided_splits;
@@ -60,14 +60,14 @@ use std::io::{self, Write};
 use std::rc::Rc;
 
 use crate::program::Program;
-use crate::relaxation::LadderPool;
+use crate::relaxation::CascadePool;
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
+use aggregated_row::AggregatedRow;
 pub(crate) use block_lemmas::count_blocks;
 use bounds::Bounds;
 pub(crate) use claim::Claim;
 use cones::cones_by_column;
-use fact_sum::FactSum;
 use facts::Facts;
 pub(crate) use guide::Guide;
 use log::{Names, ProofLog};
@@ -91,7 +91,7 @@ pub(crate) struct ProofRequest<'a> {
     pub(crate) token: &'a StopToken,
     /// Splits besides those of the search.
     pub(crate) most_splits: u64,
-    pub(crate) ladders: &'a LadderPool,
+    pub(crate) cascades: &'a CascadePool,
 }
 
 impl ProofRequest<'_> {
@@ -119,7 +119,7 @@ impl ProofRequest<'_> {
             options,
             token,
             most_splits,
-            ladders,
+            cascades,
         } = self;
         let mut log = ProofLog::new(out, program, &Names { columns, rows }, claim);
         if let Some(point) = point {
@@ -146,12 +146,12 @@ impl ProofRequest<'_> {
             claim,
             options,
             token,
-            ladder: ladders.take(),
-            ladders,
+            cascade: cascades.take(),
+            cascades,
             warm: None,
             wants_vertex: false,
-            sum: FactSum::default(),
-            tight_sum: FactSum::default(),
+            sum: AggregatedRow::default(),
+            tight_sum: AggregatedRow::default(),
             is_inside: None,
             cones_of,
             deficits: Vec::new(),
@@ -172,7 +172,7 @@ impl ProofRequest<'_> {
         };
         let result = writer.run(Rc::new(guide), point);
         let gaps = writer.gaps;
-        ladders.give_back(writer.relaxer.ladder);
+        cascades.give_back(writer.relaxer.cascade);
         if result.is_err() {
             log.remark("a limit came before the end of the proof");
             let (commands, bytes) = log.abandon()?;

@@ -4,11 +4,11 @@
 //! No relaxation is trusted: its multipliers are put together again from facts, tangents and
 //! bounds that the log has, and only a sum that is a contradiction is written.
 
+use super::aggregated_row::AggregatedRow;
 use super::bounds::{Bounds, Side};
 use super::claim::Claim;
 use super::cones::ConeRow;
 use super::conjugate_gradients::curved_solution;
-use super::fact_sum::FactSum;
 use super::facts::Facts;
 use super::simple_sums::ObjectiveFact;
 use super::tightened::{RowsBefore, TightRowLemma};
@@ -16,7 +16,7 @@ use super::zero_products::ObjectiveTerms;
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{
-    Ladder, LadderPool, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
+    CascadePool, MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
 };
 use crate::solver::{Options, StopToken};
 
@@ -55,13 +55,13 @@ pub(super) struct Relaxer<'a> {
     pub(super) claim: Claim,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
-    pub(super) ladder: Ladder,
-    pub(super) ladders: &'a LadderPool,
+    pub(super) cascade: MethodCascade,
+    pub(super) cascades: &'a CascadePool,
     /// The same program, with the bounds of the context that is searched.
     pub(super) within: Program,
-    pub(super) sum: FactSum,
+    pub(super) sum: AggregatedRow,
     /// The sum for the proofs of tightened rows.
-    pub(super) tight_sum: FactSum,
+    pub(super) tight_sum: AggregatedRow,
     /// The state that the last relaxation has left: the next context is near.
     pub(super) warm: Option<WarmState>,
     /// The columns of the block that is proved; `None` for all.
@@ -133,7 +133,7 @@ impl Relaxer<'_> {
         }
         let mut reduced = match is_whole {
             true => self.whole(bounds),
-            false => self.ladder.reducer().reduce(&self.program, &domain)?,
+            false => self.cascade.reducer().reduce(&self.program, &domain)?,
         };
         reduced.wants_vertex = self.wants_vertex;
         let before = RowsBefore::of(&reduced);
@@ -194,9 +194,9 @@ impl Relaxer<'_> {
             token: self.token,
             warm: warm.as_ref(),
         };
-        let mut verdict = self.ladder.solve(&mut reduced, &question);
+        let mut verdict = self.cascade.solve(&mut reduced, &question);
         let mut is_short = false;
-        let cuts = self.ladder.take_cone_cuts();
+        let cuts = self.cascade.take_cone_cuts();
         let relaxed = match &verdict {
             RelaxationVerdict::Stopped => return Relaxed::Stopped,
             RelaxationVerdict::Descent => Relaxed::Open(None),
@@ -224,8 +224,8 @@ impl Relaxer<'_> {
             RelaxationVerdict::Relaxed { warm: state, .. } => state.take().or(warm),
             _ => warm,
         };
-        self.ladder.reuse(verdict);
-        self.ladder.reducer().reuse(reduced);
+        self.cascade.reuse(verdict);
+        self.cascade.reducer().reuse(reduced);
         // What has changed the rows may have no proof.
         let may_have_costs = self.claim == Claim::Infeasible && self.program.cones.is_empty();
         match (is_short, is_whole, is_tight) {

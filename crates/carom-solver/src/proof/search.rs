@@ -28,7 +28,7 @@ impl Relaxer<'_> {
             changed
         };
         let accepts = |_: &[f64]| true;
-        let mut task = SolveTask::new(&self.within, &accepts, self.ladders, &options, self.token);
+        let mut task = SolveTask::new(&self.within, &accepts, self.cascades, &options, self.token);
         if let Claim::Bound(bound) = self.claim {
             task.cutoff = bound;
         }
@@ -36,6 +36,6 @@ impl Relaxer<'_> {
         if self.token.is_over() {
             return Err(Limit);
         }
-        Ok(Guide { is_plain: true, ..Guide::new(found.forks, None, usize::MAX) })
+        Ok(Guide { is_plain: true, ..Guide::new(found.splits, None, usize::MAX) })
     }
 }

@@ -93,13 +93,13 @@ impl ProofWriter<'_, '_> {
         let Claim::Bound(bound) = self.relaxer.claim else { return Ok(false) };
         let (options, token) = (self.relaxer.options, self.relaxer.token);
         let begun = self.bounded();
-        let mut ladder = self.relaxer.ladders.take();
+        let mut cascade = self.relaxer.cascades.take();
         let mut known = |_: &Root| {
             let (value, bound) = (Some(bound), f64::NEG_INFINITY);
             Some(PilotResult { value, bound, is_closed: false })
         };
-        let cut = strengthen(&begun, root, options, token, &mut ladder, &mut known);
-        self.relaxer.ladders.give_back(ladder);
+        let cut = strengthen(&begun, root, options, token, &mut cascade, &mut known);
+        self.relaxer.cascades.give_back(cascade);
         cut.map_or(Ok(false), |cut| self.prove_cuts(&cut))
     }
 

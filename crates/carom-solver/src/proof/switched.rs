@@ -8,8 +8,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::aggregated_row::AggregatedRow;
 use super::bounds::{Bounds, Side};
-use super::fact_sum::FactSum;
 use super::tree::ProofWriter;
 use super::zero_products::{ObjectiveTerms, ZeroProduct};
 use crate::program::Program;
@@ -41,8 +41,8 @@ impl ProofWriter<'_, '_> {
         if squares.is_empty() {
             return;
         }
-        let ladder = &mut self.relaxer.ladder;
-        let slopes = lifting_slopes(&bounded, squares, options, token, ladder);
+        let cascade = &mut self.relaxer.cascade;
+        let slopes = lifting_slopes(&bounded, squares, options, token, cascade);
         let products = self.zero_products(&slopes);
         self.add_products(&products);
     }
@@ -104,7 +104,7 @@ impl ProofWriter<'_, '_> {
             _ => 0.0,
         };
         // The limit without the terms, each at its best, must not be above 0.
-        let mut sum = FactSum::default();
+        let mut sum = AggregatedRow::default();
         sum.clear(1);
         sum.add(0, limit, sign);
         for (j, a) in self.facts.terms(fact) {

@@ -4,8 +4,8 @@
 //! states the tightened row as a lemma: at each value of its binaries it follows from the row that
 //! it was, or from the bounds alone.
 
+use super::aggregated_row::AggregatedRow;
 use super::bounds::Side;
-use super::fact_sum::FactSum;
 use super::facts::Facts;
 use crate::presolve::Reduced;
 
@@ -93,7 +93,7 @@ impl TightRowLemma {
         &mut self,
         facts: &Facts,
         bounds: &dyn Fn(usize) -> [f64; 2],
-        sum: &mut FactSum,
+        sum: &mut AggregatedRow,
         columns: usize,
     ) -> Option<Vec<Side>> {
         if self.binaries.len() > MOST_BINARIES {
@@ -116,7 +116,7 @@ impl TightRowLemma {
         facts: &Facts,
         bounds: &dyn Fn(usize) -> [f64; 2],
         values: &mut Vec<(usize, f64)>,
-        (sum, columns): (&mut FactSum, usize),
+        (sum, columns): (&mut AggregatedRow, usize),
         sides: &mut Vec<Side>,
     ) -> bool {
         let within = |j: usize| match values.iter().find(|(column, _)| *column == j) {

@@ -10,7 +10,7 @@ use super::log::ProofLog;
 use super::relaxed::{FactRefutation, Relaxed, Relaxer};
 use super::split_places::{is_counted, place_of};
 use super::tightened::{TightRowLemma, TightStep};
-use crate::search::{Decision, Fork, opposite};
+use crate::search::{Decision, SavedSplit, opposite};
 
 /// The distance from a whole number from which a column can be split there (no unit).
 pub(super) const FRACTIONAL: f64 = 1e-7;
@@ -185,14 +185,14 @@ impl ProofWriter<'_, '_> {
                     let split = self.split_lemma()?;
                     return Ok(split.map(|split| (split, ProofPart::Lemma, ProofPart::Lemma)));
                 }
-                ProofPart::Node(guide, node) if guide.fork(node).is_some() => {
+                ProofPart::Node(guide, node) if guide.saved_split(node).is_some() => {
                     ProofPart::Splits(guide, node, 0)
                 }
                 ProofPart::Node(guide, _) => ProofPart::End(guide),
                 ProofPart::Splits(guide, node, place) => {
-                    let split = guide.fork(node).and_then(|fork| guide.split(fork, place));
+                    let split = guide.saved_split(node).and_then(|saved| guide.split(saved, place));
                     let Some((decision, child)) = split else {
-                        let rest = guide.fork(node).and_then(Fork::rest);
+                        let rest = guide.saved_split(node).and_then(SavedSplit::rest);
                         part = guide.part(rest);
                         continue;
                     };
@@ -265,8 +265,8 @@ impl ProofWriter<'_, '_> {
             ProofPart::Own(depth) if depth < SPLITS_BETWEEN_SEARCHES => depth,
             _ => {
                 let guide = self.relaxer.search(&self.bounds)?;
-                self.spend_trial(1 + guide.forks.len() as u64)?;
-                return Ok(Step::Again(match guide.forks.is_empty() {
+                self.spend_trial(1 + guide.splits.len() as u64)?;
+                return Ok(Step::Again(match guide.splits.is_empty() {
                     true => {
                         let order = self.probing_order(point.as_deref());
                         let mut probing = Probing::new(order, ProofPart::Own(0), point);

@@ -186,7 +186,7 @@ impl Need {
         let up: Vec<(Variable, f64)> = terms.iter().map(|&(v, a)| (v, sign * a)).collect();
         // Rows together may bound what no bound does, or better than large bounds.
         if self.unbounded.is_some() || self.by_rows && self.value > LARGE_BIG_M {
-            let most = tidy(add_up(lowering.most_by_rows(&up), -sign * limit)).max(0.0);
+            let most = tidy(add_up(lowering.upper_bound_by_rows(&up), -sign * limit)).max(0.0);
             if most < self.value && most < tolerance::INFINITE {
                 (self.value, self.by_program, self.unbounded) = (most, true, None);
             }
@@ -200,7 +200,7 @@ impl Need {
             [only] if only.variable().index() < original => guard,
             _ => &[],
         };
-        let miss = tidy(add_up(maximizer.most(&up, when), -sign * limit)).max(0.0);
+        let miss = tidy(add_up(maximizer.upper_bound(&up, when), -sign * limit)).max(0.0);
         if miss < self.value {
             (self.value, self.by_program) = (miss, true);
         }

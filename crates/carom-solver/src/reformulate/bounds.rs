@@ -29,10 +29,12 @@ impl Lowering<'_> {
 
     /// The largest value of a sum, without its constant, that rows prove together; infinite if they
     /// prove none.
-    pub(super) fn most_by_rows(&mut self, terms: &[(Variable, f64)]) -> f64 {
+    pub(super) fn upper_bound_by_rows(&mut self, terms: &[(Variable, f64)]) -> f64 {
         let original = self.original;
         match &mut self.implied {
-            Some(implied) if terms.iter().all(|(v, _)| v.index() < original) => implied.most(terms),
+            Some(implied) if terms.iter().all(|(v, _)| v.index() < original) => {
+                implied.upper_bound(terms)
+            }
             _ => f64::INFINITY,
         }
     }
@@ -45,7 +47,7 @@ impl Lowering<'_> {
         }
         let terms: Vec<(Variable, f64)> =
             of.terms().into_iter().map(|(v, a)| (v, sign * a)).collect();
-        Ok(add_up(self.most_by_rows(&terms), sign * of.offset()))
+        Ok(add_up(self.upper_bound_by_rows(&terms), sign * of.offset()))
     }
 
     /// The largest value of `sign * of` that a linear program proves if all of `when` are true;
@@ -54,7 +56,7 @@ impl Lowering<'_> {
         let terms: Vec<(Variable, f64)> =
             of.terms().into_iter().map(|(v, a)| (v, sign * a)).collect();
         match &mut self.maximizer {
-            Some(maximizer) => add_up(maximizer.most(&terms, when), sign * of.offset()),
+            Some(maximizer) => add_up(maximizer.upper_bound(&terms, when), sign * of.offset()),
             None => f64::INFINITY,
         }
     }
@@ -65,10 +67,10 @@ impl Lowering<'_> {
         let up = of.terms();
         let down: Vec<(Variable, f64)> = up.iter().map(|&(v, a)| (v, -a)).collect();
         if range.upper >= tolerance::INFINITE {
-            range.upper = add_up(self.most_by_rows(&up), of.offset());
+            range.upper = add_up(self.upper_bound_by_rows(&up), of.offset());
         }
         if range.lower <= -tolerance::INFINITE {
-            range.lower = add_down(-self.most_by_rows(&down), of.offset());
+            range.lower = add_down(-self.upper_bound_by_rows(&down), of.offset());
         }
         for (missing, sign) in [(range.upper, 1.0), (range.lower, -1.0)] {
             if missing.abs() >= tolerance::INFINITE {

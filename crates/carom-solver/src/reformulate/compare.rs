@@ -22,7 +22,7 @@ pub struct MethodSize {
     pub nonzeros: usize,
     /// Proved bound of the continuous relaxation, in the objective's unit; infinite if the
     /// relaxation is infeasible or unbounded.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub root_bound: f64,
 }
 

@@ -106,7 +106,7 @@ fn miss(
         let ahead = sign * (other - expression);
         let mut upper = lowering.range(&ahead)?.upper;
         if upper >= tolerance::INFINITE {
-            upper = add_up(lowering.most_by_rows(&ahead.terms()), ahead.offset());
+            upper = add_up(lowering.upper_bound_by_rows(&ahead.terms()), ahead.offset());
             entry.source = BigMSource::ImpliedBounds;
         }
         if upper >= tolerance::INFINITE {
@@ -117,7 +117,7 @@ fn miss(
             entry.shares.clear();
             entry.note_shares(lowering, &ahead.terms(), Side::Upper)?;
         }
-        let program = lowering.maximizer.as_mut().map(|m| m.most(&ahead.terms(), &[]));
+        let program = lowering.maximizer.as_mut().map(|m| m.upper_bound(&ahead.terms(), &[]));
         let program = program.map_or(f64::INFINITY, |most| add_up(most, ahead.offset()));
         proved = upper.min(program).max(proved);
     }

@@ -145,8 +145,8 @@ impl<'a> ImpliedBounds<'a> {
 
     /// The largest value of an expression over all rows, by a linear program; infinite if there is
     /// no proof of one below [`MAX_IMPLIED_BOUND`].
-    pub(super) fn most(&mut self, terms: &[(Variable, f64)]) -> f64 {
-        let most = self.maximizer.most(terms, &[]);
+    pub(super) fn upper_bound(&mut self, terms: &[(Variable, f64)]) -> f64 {
+        let most = self.maximizer.upper_bound(terms, &[]);
         if most.abs() > MAX_IMPLIED_BOUND && most > 0.0 { f64::INFINITY } else { most }
     }
 
@@ -157,7 +157,7 @@ impl<'a> ImpliedBounds<'a> {
             if end.abs() < tolerance::INFINITE {
                 continue;
             }
-            let most = self.most(&[(variable, sign)]);
+            let most = self.upper_bound(&[(variable, sign)]);
             if most.is_finite() {
                 self.maximizer.bound(variable, sign > 0.0, sign * most);
             }

@@ -16,7 +16,7 @@ use crate::interval::Interval;
 use crate::model::{Literal, Model, StoredRow, Variable};
 use crate::presolve::{Domain, Propagator, reduce};
 use crate::program::Program;
-use crate::relaxation::{Ladder, Purpose, RelaxationClaim};
+use crate::relaxation::{MethodCascade, Purpose, RelaxationClaim};
 use crate::solver::{RelaxationMethod, StopToken};
 use crate::tolerance;
 
@@ -47,7 +47,7 @@ pub(super) struct Maximizer<'a> {
     program: Program,
     domain: Domain,
     propagator: Propagator,
-    ladder: Ladder,
+    cascade: MethodCascade,
     /// Rows and bounds are infeasible.
     empty: bool,
 }
@@ -65,8 +65,8 @@ impl<'a> Maximizer<'a> {
         let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
         propagator.set_stop_token(token);
         let empty = propagator.propagate_all(&program, &mut domain).is_err();
-        let ladder = Ladder::new(RelaxationMethod::default());
-        Maximizer { token, program, domain, propagator, ladder, empty }
+        let cascade = MethodCascade::new(RelaxationMethod::default());
+        Maximizer { token, program, domain, propagator, cascade, empty }
     }
 
     /// Over some rows and given bounds of their variables. Variables are renumbered; the second
@@ -138,7 +138,7 @@ impl<'a> Maximizer<'a> {
 
     /// A proved upper bound on `terms` if all of `when` are true: `-inf` if that is proved
     /// impossible, `+inf` if there is no proof.
-    pub(super) fn most(&mut self, terms: &[(Variable, f64)], when: &[Literal]) -> f64 {
+    pub(super) fn upper_bound(&mut self, terms: &[(Variable, f64)], when: &[Literal]) -> f64 {
         if self.empty {
             return f64::NEG_INFINITY;
         }
@@ -152,14 +152,14 @@ impl<'a> Maximizer<'a> {
             }
             self.domain.apply(column, !on, value);
         }
-        let most = self.most_in_domain(terms, mark);
+        let most = self.upper_bound_in_domain(terms, mark);
         self.domain.undo_to(mark);
         // Infinities are unchanged.
         if most.is_finite() { most + EXPRESSION_MARGIN * most.abs().max(1.0) } else { most }
     }
 
-    fn most_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {
-        let Maximizer { token, program, domain, propagator, ladder, .. } = self;
+    fn upper_bound_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {
+        let Maximizer { token, program, domain, propagator, cascade, .. } = self;
         if propagator.propagate_since(program, domain, mark).is_err() {
             return f64::NEG_INFINITY;
         }
@@ -180,16 +180,16 @@ impl<'a> Maximizer<'a> {
         if reduced.columns.is_empty() {
             return range.upper;
         }
-        let answer = ladder.solve_once(&reduced, Purpose::Bound, token);
+        let answer = cascade.solve_once(&reduced, Purpose::Bound, token);
         match answer.claim {
             RelaxationClaim::Infeasible | RelaxationClaim::Unknown
-                if ladder.prover().proves_infeasible(&reduced, &answer.y) =>
+                if cascade.prover().proves_infeasible(&reduced, &answer.y) =>
             {
                 f64::NEG_INFINITY
             }
             // A bound that relies on the radius of free columns does not prove an M.
             _ if !range.is_bounded() && program.spread <= 1.0 => range.upper,
-            _ => range.upper.min(-ladder.prover().lower_bound(&reduced, &answer.x, &answer.y)),
+            _ => range.upper.min(-cascade.prover().lower_bound(&reduced, &answer.x, &answer.y)),
         }
     }
 }

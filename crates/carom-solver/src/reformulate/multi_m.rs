@@ -114,7 +114,7 @@ fn add_side(
     entry.note_shares(lowering, terms, side)?;
     let mut slack = Affine::zero();
     for other in others {
-        let most = most(&up, other, lowering)?;
+        let most = upper_bound_if_selected(&up, other, lowering)?;
         if most >= tolerance::INFINITE {
             return Err(lowering.unbounded(&row, 1.0)?);
         }
@@ -149,7 +149,7 @@ fn add_conic(
         let need = raised.need(lowering, &mut |e, sign, lowering| {
             let up: Vec<(Variable, f64)> =
                 e.terms().into_iter().map(|(v, a)| (v, sign * a)).collect();
-            Ok(add_up(most(&up, other, lowering)?, sign * e.offset()))
+            Ok(add_up(upper_bound_if_selected(&up, other, lowering)?, sign * e.offset()))
         })?;
         if need.value == f64::NEG_INFINITY {
             // That term can never be selected, so any M is valid.
@@ -170,7 +170,7 @@ fn add_conic(
 
 /// The largest value of an expression if another term is selected; infinite if neither the bounds
 /// nor that term's rows limit it.
-fn most(
+fn upper_bound_if_selected(
     up: &[(Variable, f64)],
     other: &Other<'_>,
     lowering: &mut Lowering<'_>,
@@ -180,12 +180,12 @@ fn most(
     let (mut small, renamed) =
         Maximizer::of_rows(&lowering.model, &rows, up, &bounds, lowering.token)?;
     let terms: Vec<(Variable, f64)> = up.iter().map(|&(v, a)| (renamed[&v], a)).collect();
-    let mut most = small.most(&terms, &[]);
+    let mut most = small.upper_bound(&terms, &[]);
     if most >= tolerance::INFINITE {
-        most = lowering.most_by_rows(up);
+        most = lowering.upper_bound_by_rows(up);
     }
     Ok(match &mut lowering.maximizer {
-        Some(whole) => most.min(whole.most(up, &[other.selector])),
+        Some(whole) => most.min(whole.upper_bound(up, &[other.selector])),
         None => most,
     })
 }

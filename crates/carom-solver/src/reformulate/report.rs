@@ -60,11 +60,11 @@ pub struct Share {
     /// Which of its bounds.
     pub bound: Side,
     /// The bound, in the variable's unit.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub value: f64,
     /// Its contribution to the violation: coefficient times bound, in the row's unit, positive if
     /// it increases the violation of this side.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub part: f64,
     /// Whether rows imply the bound, because the variable has none of its own.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -88,7 +88,7 @@ pub struct BigMEntry {
     pub value: f64,
     /// The smallest M that the bounds prove, in the row's unit (linear programs may prove a smaller
     /// one); infinite if a bound is missing.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub needed: f64,
     /// The variable that contributes most to `needed`.
     pub largest: Option<String>,

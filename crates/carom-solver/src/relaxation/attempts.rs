@@ -25,9 +25,9 @@ pub enum Purpose {
     Multipliers,
 }
 
-/// The place of a method in the ladder.
+/// The place of a method in the cascade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Rung {
+pub(super) enum Stage {
     /// The method that starts from the parent's state, where one suits the program.
     Warm,
     /// The method that starts from nothing, is quick, and gives up early.
@@ -39,7 +39,7 @@ pub(super) enum Rung {
 /// One solve of a program by one method.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MethodAttempt {
-    pub(super) rung: Rung,
+    pub(super) stage: Stage,
     /// The largest number of iterations: a program that is infeasible by rounding only keeps an
     /// interior-point method busy without a verdict.
     pub(super) iterations: u32,
@@ -49,16 +49,16 @@ pub(super) struct MethodAttempt {
     pub(super) refinements: u32,
 }
 
-const fn attempt(rung: Rung, iterations: u32, tolerance: f64, refinements: u32) -> MethodAttempt {
-    MethodAttempt { rung, iterations, tolerance, refinements }
+const fn attempt(stage: Stage, iterations: u32, tolerance: f64, refinements: u32) -> MethodAttempt {
+    MethodAttempt { stage, iterations, tolerance, refinements }
 }
 
 /// The attempt at a vertex of a linear program whose bound is doubtful.
-pub(super) const VERTEX: MethodAttempt = attempt(Rung::Warm, 2000, 1e-14, 1);
+pub(super) const VERTEX: MethodAttempt = attempt(Stage::Warm, 2000, 1e-14, 1);
 
 /// The attempts of a purpose, in their order.
 pub(super) const fn attempts(purpose: Purpose) -> &'static [MethodAttempt] {
-    use Rung::{Cold, Fallback, Warm};
+    use Stage::{Cold, Fallback, Warm};
     match purpose {
         Purpose::Trial => const { &[attempt(Warm, 500, 1e-9, 1), attempt(Cold, 30, 1e-5, 1)] },
         Purpose::Round => const { &[attempt(Warm, 500, 1e-9, 1)] },

@@ -8,7 +8,7 @@
 use super::cone_cut::ConeCut;
 use super::conic_form::ConicForm;
 use super::interior::InteriorPoint;
-use super::ladder::{CONIC_RECORD, Ladder};
+use super::method_cascade::{CONIC_RECORD, MethodCascade};
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
 use super::{Effort, Purpose, RelaxationClaim, RelaxationResult};
 use crate::presolve::{FIXED, Reduced};
@@ -55,7 +55,7 @@ struct Best {
     cuts: Vec<(ConeCut, f64)>,
 }
 
-impl Ladder {
+impl MethodCascade {
     /// Solves a program with its cones, and verifies the bound. The program gets the rows that the
     /// multipliers of its cones are; their names are no rows of the program behind it.
     pub(super) fn solve_conic(
@@ -133,7 +133,7 @@ impl Ladder {
 /// of its cones give, each with its own multiplier.
 pub(crate) type ConicMultipliers = (Vec<f64>, Vec<f64>, Vec<(ConeCut, f64)>);
 
-impl Ladder {
+impl MethodCascade {
     /// The multipliers of a program with cones, for the user; `None` if none are accepted.
     pub(crate) fn conic_multipliers<T>(
         &mut self,

@@ -3,8 +3,8 @@
 //! A method implements the trait [`Relaxation`]. [`DualSimplex`] solves linear programs from their
 //! parent's basis, and [`ActiveSet`] small dense ones with curvature from its multipliers.
 //! [`InteriorPoint`] is quick on the small sparse programs of a tree and gives up early, and
-//! [`ClarabelRelaxation`] solves the rest. The [`Ladder`] chooses the method and its effort; the
-//! rest of the crate uses nothing else. It checks what a method claims: [`Prover`] recomputes a
+//! [`ClarabelRelaxation`] solves the rest. The [`MethodCascade`] chooses the method and its effort;
+//! the rest of the crate uses nothing else. It checks what a method claims: [`Prover`] recomputes a
 //! rigorous bound from the multipliers, and infeasibility is accepted only if the same computation
 //! proves it.
 
@@ -12,6 +12,7 @@ mod active_set;
 mod attempts;
 mod borderline;
 mod bound;
+mod cascade_pool;
 mod clarabel;
 mod cone_cut;
 mod conic;
@@ -19,8 +20,7 @@ mod conic_form;
 mod correction;
 mod extended;
 mod interior;
-mod ladder;
-mod ladder_pool;
+mod method_cascade;
 mod plain_bound;
 mod polish;
 mod polish_cones;
@@ -34,12 +34,12 @@ mod warm_state;
 pub use active_set::ActiveSet;
 pub(crate) use attempts::Purpose;
 pub use bound::Prover;
+pub use cascade_pool::CascadePool;
 pub use clarabel::ClarabelRelaxation;
 pub(crate) use cone_cut::ConeCut;
 pub use extended::Extended;
 pub use interior::InteriorPoint;
-pub use ladder::Ladder;
-pub use ladder_pool::LadderPool;
+pub use method_cascade::MethodCascade;
 pub use polish::polish;
 pub(crate) use polish::polish_leaf;
 pub(crate) use polish_cones::polish_cones;

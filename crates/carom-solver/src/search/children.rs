@@ -4,7 +4,7 @@ use super::branching::{Branching, Child, RelaxedPoint, Split, choose_split};
 use super::close_node::{closed_bound, keep_closed, opposite};
 use super::context::Context;
 use super::node::{Decision, Node};
-use super::proofs::Fork;
+use super::saved_tree::SavedSplit;
 
 /// Splits a node. Returns the child to visit first, and leaves the others to the tree.
 pub(super) fn branch(
@@ -44,13 +44,14 @@ pub(super) fn branch(
     };
     let shape: Option<Vec<Decision>> = chain_of(&children);
     let nodes: Vec<Node> = children.into_iter().map(node_of).collect();
-    ctx.tree.keep_fork(|| {
-        let mut fork = Fork { id: node.id, closed: ctx.node.closed.clone(), ..Fork::default() };
-        let Some(chain) = &shape else { return fork };
+    ctx.tree.keep_split(|| {
+        let mut split =
+            SavedSplit { id: node.id, closed: ctx.node.closed.clone(), ..SavedSplit::default() };
+        let Some(chain) = &shape else { return split };
         let ids = nodes.iter().map(|node| node.id);
-        fork.chain = chain.iter().copied().zip(ids).collect();
-        fork.rest = nodes.get(chain.len()).map(|node| node.id);
-        fork
+        split.chain = chain.iter().copied().zip(ids).collect();
+        split.rest = nodes.get(chain.len()).map(|node| node.id);
+        split
     });
     let mut nodes = nodes.into_iter();
     let first = nodes.next();

@@ -3,20 +3,20 @@
 use super::branching::Child;
 use super::context::Context;
 use super::node::{Decision, Path};
-use super::proofs::{End, Proof};
+use super::saved_tree::{End, SavedDuals};
 
 /// Closes a node whose bound is at the cutoff.
 pub(super) fn cut_off(ctx: &Context<'_>, path: &Path, bound: f64) {
     ctx.tree.count(|s| s.cut_off += 1);
     ctx.tree.close(bound);
     ctx.tree.keep_leaf(path, bound);
-    keep_proof(ctx);
+    keep_duals(ctx);
 }
 
 /// Keeps the multipliers that prove the bound of the current node.
-pub(super) fn keep_proof(ctx: &Context<'_>) {
+pub(super) fn keep_duals(ctx: &Context<'_>) {
     if let Some(multipliers) = ctx.node.multipliers.clone() {
-        ctx.tree.keep_proof(|| Proof::new(End::Node(ctx.node.id), multipliers));
+        ctx.tree.keep_duals(|| SavedDuals::new(End::Node(ctx.node.id), multipliers));
     }
 }
 
@@ -28,7 +28,7 @@ pub(super) fn close_refuted(ctx: &Context<'_>, path: &Path) {
         ctx.tree.close(bound);
     }
     ctx.tree.keep_leaf(path, bound);
-    keep_proof(ctx);
+    keep_duals(ctx);
 }
 
 /// The bound of the parts of the current node that its trials or multipliers have closed.

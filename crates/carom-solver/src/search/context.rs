@@ -11,7 +11,7 @@ use super::task::SolveTask;
 use super::tree_view::TreeView;
 use crate::presolve::Propagator;
 use crate::program::Program;
-use crate::relaxation::Ladder;
+use crate::relaxation::MethodCascade;
 use crate::solver::{Options, PoolMode, StopToken};
 
 /// The cost of starting a relaxation from its parent's state, in the budgets of heuristics, in
@@ -23,7 +23,7 @@ pub(super) struct Context<'a> {
     pub(super) tree: TreeView<'a>,
     pub(super) node: FocusNode,
     pub(super) propagator: Propagator,
-    pub(super) ladder: Ladder,
+    pub(super) cascade: MethodCascade,
     pub(super) cone_pool: ConePool,
     pub(super) cone_record: ConeRecord,
     pub(super) clock: ActivityClock,
@@ -41,7 +41,7 @@ impl<'a> Context<'a> {
         Context {
             node: FocusNode::root(&root.domain),
             propagator: root.propagator.clone(),
-            ladder: task.ladders.take(),
+            cascade: task.cascades.take(),
             cone_pool: ConePool::default(),
             cone_record: ConeRecord::default(),
             clock: ActivityClock::new(),
@@ -54,7 +54,7 @@ impl<'a> Context<'a> {
 
     /// Gives the methods for relaxations back to the pool.
     pub(super) fn retire(self) {
-        self.task().ladders.give_back(self.ladder);
+        self.task().cascades.give_back(self.cascade);
     }
 
     /// The task of the search.
@@ -113,9 +113,9 @@ impl<'a> Context<'a> {
         self.token.spend(100)
     }
 
-    /// Books the time and iterations of the ladder since the last call.
+    /// Books the time and iterations of the cascade since the last call.
     pub(super) fn book_relaxations(&mut self) {
-        let spent = self.ladder.take_spent();
+        let spent = self.cascade.take_spent();
         self.clock.transfer(Activity::Relaxation, spent.time);
         // Steps from a parent's state are few, and the start is most of the work.
         let warm_starts = spent.counts.dual_simplex + spent.counts.active_set;

@@ -5,9 +5,9 @@ use super::found::SearchResult;
 use super::heuristics::{complete_start, look_for_first_point, suits_jumps};
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
-use super::proofs::{End, ProofMultipliers, ProofTrial};
 use super::reporter::Reporter;
 use super::root::Root;
+use super::saved_tree::{End, ProofMultipliers, ProofTrial};
 use super::shared_tree;
 use super::start::{Start, StartPoint};
 use super::task::SolveTask;
@@ -149,11 +149,11 @@ fn at_root(
 
 /// The bound on this root that the multipliers of an earlier root prove; `-inf` if they prove none.
 fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
-    let proof = ctx.tree.proofs().and_then(|proofs| proofs.of(End::Node(0)).cloned());
-    let Some((proof, root)) = proof.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };
+    let saved = ctx.tree.saved_tree().and_then(|tree| tree.of(End::Node(0)).cloned());
+    let Some((saved, root)) = saved.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };
     let memory = &mut ProofMultipliers::default();
-    let tried = proof.prove(&root, f64::INFINITY, ctx.ladder.prover(), memory);
-    ctx.ladder.reducer().reuse(root);
+    let tried = saved.prove(&root, f64::INFINITY, ctx.cascade.prover(), memory);
+    ctx.cascade.reducer().reuse(root);
     match tried {
         ProofTrial::Bound(bound) => bound,
         _ => f64::NEG_INFINITY,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::node::Decision;
-use super::proofs::ProofMultipliers;
+use super::saved_tree::ProofMultipliers;
 use crate::presolve::{Domain, Propagator};
 use crate::relaxation::WarmState;
 

@@ -2,7 +2,7 @@
 
 use super::comparison::Contradiction;
 use super::node::{Decision, Path};
-use super::proofs::{Fork, Proof};
+use super::saved_tree::{SavedDuals, SavedSplit};
 use super::start::Completion;
 use crate::relaxation::ConeCut;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -30,10 +30,10 @@ pub struct SearchResult {
     pub statistics: Statistics,
     /// The ends of the tree, if they were asked for.
     pub leaves: Vec<ClosedNode>,
-    /// The proofs that closed nodes, if they are to be kept.
-    pub(crate) proofs: Vec<Proof>,
+    /// The multipliers that closed nodes, if they are to be kept.
+    pub(crate) duals: Vec<SavedDuals>,
     /// The splits of nodes, if they are to be kept.
-    pub(crate) forks: Vec<Fork>,
+    pub(crate) splits: Vec<SavedSplit>,
     /// The part of the gap between the relaxed root and the best point that cuts and tighter costs
     /// have closed, if they were tried.
     pub(crate) strengthened: Option<f64>,
@@ -81,8 +81,8 @@ impl SearchResult {
             bound: f64::INFINITY,
             statistics: Statistics::default(),
             leaves: Vec::new(),
-            proofs: Vec::new(),
-            forks: Vec::new(),
+            duals: Vec::new(),
+            splits: Vec::new(),
             strengthened: None,
             cone_cuts: Vec::new(),
             completion: None,

@@ -57,11 +57,11 @@ pub fn groups(program: &Program) -> Vec<BinaryGroup> {
 }
 
 /// The binaries without a cost that are in no group and in no cone.
-pub fn lone_binaries(program: &Program, groups: &[BinaryGroup]) -> Vec<usize> {
-    let mut lone: Vec<bool> =
+pub fn ungrouped_binaries(program: &Program, groups: &[BinaryGroup]) -> Vec<usize> {
+    let mut ungrouped: Vec<bool> =
         (0..program.column_count()).map(|j| is_binary(program, j) && is_free(program, j)).collect();
-    groups.iter().flat_map(BinaryGroup::columns).for_each(|&j| lone[j] = false);
-    program.integers.iter().copied().filter(|&j| lone[j]).collect()
+    groups.iter().flat_map(BinaryGroup::columns).for_each(|&j| ungrouped[j] = false);
+    program.integers.iter().copied().filter(|&j| ungrouped[j]).collect()
 }
 
 fn is_binary(program: &Program, j: usize) -> bool {
@@ -74,7 +74,7 @@ fn is_free(program: &Program, j: usize) -> bool {
 }
 
 /// Gives binaries of groups whole values where the rows allow it at the rest of the point.
-pub fn settle_groups(
+pub fn round_groups(
     program: &Program,
     domain: &Domain,
     groups: &[BinaryGroup],
@@ -99,14 +99,14 @@ pub fn settle_groups(
             if group.wants_one {
                 raise_one(program, domain, columns, point);
             } else {
-                settle_lone(program, domain, columns, integrality, point);
+                shift_to_integers(program, domain, columns, integrality, point);
             }
         }
     }
 }
 
 /// Moves binaries to the end that is nearest to a whole value, one after the other.
-pub fn settle_lone(
+pub fn shift_to_integers(
     program: &Program,
     domain: &Domain,
     columns: &[usize],

@@ -43,8 +43,8 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
         RelaxationVerdict::Relaxed { x, y, .. } => offer_leaf(ctx, &reduced, x, y),
         _ => false,
     };
-    ctx.ladder.reuse(verdict);
-    ctx.ladder.reducer().reuse(reduced);
+    ctx.cascade.reuse(verdict);
+    ctx.cascade.reducer().reuse(reduced);
     found
 }
 
@@ -85,7 +85,7 @@ fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f
     if y.len() == reduced.rows.len() {
         // A row may have become a bound.
         let of_row = |(&row, a): (&usize, &f64)| by(rows, row) / a.abs();
-        let (_, slopes) = ctx.ladder.prover().reduced_costs(reduced, x, y);
+        let (_, slopes) = ctx.cascade.prover().reduced_costs(reduced, x, y);
         for (slope, &j) in slopes.iter().zip(&reduced.columns).filter(|(slope, _)| **slope != 0.0) {
             let (uses, values) = program.column(j);
             let widest = uses.iter().zip(values).map(of_row).fold(by(columns, j), f64::max);

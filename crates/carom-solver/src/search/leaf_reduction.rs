@@ -9,7 +9,7 @@ use crate::tolerance;
 pub(super) fn reduce_leaf(ctx: &mut Context<'_>, program: &Program) -> Option<Reduced> {
     let mark = ctx.node.domain.mark();
     let reduced = match fix_determined(ctx) {
-        true => ctx.ladder.reduce_leaf(program, &ctx.node.domain),
+        true => ctx.cascade.reduce_leaf(program, &ctx.node.domain),
         false => None,
     };
     ctx.node.domain.undo_to(mark);

@@ -4,7 +4,7 @@
 //!
 //! * `task`, `found` - the task and its result
 //! * `start` - integers to complete, and a point to beat
-//! * `proofs` - the tree of an earlier solve and the multipliers that closed its ends
+//! * `saved_tree` - the tree of an earlier solve and the multipliers that closed its ends
 //!
 //! The tree:
 //!
@@ -44,7 +44,7 @@
 //! * `heuristics` - points from relaxed points
 //! * `branching` - the column to split, and the child to visit first
 //! * `close_node` - nodes that have no children
-//! * `replay` - the root divided as the tree of an earlier solve was
+//! * `tree_warm_start` - the root divided as the tree of an earlier solve was
 //! * `children` - the children of a split
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
 //! * `parallel` - several workers
@@ -77,13 +77,12 @@ mod node_relaxation;
 mod outer_approximation;
 mod parallel;
 mod perspective;
-mod proofs;
 mod pseudocosts;
 mod reduced_cost;
-mod replay;
 mod reporter;
 mod root;
 mod root_point;
+mod saved_tree;
 mod shared_tree;
 mod start;
 mod switch_node;
@@ -91,6 +90,7 @@ mod task;
 mod trace;
 mod tree;
 mod tree_view;
+mod tree_warm_start;
 mod unbounded;
 mod worker;
 
@@ -103,9 +103,9 @@ pub use found::SearchResult;
 pub(crate) use outer_approximation::{ConeApproximation, approximate_cones};
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use perspective::{lifting_slopes, with_perspective};
-pub(crate) use proofs::{Fork, Proof, Proofs};
 pub(crate) use root::Root;
 pub(crate) use root_point::{PilotResult, Strengthened};
+pub(crate) use saved_tree::{SavedDuals, SavedSplit, SavedTree};
 pub(crate) use start::Completion;
 pub use start::{Start, StartPoint};
 pub use task::{PointJudge, SolveTask};
@@ -115,7 +115,7 @@ pub(crate) use tree::granularity;
 pub use best_points::{Accepted, BestPoints};
 pub use branching::{FixingCredit, growth_rate};
 pub use heuristics::{Allowance, Frontier};
-pub use indifferent_binaries::{groups, lone_binaries, settle_groups, settle_lone};
+pub use indifferent_binaries::{groups, round_groups, shift_to_integers, ungrouped_binaries};
 pub use node::{Decision, Node, NodeQueue, Path, StepCount};
 pub use node_probing::NodeProbing;
 pub use pseudocosts::{LEAST_GAIN, Pseudocosts};

@@ -9,8 +9,8 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 
-use super::proofs::ProofMultipliers;
 use super::root_point::RootPoint;
+use super::saved_tree::ProofMultipliers;
 use crate::relaxation::WarmState;
 
 /// One bound change by branching.

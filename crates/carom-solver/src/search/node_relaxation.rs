@@ -7,7 +7,7 @@ use super::cone_method::ConeMethod;
 use super::cone_pool::separate_cones;
 use super::context::Context;
 use super::leaf_reduction::reduce_leaf;
-use super::proofs::ProofMultipliers;
+use super::saved_tree::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use web_time::Instant;
@@ -28,7 +28,7 @@ pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
 pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projection {
     let activity = ctx.clock.switch(Activity::Reduction);
     let integral = &ctx.program().integral;
-    let projection = ctx.ladder.reducer().project(reduced, integral);
+    let projection = ctx.cascade.reducer().project(reduced, integral);
     ctx.clock.switch(activity);
     projection
 }
@@ -39,7 +39,7 @@ pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let program = ctx.program();
     let mut reduced = match ctx.is_leaf() {
         true => reduce_leaf(ctx, ctx.task().exact.unwrap_or(program)),
-        false => ctx.ladder.reducer().reduce(program, &ctx.node.domain),
+        false => ctx.cascade.reducer().reduce(program, &ctx.node.domain),
     };
     if let Some(reduced) = &mut reduced {
         tighten_coefficients(reduced, &ctx.program().integral);
@@ -114,7 +114,7 @@ fn relax_as_is(
     let warm = ctx.node.warm.take();
     let verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
     ctx.node.warm = warm;
-    for cut in ctx.ladder.take_cone_cuts() {
+    for cut in ctx.cascade.take_cone_cuts() {
         ctx.cone_pool.keep(cut);
     }
     verdict
@@ -137,7 +137,7 @@ fn relax_once(
         token: &ctx.token,
         warm,
     };
-    ctx.ladder.solve(reduced, &question)
+    ctx.cascade.solve(reduced, &question)
 }
 
 /// Solves a reduced program with cuts in place of its cones, and cuts off its points while that
@@ -181,7 +181,7 @@ fn relax_in_rounds(
         }
         (round, last) = (Purpose::Round, bound);
         let next = relax_once(ctx, reduced, round, warm.as_ref());
-        ctx.ladder.reuse(std::mem::replace(&mut verdict, next));
+        ctx.cascade.reuse(std::mem::replace(&mut verdict, next));
     }
     if let RelaxationVerdict::Relaxed { y, .. } = &verdict {
         ctx.cone_pool.note(reduced, y, rows);
@@ -201,7 +201,7 @@ pub(super) fn relax_and_keep(
         RelaxationVerdict::Relaxed { x, y, .. } => (Some(x), y),
         _ => return (verdict, None),
     };
-    let multipliers = ctx.tree.keeps_proofs().then(|| {
+    let multipliers = ctx.tree.keeps_duals().then(|| {
         let x = x.map_or(Vec::new(), |x| projection.reduced.lift(x));
         let y = projection.multipliers(y, ctx.program().row_count());
         Arc::new(ProofMultipliers { x, y })
@@ -229,8 +229,8 @@ pub(super) fn bound_below_cutoff(ctx: &mut Context<'_>) -> f64 {
                     RelaxationVerdict::Relaxed { bound, .. } => bound.min(cutoff),
                     _ => f64::NEG_INFINITY,
                 };
-                ctx.ladder.reuse(verdict);
-                ctx.ladder.reducer().reuse(reduced);
+                ctx.cascade.reuse(verdict);
+                ctx.cascade.reducer().reuse(reduced);
                 ctx.tree.strengthen(found)
             }
         };
@@ -260,7 +260,7 @@ pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<ExactRelaxation> {
         return None;
     }
     let activity = ctx.clock.switch(Activity::Reduction);
-    let reduced = ctx.ladder.reducer().reduce(exact, &ctx.node.domain);
+    let reduced = ctx.cascade.reducer().reduce(exact, &ctx.node.domain);
     ctx.clock.switch(activity);
     // Nothing below the cutoff that the domain was propagated with.
     let refuted = ExactRelaxation { bound: ctx.tree.strengthen(ctx.node.cutoff), point: None };
@@ -277,7 +277,7 @@ pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<ExactRelaxation> {
         }
         _ => None,
     };
-    ctx.ladder.reuse(verdict);
-    ctx.ladder.reducer().reuse_projection(projection);
+    ctx.cascade.reuse(verdict);
+    ctx.cascade.reducer().reuse_projection(projection);
     found
 }

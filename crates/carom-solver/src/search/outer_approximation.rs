@@ -9,7 +9,7 @@ use super::cone_pool::separate_cones;
 use super::root::Root;
 use crate::presolve::{FIXED, Reduced};
 use crate::program::Program;
-use crate::relaxation::{ConeCut, Ladder, Purpose, RelaxationQuestion, RelaxationVerdict};
+use crate::relaxation::{ConeCut, MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict};
 use crate::solver::{Options, StopToken};
 use web_time::Instant;
 
@@ -50,13 +50,13 @@ pub(crate) fn approximate_cones(
     root: &Root,
     options: &Options,
     token: &StopToken,
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
     kept: &[ConeCut],
 ) -> ConeApproximation {
     let mut bound = f64::NEG_INFINITY;
     let program = match root.conflict.is_some() || program.integers.is_empty() {
         true => None,
-        false => approximate(program, root, options, token, ladder, kept, &mut bound),
+        false => approximate(program, root, options, token, cascade, kept, &mut bound),
     };
     ConeApproximation { program, bound }
 }
@@ -68,7 +68,7 @@ fn approximate(
     root: &Root,
     options: &Options,
     token: &StopToken,
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
     kept: &[ConeCut],
     proved: &mut f64,
 ) -> Option<(Program, Vec<ConeCut>)> {
@@ -81,13 +81,13 @@ fn approximate(
         token,
         warm: None,
     };
-    if let Some(approximated) = approximate_from(kept, program, root, &question, ladder, proved) {
+    if let Some(approximated) = approximate_from(kept, program, root, &question, cascade, proved) {
         return Some(approximated);
     }
-    let mut reduced = ladder.reducer().reduce(program, &root.domain)?;
+    let mut reduced = cascade.reducer().reduce(program, &root.domain)?;
     let rows = reduced.rows.len();
     let began = Instant::now();
-    let RelaxationVerdict::Relaxed { bound: conic, x, .. } = ladder.solve(&mut reduced, &question)
+    let RelaxationVerdict::Relaxed { bound: conic, x, .. } = cascade.solve(&mut reduced, &question)
     else {
         return None;
     };
@@ -98,7 +98,7 @@ fn approximate(
         return None;
     }
     let time = began.elapsed().as_secs_f64();
-    let mut rounds = Rounds { cuts: ladder.take_cone_cuts(), place: reduced.places(), rows };
+    let mut rounds = Rounds { cuts: cascade.take_cone_cuts(), place: reduced.places(), rows };
     reduced.truncate_rows(rows);
     reduced.is_cut_off = true;
     let began = Instant::now();
@@ -107,7 +107,7 @@ fn approximate(
     let mut active = Vec::new();
     for round in 0..MAX_ROOT_ROUNDS {
         let question = RelaxationQuestion { warm: warm.as_ref(), ..question };
-        let verdict = ladder.solve(&mut reduced, &question);
+        let verdict = cascade.solve(&mut reduced, &question);
         let RelaxationVerdict::Relaxed { bound, x, warm: state, y, .. } = verdict else { break };
         *proved = proved.max(bound);
         last = reduced.objective(&x);
@@ -141,13 +141,13 @@ fn approximate_from(
     program: &Program,
     root: &Root,
     question: &RelaxationQuestion<'_>,
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
     proved: &mut f64,
 ) -> Option<(Program, Vec<ConeCut>)> {
     if kept.is_empty() || kept.len() > MAX_KEPT_CUTS {
         return None;
     }
-    let mut reduced = ladder.reducer().reduce(program, &root.domain)?;
+    let mut reduced = cascade.reducer().reduce(program, &root.domain)?;
     let (place, rows) = (reduced.places(), reduced.rows.len());
     let mut rounds = Rounds { cuts: kept.to_vec(), place, rows };
     reduced.is_cut_off = true;
@@ -155,7 +155,7 @@ fn approximate_from(
     let (mut warm, mut last) = (None, f64::NEG_INFINITY);
     for _ in 0..MAX_KEPT_ROUNDS {
         let question = RelaxationQuestion { warm: warm.as_ref(), ..*question };
-        let verdict = ladder.solve(&mut reduced, &question);
+        let verdict = cascade.solve(&mut reduced, &question);
         let RelaxationVerdict::Relaxed { bound, x, warm: state, y, converged, .. } = verdict else {
             return None;
         };

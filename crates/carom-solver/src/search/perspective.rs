@@ -18,10 +18,10 @@ use std::collections::BTreeMap;
 
 use super::root::Root;
 use super::root_point::{RootPoint, Strengthened};
+use crate::mutations::{self, Mutation};
 use crate::presolve::Domain;
 use crate::program::Program;
-use crate::relaxation::Ladder;
-use crate::slips::{self, Slip};
+use crate::relaxation::MethodCascade;
 use crate::solver::{Options, StopToken};
 
 /// Longest rows that are looked at (columns).
@@ -135,7 +135,7 @@ fn tighten_by_row(
 fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
     // A side without an end says nothing: its width and the room would both be infinite.
     let is_open = !lower.is_finite() || !upper.is_finite();
-    if own[0] == own[1] || (is_open && !slips::has(Slip::OpenSquare)) {
+    if own[0] == own[1] || (is_open && !mutations::has(Mutation::OpenSquare)) {
         return None;
     }
     let room = FIXED_WIDTH * lower.abs().max(upper.abs()).max(1.0);
@@ -154,13 +154,13 @@ pub(crate) fn with_perspective(
     root: &mut Root,
     options: &Options,
     token: &StopToken,
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
 ) -> Option<Strengthened> {
     let all = switched_squares(program, token);
     if all.is_empty() || root.conflict.is_some() {
         return None;
     }
-    let (best, point) = best_perspective(program, &root.domain, all, (options, token, ladder))?;
+    let (best, point) = best_perspective(program, &root.domain, all, (options, token, cascade))?;
     let (tighter, point) = match best {
         Some(Perspective { program, point: best, .. }) => (
             Some(Strengthened { program, values: [point.value, best.value], cuts: Vec::new() }),
@@ -179,10 +179,10 @@ pub(crate) fn lifting_slopes(
     squares: Vec<Switched>,
     options: &Options,
     token: &StopToken,
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
 ) -> Vec<(Switched, f64)> {
     let domain = Domain::new(program);
-    match best_perspective(program, &domain, squares, (options, token, ladder)) {
+    match best_perspective(program, &domain, squares, (options, token, cascade)) {
         Some((Some(best), _)) => best.squares.into_iter().zip(best.slopes).collect(),
         _ => Vec::new(),
     }
@@ -202,16 +202,16 @@ fn best_perspective(
     program: &Program,
     domain: &Domain,
     all: Vec<Switched>,
-    (options, token, ladder): (&Options, &StopToken, &mut Ladder),
+    (options, token, cascade): (&Options, &StopToken, &mut MethodCascade),
 ) -> Option<(Option<Perspective>, RootPoint)> {
-    let point = RootPoint::new(program, domain, ladder, options, token, None)?;
+    let point = RootPoint::new(program, domain, cascade, options, token, None)?;
     let squares = one_each(all, &point.x);
     // No function lifts the bound beyond its own value at this point.
     let most: f64 = squares.iter().map(|square| excess(square, &point.x)).sum();
     if !point.is_lifted_by(TOTAL_LIFT, point.value + most) {
         return Some((None, point));
     }
-    let found = best_slopes(program, domain, &point, &squares, (options, token, ladder));
+    let found = best_slopes(program, domain, &point, &squares, (options, token, cascade));
     let found = found.filter(|best| point.is_lifted_by(TOTAL_LIFT, best.point.value));
     Some((found, point))
 }
@@ -222,7 +222,7 @@ fn best_slopes(
     domain: &Domain,
     root: &RootPoint,
     squares: &[Switched],
-    (options, token, ladder): (&Options, &StopToken, &mut Ladder),
+    (options, token, cascade): (&Options, &StopToken, &mut MethodCascade),
 ) -> Option<Perspective> {
     let at_root = |square: &Switched| slope(square, &root.x).unwrap_or(0.0);
     let mut slopes: Vec<f64> = squares.iter().map(at_root).collect();
@@ -231,7 +231,7 @@ fn best_slopes(
     for _ in 0..MOST_ROUNDS {
         let tighter = with_slopes(program, squares, &slopes)?;
         let warm = best.as_ref().map_or(root, |best| &best.point).warm.as_ref();
-        let point = RootPoint::new(&tighter, domain, ladder, options, token, warm);
+        let point = RootPoint::new(&tighter, domain, cascade, options, token, warm);
         let Some(point) = point else { break };
         let tried = slopes.clone();
         for (r, square) in slopes.iter_mut().zip(squares) {

@@ -25,7 +25,7 @@ pub(super) fn fix_by_reduced_costs(
     }
     let integral = &ctx.program().integral;
     let activity = ctx.clock.switch(Activity::Proof);
-    let (bound, slopes) = ctx.ladder.prover().reduced_costs(reduced, x, y);
+    let (bound, slopes) = ctx.cascade.prover().reduced_costs(reduced, x, y);
     let room = (cutoff - bound) + 1e-9 * cutoff.abs().max(1.0);
     let facts = facts(reduced, integral, slopes, room);
     ctx.clock.switch(activity);

@@ -1,6 +1,6 @@
 //! The root, propagated and probed once, for all workers and for all that strengthens the program.
 
-use super::indifferent_binaries::{BinaryGroup, groups, lone_binaries};
+use super::indifferent_binaries::{BinaryGroup, groups, ungrouped_binaries};
 use super::root_point::RootPoint;
 use crate::presolve::{
     Conflict, Domain, ProbingRecord, Propagator, Trials, covering_rows, probe, probe_again,
@@ -26,7 +26,7 @@ pub struct Root {
     pub(super) covers: Vec<usize>,
     pub(super) groups: Vec<BinaryGroup>,
     /// Binaries without a cost that are in no group.
-    pub(super) lone: Vec<usize>,
+    pub(super) ungrouped: Vec<usize>,
     /// The integers in the order of probing, the last one first.
     pub(super) late_first: Vec<usize>,
     pub(super) domain: Domain,
@@ -61,8 +61,8 @@ impl Root {
             .map(|implications| propagator.set_implications(implications))
             .err();
         let (covers, groups) = (covering_rows(program, &DISJUNCTION_SIDES), groups(program));
-        let lone = lone_binaries(program, &groups);
-        Root { covers, groups, lone, late_first, domain, propagator, conflict, point: None }
+        let ungrouped = ungrouped_binaries(program, &groups);
+        Root { covers, groups, ungrouped, late_first, domain, propagator, conflict, point: None }
     }
 
     /// The proved bound of the relaxed root, where it is known.
@@ -112,7 +112,7 @@ impl Root {
             return;
         }
         (self.covers, self.groups) = (covering_rows(program, &DISJUNCTION_SIDES), groups(program));
-        self.lone = lone_binaries(program, &self.groups);
+        self.ungrouped = ungrouped_binaries(program, &self.groups);
         self.renew(program, token);
     }
 

@@ -4,7 +4,7 @@
 use super::cuts::Cut;
 use crate::presolve::{Domain, tighten_coefficients};
 use crate::program::Program;
-use crate::relaxation::{Ladder, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
+use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use crate::solver::{Options, StopToken};
 
 /// Largest distance of a bound from the value of its point with which a root needs no other
@@ -52,14 +52,14 @@ impl RootPoint {
     pub(super) fn new(
         program: &Program,
         domain: &Domain,
-        ladder: &mut Ladder,
+        cascade: &mut MethodCascade,
         options: &Options,
         token: &StopToken,
         warm: Option<&WarmState>,
     ) -> Option<RootPoint> {
-        let mut reduced = ladder.reducer().reduce(program, domain)?;
+        let mut reduced = cascade.reducer().reduce(program, domain)?;
         tighten_coefficients(&mut reduced, &program.integral);
-        let mut projection = ladder.reducer().project(reduced, &program.integral);
+        let mut projection = cascade.reducer().project(reduced, &program.integral);
         let is_empty = projection.reduced.columns.is_empty();
         let question = RelaxationQuestion {
             purpose: Purpose::Separation,
@@ -70,17 +70,17 @@ impl RootPoint {
             token,
             warm,
         };
-        let verdict = (!is_empty).then(|| ladder.solve(&mut projection.reduced, &question));
+        let verdict = (!is_empty).then(|| cascade.solve(&mut projection.reduced, &question));
         let reduced = &projection.reduced;
         let point = match verdict {
             Some(RelaxationVerdict::Relaxed { bound, x, converged: true, warm, .. }) => {
                 let (value, x) = (reduced.objective(&x), projection.lift(&x));
-                let lacks_state = ladder.starts_warm(reduced);
+                let lacks_state = cascade.starts_warm(reduced);
                 Some(RootPoint { bound, value, x, warm, lacks_state })
             }
             _ => None,
         };
-        ladder.reducer().reuse_projection(projection);
+        cascade.reducer().reuse_projection(projection);
         point
     }
 

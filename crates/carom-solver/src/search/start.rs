@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::proofs::Proofs;
+use super::saved_tree::SavedTree;
 use crate::solution::Heuristic;
 
 /// The start of a search, from the user or from earlier searches, in columns of the program.
@@ -18,7 +18,7 @@ pub struct Start {
     pub(crate) is_rounded: Option<bool>,
     /// The tree of an earlier solve, to be gone through again. `None` if the tree of this search
     /// need not be kept either.
-    pub(crate) proofs: Option<Arc<Proofs>>,
+    pub(crate) saved_tree: Option<Arc<SavedTree>>,
 }
 
 /// A verified point that a search begins with.

@@ -2,7 +2,7 @@
 
 use super::root::Root;
 use crate::program::Program;
-use crate::relaxation::LadderPool;
+use crate::relaxation::CascadePool;
 use crate::solution::Point;
 use crate::solver::{Options, StopToken};
 
@@ -62,7 +62,7 @@ pub struct SolveTask<'a> {
     /// The judge of points.
     pub judge: &'a dyn PointJudge,
     /// The methods of the workers.
-    pub ladders: &'a LadderPool,
+    pub cascades: &'a CascadePool,
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
     /// The value below which points are searched for (minimised objective); infinite for any point.
@@ -76,12 +76,12 @@ impl<'a> SolveTask<'a> {
     pub fn new(
         program: &'a Program,
         judge: &'a dyn PointJudge,
-        ladders: &'a LadderPool,
+        cascades: &'a CascadePool,
         options: &'a Options,
         token: &'a StopToken,
     ) -> Self {
         let cutoff = f64::INFINITY;
-        SolveTask { program, exact: None, root: None, judge, ladders, options, cutoff, token }
+        SolveTask { program, exact: None, root: None, judge, cascades, options, cutoff, token }
     }
 
     /// The (minimised) objective of a point, before the program was strengthened.

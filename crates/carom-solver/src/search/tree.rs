@@ -7,9 +7,9 @@ use super::best_points::{Accepted, BestPoints};
 use super::comparison::{Contradiction, contradiction};
 use super::found::{ClosedNode, SearchResult};
 use super::node::{Node, NodeQueue, Path, StepCount};
-use super::proofs::{End, Fork, Proof, Proofs};
 use super::pseudocosts::Pseudocosts;
 use super::root::Root;
+use super::saved_tree::{End, SavedDuals, SavedSplit, SavedTree};
 use super::start::{Completion, Start, StartPoint};
 use super::task::SolveTask;
 use super::trace::event;
@@ -43,8 +43,8 @@ pub(super) struct Tree<'a> {
     /// Nodes that wait in the queue.
     pub(super) open: AtomicUsize,
     pub(super) steps: StepCount,
-    /// Proofs that were offered to be kept.
-    pub(super) proofs: AtomicUsize,
+    /// Dual solutions that were offered to be kept.
+    pub(super) duals: AtomicUsize,
     /// The next name of a node.
     pub(super) ids: AtomicU32,
     /// The state left by the root's relaxation: a start for nodes that have kept none.
@@ -83,8 +83,8 @@ pub(super) struct TreeState {
     statistics: Statistics,
     /// Ends of the tree, if they are asked for.
     leaves: Vec<(Path, f64)>,
-    proofs: Vec<Proof>,
-    forks: Vec<Fork>,
+    duals: Vec<SavedDuals>,
+    splits: Vec<SavedSplit>,
     pub(super) completion: Option<Completion>,
 }
 
@@ -115,8 +115,8 @@ pub(super) struct WorkerReport {
     pub(super) closed: Option<f64>,
     pub(super) stalled: Option<f64>,
     pub(super) leaves: Vec<(Path, f64)>,
-    pub(super) proofs: Vec<Proof>,
-    pub(super) forks: Vec<Fork>,
+    pub(super) duals: Vec<SavedDuals>,
+    pub(super) splits: Vec<SavedSplit>,
 }
 
 impl<'a> Tree<'a> {
@@ -144,8 +144,8 @@ impl<'a> Tree<'a> {
             rows_since: None,
             statistics: Statistics::default(),
             leaves: Vec::new(),
-            proofs: Vec::new(),
-            forks: Vec::new(),
+            duals: Vec::new(),
+            splits: Vec::new(),
             completion: None,
         };
         let tree = Tree {
@@ -161,7 +161,7 @@ impl<'a> Tree<'a> {
             serial: AtomicU64::new(1),
             open: AtomicUsize::new(1),
             steps: StepCount::default(),
-            proofs: AtomicUsize::new(0),
+            duals: AtomicUsize::new(0),
             ids: AtomicU32::new(1),
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
@@ -316,8 +316,8 @@ impl<'a> Tree<'a> {
         state.closed = state.closed.min(report.closed.unwrap_or(f64::INFINITY));
         state.stalled = state.stalled.min(report.stalled.unwrap_or(f64::INFINITY));
         state.leaves.extend(report.leaves);
-        state.proofs.extend(report.proofs);
-        state.forks.extend(report.forks);
+        state.duals.extend(report.duals);
+        state.splits.extend(report.splits);
     }
 
     /// Adds an open node.
@@ -337,22 +337,22 @@ impl<'a> Tree<'a> {
     pub(super) fn close_unseen(&self, state: &mut TreeState, node: Node) {
         self.open.fetch_sub(1, Ordering::Relaxed);
         state.closed = state.closed.min(node.bound);
-        if let Some(multipliers) = node.multipliers.filter(|_| self.has_room_for_proof()) {
-            state.proofs.push(Proof::new(End::Node(node.id), multipliers));
+        if let Some(multipliers) = node.multipliers.filter(|_| self.has_room_for_duals()) {
+            state.duals.push(SavedDuals::new(End::Node(node.id), multipliers));
         }
         if self.task.options.keep_leaves {
             state.leaves.push((node.path, node.bound));
         }
     }
 
-    /// Whether one more proof may be kept.
-    pub(super) fn has_room_for_proof(&self) -> bool {
+    /// Whether one more dual solution may be kept.
+    pub(super) fn has_room_for_duals(&self) -> bool {
         let program = self.task.exact.unwrap_or(self.task.program);
         let most = match self.task.options.memory_limit {
-            None => Proofs::most(program.column_count(), program.row_count()),
+            None => SavedTree::max_duals(program.column_count(), program.row_count()),
             Some(_) => 0,
         };
-        self.proofs.fetch_add(1, Ordering::Relaxed) < most
+        self.duals.fetch_add(1, Ordering::Relaxed) < most
     }
 
     pub(super) fn count_thread(&self) {
@@ -420,8 +420,8 @@ impl<'a> Tree<'a> {
             points: state.points.into_points().into_iter().map(|best| best.point).collect(),
             statistics: state.statistics,
             leaves: leaves.iter().map(|(path, bound)| ClosedNode::new(path, *bound)).collect(),
-            proofs: state.proofs,
-            forks: state.forks,
+            duals: state.duals,
+            splits: state.splits,
             strengthened: None,
             cone_cuts: Vec::new(),
             completion: state.completion,

@@ -12,7 +12,7 @@ use web_time::Instant;
 
 use super::best_points::Accepted;
 use super::node::{Decision, Node, Path};
-use super::proofs::{Fork, Proof, Proofs};
+use super::saved_tree::{SavedDuals, SavedSplit, SavedTree};
 use super::start::{Completion, Start};
 use super::tree::{Tree, WorkerReport};
 use crate::relaxation::WarmState;
@@ -240,29 +240,29 @@ impl<'a> TreeView<'a> {
     }
 
     /// The tree of an earlier solve; `None` if the tree of this search need not be kept either.
-    pub(super) fn proofs(&self) -> Option<Arc<Proofs>> {
-        self.tree.start.and_then(|start| start.proofs.clone())
+    pub(super) fn saved_tree(&self) -> Option<Arc<SavedTree>> {
+        self.tree.start.and_then(|start| start.saved_tree.clone())
     }
 
     /// Whether the multipliers that close nodes are kept.
-    pub(super) fn keeps_proofs(&self) -> bool {
-        self.tree.start.is_some_and(|start| start.proofs.is_some())
+    pub(super) fn keeps_duals(&self) -> bool {
+        self.tree.start.is_some_and(|start| start.saved_tree.is_some())
     }
 
     /// Keeps the multipliers that closed a node, if there is room.
-    pub(super) fn keep_proof(&self, proof: impl FnOnce() -> Proof) {
-        if self.tree.has_room_for_proof() {
-            self.report.borrow_mut().proofs.push(proof());
+    pub(super) fn keep_duals(&self, duals: impl FnOnce() -> SavedDuals) {
+        if self.tree.has_room_for_duals() {
+            self.report.borrow_mut().duals.push(duals());
         }
     }
 
     /// Keeps the split of a node, if there is room.
-    pub(super) fn keep_fork(&self, fork: impl FnOnce() -> Fork) {
+    pub(super) fn keep_split(&self, split: impl FnOnce() -> SavedSplit) {
         let options = self.tree.task.options;
-        let is_small = || self.tree.ids.load(Ordering::Relaxed) < Fork::MOST_NODES;
-        let is_kept = self.keeps_proofs() && options.memory_limit.is_none() && is_small();
+        let is_small = || self.tree.ids.load(Ordering::Relaxed) < SavedSplit::MOST_NODES;
+        let is_kept = self.keeps_duals() && options.memory_limit.is_none() && is_small();
         if is_kept || options.proof_path().is_some() {
-            self.report.borrow_mut().forks.push(fork());
+            self.report.borrow_mut().splits.push(split());
         }
     }
 

@@ -2,10 +2,10 @@
 
 use super::branching::{Branching, RelaxedPoint};
 use super::children::branch;
-use super::close_node::{close_refuted, cut_off, keep_proof};
+use super::close_node::{close_refuted, cut_off, keep_duals};
 use super::context::Context;
 use super::heuristics::{HeuristicAccounts, look_for_points, look_for_settled_point};
-use super::indifferent_binaries::{settle_groups, settle_lone};
+use super::indifferent_binaries::{round_groups, shift_to_integers};
 use super::leaf::offer_leaf;
 use super::node::{Decision, KnownRelaxation, Node};
 use super::node_probing::NodeProbing;
@@ -15,10 +15,10 @@ use super::node_relaxation::{
 };
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
-use super::replay::replay;
 use super::switch_node::switch_to;
 use super::trace::span;
 use super::tree_view::TreeView;
+use super::tree_warm_start::warm_start_tree;
 use super::unbounded::settle_descent;
 use crate::presolve::{Projection, Reduced};
 use crate::relaxation::{Purpose, RelaxationVerdict};
@@ -114,14 +114,14 @@ impl<'a> Worker<'a> {
             return None;
         }
         let (program, root, options) = (ctx.program(), ctx.root(), ctx.options());
-        settle_groups(program, &ctx.node.domain, &root.groups, options.integrality, &mut x);
+        round_groups(program, &ctx.node.domain, &root.groups, options.integrality, &mut x);
         let pseudocosts = &self.branching.pseudocosts;
         look_for_points(ctx, &mut self.heuristics, pseudocosts, &x, bound, at_root);
         if is_cut_off(ctx, bound) {
             return None;
         }
         let mut raw = x.clone();
-        settle_lone(program, &ctx.node.domain, &root.lone, options.integrality, &mut x);
+        shift_to_integers(program, &ctx.node.domain, &root.ungrouped, options.integrality, &mut x);
         look_for_settled_point(ctx, &raw, &x);
         if is_cut_off(ctx, bound) {
             return None;
@@ -153,9 +153,9 @@ impl<'a> Worker<'a> {
         }
         if at_root
             && bound > f64::NEG_INFINITY
-            && let Some(parts) = replay(ctx, &node, bound, &x)
+            && let Some(parts) = warm_start_tree(ctx, &node, bound, &x)
         {
-            self.heuristics.note_replay(ctx, bound);
+            self.heuristics.note_tree_warm_start(ctx, bound);
             let mut parts = parts.into_iter();
             let first = parts.next();
             parts.for_each(|part| ctx.tree.push(part));
@@ -222,11 +222,11 @@ fn relax_node(
     let (mut verdict, multipliers) = relax_and_keep(ctx, &mut projection, purpose);
     ctx.node.multipliers = multipliers.or(ctx.node.multipliers.take());
     if node.id == 0 {
-        keep_proof(ctx);
+        keep_duals(ctx);
     }
     let relaxed = conclude_from(ctx, pseudocosts, node, &projection, &mut verdict);
-    ctx.ladder.reuse(verdict);
-    ctx.ladder.reducer().reuse_projection(projection);
+    ctx.cascade.reuse(verdict);
+    ctx.cascade.reducer().reuse_projection(projection);
     relaxed
 }
 

@@ -7,7 +7,7 @@ use carom::solver::Heuristics;
 use carom_solver::internals::presolve::Reduced;
 use carom_solver::internals::program::Program;
 use carom_solver::internals::relaxation::{
-    ClarabelRelaxation, Effort, Ladder, LadderPool, Relaxation, RelaxationResult, WarmState,
+    CascadePool, ClarabelRelaxation, Effort, MethodCascade, Relaxation, RelaxationResult, WarmState,
 };
 
 use crate::presolve::search_by;
@@ -60,11 +60,11 @@ fn children_receive_what_their_parents_leave() {
     let (program, log) = (program(), Log::default());
     let options = Options::default().with_heuristics(Heuristics::none()).with_probing(false);
     let all = log.clone();
-    let ladders = LadderPool::with_ladders(&options, move || {
+    let cascades = CascadePool::with_cascades(&options, move || {
         let inner = ClarabelRelaxation::new();
-        Ladder::with_method(Box::new(Counting { inner, log: all.clone() }))
+        MethodCascade::with_method(Box::new(Counting { inner, log: all.clone() }))
     });
-    let found = search_by(&program, &|_: &[f64]| true, &options, &ladders);
+    let found = search_by(&program, &|_: &[f64]| true, &options, &cascades);
     assert_eq!(found.termination, Termination::Optimal);
     let log = log.lock().unwrap();
     let counts = found.statistics.relaxation_counts;

@@ -3,11 +3,11 @@
 //! | module | contents |
 //! | --- | --- |
 //! | [`plain`] | systems in plain numbers, and random ones |
-//! | [`numbers`], [`stated`] | the same by matrices, and by handles |
+//! | [`by_matrices`], [`stated`] | the same by matrices, and by handles |
 //! | [`refusals`] | what cannot be stated |
 //! | [`programs`] | two systems in one program, handles by name |
 
-mod numbers;
+mod by_matrices;
 mod plain;
 mod programs;
 mod refusals;

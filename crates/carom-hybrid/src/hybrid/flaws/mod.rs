@@ -5,7 +5,7 @@
 //! every point is evaluated again before it is reported.
 
 mod flaw;
-mod moves;
+mod joint_transitions;
 mod piece;
 mod programs;
 mod stuck;
@@ -14,12 +14,12 @@ use std::collections::BTreeSet;
 
 pub use flaw::{Flaw, Witness};
 
-use super::affine::{self, Behaviour};
-use super::system::{Bracket, Choice, HybridSystem, Transition};
+use super::affine::{self, Dynamics};
+use super::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::solver::Solver;
-use moves::{Move, joined, moves};
+use joint_transitions::{JointPiece, joined, joint_transitions};
 use piece::{Piece, Units, base, piece};
 use programs::{Found, gap, is_empty_at, overlap};
 
@@ -68,7 +68,7 @@ impl HybridSystem {
     /// [`ErrorKind::NoPoint`](crate::error::ErrorKind::NoPoint) if a limit stops it.
     pub fn flaws(&self, solver: &mut dyn Solver) -> Result<Vec<Flaw>, Error> {
         self.check()?;
-        let system = &self.polyhedral(Bracket::Around);
+        let system = &self.polyhedral(Approximation::Outer);
         let mut search = Search { system, solver, flaws: Vec::new(), found: BTreeSet::new() };
         let never = |choice: &Choice| vec![false; choice.transitions.len()];
         let mut possible: Vec<Vec<bool>> = system.choices.iter().map(never).collect();
@@ -82,9 +82,9 @@ impl HybridSystem {
                 search.gaps(&compiled, c)?;
                 search.overlaps(&compiled, c)?;
             }
-            let moves = moves(system, &compiled);
-            search.stuck(&compiled, moves.as_deref().unwrap_or_default())?;
-            search.possible(&compiled, moves.as_deref(), &mut possible)?;
+            let transitions = joint_transitions(system, &compiled);
+            search.stuck(&compiled, transitions.as_deref().unwrap_or_default())?;
+            search.possible(&compiled, transitions.as_deref(), &mut possible)?;
             steps.push(compiled);
         }
         for (choice, possible) in system.choices.iter().zip(possible) {
@@ -105,7 +105,7 @@ struct Step {
     /// The base within the system's own ranges of the inputs.
     in_range: Piece,
     /// By choice, then by transition.
-    behaviours: Vec<Vec<Behaviour>>,
+    dynamics: Vec<Vec<Dynamics>>,
     /// By choice, then by transition.
     pieces: Vec<Vec<Piece>>,
 }
@@ -119,25 +119,25 @@ impl Step {
             let range = range.get(number).copied().unwrap_or(Interval::REALS);
             in_range.cut_to(&units, system.states.len() + k, range);
         }
-        let behaviours = |choice: &Choice| -> Vec<Behaviour> {
+        let dynamics = |choice: &Choice| -> Vec<Dynamics> {
             let of = |transition| {
                 // All numbers if the choice does not limit an input.
                 let own = |k| system.input_range(choice, transition, k, number);
                 let inputs = (0..system.inputs.len()).map(|k| own(k).unwrap_or(Interval::REALS));
-                affine::behaviour(system, transition, &[], inputs.collect(), number)
+                affine::dynamics(system, transition, &[], inputs.collect(), number)
             };
             choice.transitions.iter().map(of).collect()
         };
-        let behaviours: Vec<Vec<Behaviour>> = system.choices.iter().map(behaviours).collect();
-        let pieces = |own: &Vec<Behaviour>| own.iter().map(|own| piece(&units, own)).collect();
-        let pieces = behaviours.iter().map(pieces).collect();
-        Step { number, units, base, in_range, behaviours, pieces }
+        let dynamics: Vec<Vec<Dynamics>> = system.choices.iter().map(dynamics).collect();
+        let pieces = |own: &Vec<Dynamics>| own.iter().map(|own| piece(&units, own)).collect();
+        let pieces = dynamics.iter().map(pieces).collect();
+        Step { number, units, base, in_range, dynamics, pieces }
     }
 
     fn is_like(&self, other: &Step) -> bool {
         self.units == other.units
             && self.in_range == other.in_range
-            && self.behaviours == other.behaviours
+            && self.dynamics == other.dynamics
     }
 }
 
@@ -238,7 +238,7 @@ impl Search<'_> {
     fn possible(
         &mut self,
         step: &Step,
-        moves: Option<&[Move]>,
+        transitions: Option<&[JointPiece]>,
         possible: &mut [Vec<bool>],
     ) -> Result<(), Error> {
         for (c, choice) in self.system.choices.iter().enumerate() {
@@ -247,12 +247,12 @@ impl Search<'_> {
                 if is_excluded || possible[c][j] {
                     continue;
                 }
-                let ways: Vec<&Piece> = match moves {
-                    Some(moves) => {
-                        let own = moves.iter().filter(|own| own.taken[c] == j);
+                let ways: Vec<&Piece> = match transitions {
+                    Some(transitions) => {
+                        let own = transitions.iter().filter(|own| own.taken[c] == j);
                         own.map(|own| &own.inside).collect()
                     }
-                    // With many moves, the conditions of the transition alone.
+                    // With many joint transitions, the conditions of the transition alone.
                     None => vec![&step.pieces[c][j]],
                 };
                 for way in ways {

@@ -1,6 +1,6 @@
 //! Where transitions are possible: polyhedra of states and inputs in a step, in a unit box.
 
-use crate::hybrid::affine::{Behaviour, Map, excess};
+use crate::hybrid::affine::{AffineForm, Dynamics, excess};
 use crate::hybrid::system::HybridSystem;
 use crate::interval::Interval;
 
@@ -61,7 +61,7 @@ impl Facet {
 
 impl Piece {
     /// Adds `map <= 0`, of states and inputs in their units, unless it holds everywhere in the box.
-    pub(super) fn cut(&mut self, units: &Units, map: &Map, is_limit: bool) {
+    pub(super) fn cut(&mut self, units: &Units, map: &AffineForm, is_limit: bool) {
         let factors = map.factors.iter().zip(&units.width).map(|(n, width)| n * width);
         let factors: Vec<f64> = factors.collect();
         let shifts = || map.factors.iter().zip(&units.lower).map(|(n, lower)| n * lower);
@@ -81,7 +81,7 @@ impl Piece {
     pub(super) fn cut_to(&mut self, units: &Units, position: usize, range: Interval) {
         for (sign, end) in [(1.0, range.upper), (-1.0, -range.lower)] {
             if end.is_finite() {
-                let mut map = Map::constant(units.size(), -end);
+                let mut map = AffineForm::constant(units.size(), -end);
                 map.factors[position] = sign;
                 self.cut(units, &map, false);
             }
@@ -123,11 +123,11 @@ pub(super) fn base(system: &HybridSystem, units: &Units, step: usize) -> Piece {
 }
 
 /// Where a transition is possible in a step: its guards and the ranges of its inputs.
-pub(super) fn piece(units: &Units, behaviour: &Behaviour) -> Piece {
+pub(super) fn piece(units: &Units, dynamics: &Dynamics) -> Piece {
     let mut piece = Piece::default();
-    behaviour.guards.iter().for_each(|guard| piece.cut(units, &guard.map, guard.is_limit));
-    let states = behaviour.next.len();
-    for (k, range) in behaviour.inputs.iter().enumerate() {
+    dynamics.guards.iter().for_each(|guard| piece.cut(units, &guard.map, guard.is_limit));
+    let states = dynamics.next.len();
+    for (k, range) in dynamics.inputs.iter().enumerate() {
         piece.cut_to(units, states + k, *range);
     }
     piece

@@ -1,10 +1,10 @@
 //! States from which every way out leads out of the domain, whatever the inputs.
 //!
-//! The states from which a move can end in the domain are a polyhedron: the inputs are eliminated
-//! from its conditions (Fourier and Motzkin). A state outside all of these polyhedra, at which some
-//! move is possible, is stuck.
+//! The states from which a joint transition can end in the domain are a polyhedron: the inputs are
+//! eliminated from its conditions (Fourier and Motzkin). A state outside all of these polyhedra, at
+//! which some joint transition is possible, is stuck.
 
-use super::moves::{Move, joined};
+use super::joint_transitions::{JointPiece, joined};
 use super::piece::{Facet, Piece};
 use super::programs::{Found, gap, is_empty_at};
 use super::{Flaw, Search, Step};
@@ -14,19 +14,19 @@ use crate::error::Error;
 const MOST_FACETS: usize = 400;
 
 impl Search<'_> {
-    /// Reports, for each combination of modes, a state from which no move stays in the domain.
-    pub(super) fn stuck(&mut self, step: &Step, moves: &[Move]) -> Result<(), Error> {
+    /// Reports, for each combination of modes, a state from which none stays in the domain.
+    pub(super) fn stuck(&mut self, step: &Step, transitions: &[JointPiece]) -> Result<(), Error> {
         if self.system.choices.iter().any(|choice| choice.may_end) {
             return Ok(());
         }
         let mut combinations: Vec<&[(String, String)]> = Vec::new();
-        for modes in moves.iter().map(|own| &own.modes[..]) {
+        for modes in transitions.iter().map(|own| &own.modes[..]) {
             let key = format!("{modes:?}");
             if combinations.contains(&modes) || !self.is_new("stuck", &key, "") {
                 continue;
             }
             combinations.push(modes);
-            let own: Vec<&Move> = moves.iter().filter(|m| m.modes == modes).collect();
+            let own: Vec<&JointPiece> = transitions.iter().filter(|m| m.modes == modes).collect();
             if let Some(Found { point, margin }) = self.stuck_among(step, &own)? {
                 let mut witness = self.witness(step, &point);
                 witness.input.clear();
@@ -37,16 +37,16 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// A state at which one of the moves is possible, but none stays in the domain.
-    fn stuck_among(&mut self, step: &Step, moves: &[&Move]) -> Result<Option<Found>, Error> {
+    /// A state at which one of the joint transitions is possible, but none stays in the domain.
+    fn stuck_among(&mut self, step: &Step, joint: &[&JointPiece]) -> Result<Option<Found>, Error> {
         let (n, size) = (self.system.states.len(), step.units.size());
         let all = |piece: &Piece| joined([piece, &step.base]);
-        let inside: Vec<Piece> = moves.iter().map(|own| all(&own.inside)).collect();
+        let inside: Vec<Piece> = joint.iter().map(|own| all(&own.inside)).collect();
         let projections: Option<Vec<Piece>> =
             inside.iter().map(|piece| projected(piece, n, size)).collect();
         let Some(projections) = projections else { return Ok(None) };
         let projections: Vec<&Piece> = projections.iter().collect();
-        for own in moves {
+        for own in joint {
             let own = all(&own.piece);
             let Some(possible) = projected(&own, n, size) else { continue };
             let Some(mut found) = gap(&possible, &projections, size, self.solver)? else {

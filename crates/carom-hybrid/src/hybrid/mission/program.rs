@@ -8,7 +8,7 @@ use super::unrolled::{FALSE, RowAt, Unrolled};
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
-use crate::hybrid::program::{AtSample, HybridPlan, HybridProgram, Members};
+use crate::hybrid::program::{AtSample, HybridPlan, HybridProgram, ProgramSystems};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{HybridSystem, SystemRow};
 use crate::interval::Interval;
@@ -183,22 +183,22 @@ impl HybridProgram {
         at_least: Option<f64>,
         late: Late,
     ) -> Result<Affine, Error> {
-        let members = self.members.clone();
+        let systems = self.systems.clone();
         // A margin is in the unit of the rows.
         let as_stated = at_least.is_some();
-        let row_at = |row: &SystemRow, sample: usize| match members.row_has_values(row, sample)? {
-            true if as_stated => row.as_stated_at(&members, sample).map(Some),
-            true => row.at_sample(&members, sample).map(Some),
+        let row_at = |row: &SystemRow, sample: usize| match systems.row_has_values(row, sample)? {
+            true if as_stated => row.as_stated_at(&systems, sample).map(Some),
+            true => row.at_sample(&systems, sample).map(Some),
             false => Ok(None),
         };
         let (samples, time_step) = (self.steps() + 1, self.system().time_step());
-        let is_binary = |handle: Variable| members.is_binary(handle);
+        let is_binary = |handle: Variable| systems.is_binary(handle);
         let place = RunShape { row_at: &row_at, is_binary: &is_binary, samples, time_step };
         let margin = state(&mut self.model, name, mission, &place, at_least, late)?;
         let (name, mission) = (name.to_owned(), mission.clone());
-        let unit = unit(&mission, &self.members);
+        let unit = unit(&mission, &self.systems);
         let required = RequiredMission { name, mission, margin: margin.clone(), unit };
-        self.members_mut().missions.push(required);
+        self.systems_mut().missions.push(required);
         Ok(margin)
     }
 }
@@ -225,17 +225,17 @@ impl Mission {
 }
 
 /// The largest unit in which the rows of a mission are computed.
-fn unit(mission: &Mission, members: &Members) -> f64 {
-    if members.iter().all(|own| own.coordinates().is_plain()) {
+fn unit(mission: &Mission, systems: &ProgramSystems) -> f64 {
+    if systems.iter().all(|own| own.coordinates().is_plain()) {
         return 1.0;
     }
     let mut least = f64::INFINITY;
     mission.visit(&mut |part| {
         let MissionNode::Holds(predicate) = &part.node else { return };
-        for row in (0..=members.steps).filter_map(|sample| predicate.rows(sample)).flatten() {
+        for row in (0..=systems.steps).filter_map(|sample| predicate.rows(sample)).flatten() {
             let weight = match row {
-                SystemRow::Row(row) => members.weight([row.expression()]),
-                SystemRow::Conic(row) => members.weight_of(row.stored()),
+                SystemRow::Row(row) => systems.weight([row.expression()]),
+                SystemRow::Conic(row) => systems.weight_of(row.stored()),
             };
             least = least.min(weight);
         }
@@ -245,28 +245,28 @@ fn unit(mission: &Mission, members: &Members) -> f64 {
 
 /// A plan's point, by the handles of its systems.
 struct PlanValues<'a> {
-    members: &'a Members,
+    systems: &'a ProgramSystems,
     solution: &'a Solution,
 }
 
 impl ValueSource for PlanValues<'_> {
     fn value(&self, handle: Variable, sample: usize) -> Result<Option<f64>, Error> {
-        match self.members.has_value(handle, sample)? {
+        match self.systems.has_value(handle, sample)? {
             false => Ok(None),
-            true => self.solution.value(self.members.value(handle, sample)?).map(Some),
+            true => self.solution.value(self.systems.value(handle, sample)?).map(Some),
         }
     }
 
     fn is_binary(&self, handle: Variable) -> bool {
-        self.members.is_binary(handle)
+        self.systems.is_binary(handle)
     }
 }
 
-impl Members {
+impl ProgramSystems {
     /// The robustness of a mission in a solution.
     fn robustness(&self, mission: &Mission, solution: &Solution) -> Result<f64, Error> {
         let time_step = self.first().system().time_step();
-        mission.robustness_of(&PlanValues { members: self, solution }, self.steps + 1, time_step)
+        mission.robustness_of(&PlanValues { systems: self, solution }, self.steps + 1, time_step)
     }
 
     /// Refuses a solution that does not do what the program's missions say.
@@ -293,7 +293,7 @@ impl HybridPlan {
     ///
     /// Those of [`Mission::robustness`]; [`ErrorKind::ForeignHandle`].
     pub fn robustness(&self, mission: &Mission) -> Result<f64, Error> {
-        self.members().robustness(mission, &self.solution)
+        self.systems().robustness(mission, &self.solution)
     }
 }
 

@@ -158,7 +158,7 @@ impl MissionWriter<'_> {
     fn require(&mut self, id: Id) -> Result<(), Error> {
         match self.decided(id) {
             Some(true) => return Ok(()),
-            Some(false) => return self.never(),
+            Some(false) => return self.add_infeasible(),
             None => {}
         }
         if let MissionPart::Conditions(conditions) = &self.parts.parts[id] {
@@ -166,7 +166,7 @@ impl MissionWriter<'_> {
                 let name = self.statement_name();
                 match self.row(condition)? {
                     Some(DemandRow::Row(row)) if row.expression().terms().is_empty() => {
-                        self.never()?
+                        self.add_infeasible()?
                     }
                     Some(DemandRow::Row(row)) => drop(self.model.add(name, row)?),
                     Some(DemandRow::Conic(row)) => drop(self.model.add(name, row)?),
@@ -276,7 +276,7 @@ impl MissionWriter<'_> {
     }
 
     /// States that the mission cannot hold.
-    fn never(&mut self) -> Result<(), Error> {
+    fn add_infeasible(&mut self) -> Result<(), Error> {
         let name = self.statement_name();
         let never = Name::from(format!("{} is impossible", self.name));
         let never = never.free(|name| self.model.variable_by_name(name.clone()).is_ok());

@@ -1,12 +1,12 @@
 //! Values of handles in programs and runs.
 
 use crate::error::Error;
-use crate::hybrid::program::Members;
+use crate::hybrid::program::ProgramSystems;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{HybridSystem, Meaning, SystemRow};
 use crate::model::Variable;
 
-impl Members {
+impl ProgramSystems {
     /// Whether all handles of a row have values at a sample.
     pub(super) fn row_has_values(&self, row: &SystemRow, sample: usize) -> Result<bool, Error> {
         let mut handles = Vec::new();

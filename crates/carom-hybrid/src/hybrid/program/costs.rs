@@ -2,7 +2,7 @@
 
 use std::iter::Sum;
 
-use super::{AtSample, HybridProgram, Members};
+use super::{AtSample, HybridProgram, ProgramSystems};
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::system::SystemRow;
 use crate::model::{Affine, ConicRow, Model, Quadratic, StoredConic};
@@ -31,7 +31,7 @@ impl HybridProgram {
         E::Output: Sum,
     {
         let steps = 0..self.steps();
-        steps.map(|step| expression.at_sample(&self.members, step)).sum()
+        steps.map(|step| expression.at_sample(&self.systems, step)).sum()
     }
 
     /// The sum of the magnitudes of an expression over the steps 0, ..., τ-1. Each of them is a
@@ -61,10 +61,10 @@ impl HybridProgram {
     /// Those of [`at`](HybridProgram::at); [`ErrorKind::DuplicateName`]. The model then stays as it
     /// was.
     pub fn sum_abs(&mut self, name: &str, expression: impl Into<Affine>) -> Result<Affine, Error> {
-        let (members, expression) = (self.members.clone(), expression.into());
+        let (systems, expression) = (self.systems.clone(), expression.into());
         self.model.all_or_nothing(|model| {
-            let steps = 0..members.steps;
-            steps.map(|step| magnitude(model, &members, (name, step), &expression)).sum()
+            let steps = 0..systems.steps;
+            steps.map(|step| magnitude(model, &systems, (name, step), &expression)).sum()
         })
     }
 
@@ -80,7 +80,7 @@ impl HybridProgram {
         expression: impl Into<Affine>,
         sample: usize,
     ) -> Result<Affine, Error> {
-        magnitude(&mut self.model, &self.members, (name, sample), &expression.into())
+        magnitude(&mut self.model, &self.systems, (name, sample), &expression.into())
     }
 
     /// The sum of the Euclidean norm of some expressions over the steps 0, ..., τ-1, such as the
@@ -113,11 +113,11 @@ impl HybridProgram {
         name: &str,
         entries: impl IntoIterator<Item = E>,
     ) -> Result<Affine, Error> {
-        let members = self.members.clone();
+        let systems = self.systems.clone();
         let entries: Vec<Affine> = entries.into_iter().map(E::into).collect();
         self.model.all_or_nothing(|model| {
-            let steps = 0..members.steps;
-            steps.map(|step| length(model, &members, (name, step), &entries)).sum()
+            let steps = 0..systems.steps;
+            steps.map(|step| length(model, &systems, (name, step), &entries)).sum()
         })
     }
 
@@ -134,7 +134,7 @@ impl HybridProgram {
         sample: usize,
     ) -> Result<Affine, Error> {
         let entries: Vec<Affine> = entries.into_iter().map(E::into).collect();
-        length(&mut self.model, &self.members, (name, sample), &entries)
+        length(&mut self.model, &self.systems, (name, sample), &entries)
     }
 
     /// The sum over the steps 0, ..., τ-1 of the largest magnitude among some expressions. Each of
@@ -148,18 +148,18 @@ impl HybridProgram {
         name: &str,
         expressions: impl IntoIterator<Item = E>,
     ) -> Result<Affine, Error> {
-        let members = self.members.clone();
+        let systems = self.systems.clone();
         let expressions: Vec<Affine> = expressions.into_iter().map(E::into).collect();
         self.model.all_or_nothing(|model| {
             let largest = |step: usize| {
-                let values = expressions.iter().map(|e| e.at_sample(&members, step));
+                let values = expressions.iter().map(|e| e.at_sample(&systems, step));
                 let values = values.collect::<Result<Vec<Affine>, Error>>()?;
-                let weight = members.weight(&expressions);
+                let weight = systems.weight(&expressions);
                 let values: Vec<Affine> = values.iter().map(|value| weight * value).collect();
                 let sides = values.iter().flat_map(|value| [value.clone(), -value]);
                 Ok(Affine::from(model.maximum((name, step), sides)?) * (1.0 / weight))
             };
-            (0..members.steps).map(largest).sum()
+            (0..systems.steps).map(largest).sum()
         })
     }
 
@@ -221,15 +221,15 @@ impl HybridProgram {
             return Err(ErrorKind::EmptyRow { name: name.to_owned() }.into());
         }
         let (lower, upper) = row.limits(name)?;
-        let members = self.members.clone();
+        let systems = self.systems.clone();
         // The excess is in the unit in which the row is computed.
-        let weight = members.weight([row.expression()]);
+        let weight = systems.weight([row.expression()]);
         let row = row.expression().within(weight * lower, weight * upper);
         let (linear, quadratic) = (linear / weight, quadratic / weight / weight);
         self.model.all_or_nothing(|model| {
             let mut soft = SoftLimit { cost: Quadratic::zero(), excess: Affine::zero() };
-            for sample in 0..members.samples(row.expression()) {
-                let value = weight * row.expression().at_sample(&members, sample)?;
+            for sample in 0..systems.samples(row.expression()) {
+                let value = weight * row.expression().at_sample(&systems, sample)?;
                 let range = model.range(&value)?;
                 let over = (range.upper - row.upper()).max(row.lower() - range.lower);
                 if over <= 0.0 {
@@ -267,20 +267,20 @@ impl HybridProgram {
         linear: f64,
         quadratic: f64,
     ) -> Result<SoftLimit, Error> {
-        let members = self.members.clone();
+        let systems = self.systems.clone();
         let StoredConic::Norm { entries, bound } = row.stored() else {
             let (name, place) = (format!("the row `{name}` of squares"), "a soft limit".to_owned());
             let help = "state it as a norm, so that the excess is a length";
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         };
-        let samples = entries.iter().chain([bound]).map(|part| members.samples(part));
+        let samples = entries.iter().chain([bound]).map(|part| systems.samples(part));
         let samples = samples.min().unwrap_or(0);
-        let weight = members.weight(entries.iter().chain([bound]));
+        let weight = systems.weight(entries.iter().chain([bound]));
         let (linear, quadratic) = (linear / weight, quadratic / weight / weight);
         self.model.all_or_nothing(|model| {
             let mut soft = SoftLimit { cost: Quadratic::zero(), excess: Affine::zero() };
             for sample in 0..samples {
-                let mut row = row.at_sample(&members, sample)?;
+                let mut row = row.at_sample(&systems, sample)?;
                 let StoredConic::Norm { entries, bound } = row.stored_mut() else { continue };
                 let mut longest = 0.0_f64;
                 for entry in entries {
@@ -304,12 +304,12 @@ impl HybridProgram {
 /// The length of some expressions at a sample, as a variable unless it is constant.
 fn length(
     model: &mut Model,
-    members: &Members,
+    systems: &ProgramSystems,
     (name, sample): (&str, usize),
     entries: &[Affine],
 ) -> Result<Affine, Error> {
-    let weight = members.weight(entries);
-    let entries = entries.iter().map(|entry| Ok(weight * entry.at_sample(members, sample)?));
+    let weight = systems.weight(entries);
+    let entries = entries.iter().map(|entry| Ok(weight * entry.at_sample(systems, sample)?));
     let entries: Vec<Affine> = entries.collect::<Result<_, Error>>()?;
     if !entries.is_empty() && entries.iter().all(|entry| entry.terms().is_empty()) {
         let length = entries.iter().fold(0.0_f64, |length, entry| length.hypot(entry.offset()));
@@ -321,15 +321,15 @@ fn length(
 /// The magnitude of an expression at a sample, as a variable unless it is constant.
 fn magnitude(
     model: &mut Model,
-    members: &Members,
+    systems: &ProgramSystems,
     (name, sample): (&str, usize),
     expression: &Affine,
 ) -> Result<Affine, Error> {
-    let value = expression.at_sample(members, sample)?;
+    let value = expression.at_sample(systems, sample)?;
     match value.terms().is_empty() {
         true => Ok(Affine::constant(value.offset().abs())),
         false => {
-            let weight = members.weight([expression]);
+            let weight = systems.weight([expression]);
             Ok(Affine::from(model.absolute((name, sample), weight * value)?) * (1.0 / weight))
         }
     }

@@ -1,6 +1,6 @@
 //! Programs that begin with a memory: with modes, how long they have lasted, and events.
 
-use super::{HybridProgram, Members};
+use super::{HybridProgram, ProgramSystems};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
@@ -21,10 +21,10 @@ impl HybridProgram {
     /// [`ErrorKind::UnknownName`] for a mode that does not exist; [`ErrorKind::DuplicateName`] at
     /// the second call. The model then stays as it was.
     pub fn start_from(&mut self, memory: &Memory) -> Result<(), Error> {
-        let members = self.members.clone();
-        memory.check_choices(&members.choices())?;
+        let systems = self.systems.clone();
+        memory.check_choices(&systems.choices())?;
         self.model.all_or_nothing(|model| {
-            for (own, prefix, row) in members.memory_rows() {
+            for (own, prefix, row) in systems.memory_rows() {
                 let limit = row.limit(memory);
                 if limit >= row.range.upper {
                     continue;
@@ -36,12 +36,12 @@ impl HybridProgram {
             }
             Ok(())
         })?;
-        self.members_mut().memory = Some(memory.clone());
+        self.systems_mut().memory = Some(memory.clone());
         Ok(())
     }
 }
 
-impl Members {
+impl ProgramSystems {
     /// The name of a choice in memories and moves: its own in the first system and in its cases,
     /// after the system's name in others.
     fn known_as(&self, number: usize, choice: &str) -> String {

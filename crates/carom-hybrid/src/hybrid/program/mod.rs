@@ -27,7 +27,7 @@ pub(crate) use owner::owns_program;
 pub use plan::HybridPlan;
 pub use require::When;
 pub use sample::AtSample;
-pub(crate) use sample::Members;
+pub(crate) use sample::ProgramSystems;
 pub(crate) use settle::as_drift;
 
 use super::reach::{HorizonVariables, TighteningReport, Tube};
@@ -72,7 +72,7 @@ use crate::solver::{Control, Solver};
 #[derive(Debug, Clone)]
 pub struct HybridProgram {
     pub(crate) model: Model,
-    pub(crate) members: Arc<Members>,
+    pub(crate) systems: Arc<ProgramSystems>,
 }
 
 impl HybridSystem {
@@ -98,8 +98,8 @@ impl HybridSystem {
 impl HybridProgram {
     /// The program of a model with one system in it.
     pub(crate) fn from_parts(model: Model, variables: SystemVariables) -> Self {
-        let members = Arc::new(Members::new(model.tag(), variables));
-        HybridProgram { model, members }
+        let systems = Arc::new(ProgramSystems::new(model.tag(), variables));
+        HybridProgram { model, systems }
     }
 
     /// Adds another system with the same length of steps. Its names in the model begin with `name`,
@@ -132,15 +132,15 @@ impl HybridProgram {
     /// name that is taken, and for a system that is in the program already (build a second one);
     /// those of [`HybridSystem::program`].
     pub fn join(&mut self, name: &str, system: &HybridSystem) -> Result<(), Error> {
-        self.members.check_new(name, system)?;
+        self.systems.check_new(name, system)?;
         let steps = self.steps();
         let variables = system.write_by(&mut self.model, name, steps, None)?;
-        Arc::make_mut(&mut self.members).push(name, variables);
+        Arc::make_mut(&mut self.systems).push(name, variables);
         Ok(())
     }
 
-    pub(crate) fn members_mut(&mut self) -> &mut Members {
-        Arc::make_mut(&mut self.members)
+    pub(crate) fn systems_mut(&mut self) -> &mut ProgramSystems {
+        Arc::make_mut(&mut self.systems)
     }
 
     /// The model.
@@ -151,7 +151,7 @@ impl HybridProgram {
     /// The variables of the first system, by number and step.
     #[doc(hidden)]
     pub fn variables(&self) -> &SystemVariables {
-        self.members.first()
+        self.systems.first()
     }
 
     /// The model, for statements of your own.
@@ -161,14 +161,14 @@ impl HybridProgram {
 
     /// The number of steps, τ.
     pub fn steps(&self) -> usize {
-        self.members.steps
+        self.systems.steps
     }
 
     /// The system, the first one if there are several; its handles [by
     /// name](HybridSystem::state_named) stand in expressions of the program, also for the program
     /// of a scene.
     pub fn system(&self) -> &HybridSystem {
-        self.members.first().system()
+        self.systems.first().system()
     }
 
     /// An expression, a row or a condition of the systems' handles, taken at a sample: states and
@@ -180,7 +180,7 @@ impl HybridProgram {
     /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::OutOfRange`] for a sample beyond the horizon;
     /// [`ErrorKind::Misplaced`] for predictions.
     pub fn at<E: AtSample>(&self, expression: E, sample: usize) -> Result<E::Output, Error> {
-        expression.at_sample(&self.members, sample)
+        expression.at_sample(&self.systems, sample)
     }
 
     /// An expression at the last sample.
@@ -201,7 +201,7 @@ impl HybridProgram {
     ///
     /// Those of [`at`](HybridProgram::at); [`ErrorKind::Misplaced`] for another handle.
     pub fn variable(&self, of: impl Into<Variable>, sample: usize) -> Result<Variable, Error> {
-        self.members.variable(of.into(), sample)
+        self.systems.variable(of.into(), sample)
     }
 
     /// Adds a statement to the model, as [`Model::add`] does.
@@ -274,7 +274,7 @@ impl HybridProgram {
         solution: &Solution,
         solver: &mut dyn Solver,
     ) -> Result<HybridPlan, Error> {
-        HybridPlan::of(&self.members, &*self.settled(solution, Some(solver))?)
+        HybridPlan::of(&self.systems, &*self.settled(solution, Some(solver))?)
     }
 
     /// The certified plan of a solution of the [model](HybridProgram::model), for those who solve
@@ -285,7 +285,7 @@ impl HybridProgram {
     /// Those of [`solve`](HybridProgram::solve) that do not come from the solver;
     /// [`ErrorKind::ForeignHandle`] for a solution of another model.
     pub fn plan(&self, solution: &Solution) -> Result<HybridPlan, Error> {
-        HybridPlan::of(&self.members, &*self.settled(solution, None)?)
+        HybridPlan::of(&self.systems, &*self.settled(solution, None)?)
     }
 
     /// Fixes transitions and modes that no plan of a tube takes and narrows bounds. The tube is
@@ -296,7 +296,7 @@ impl HybridProgram {
     /// [`ErrorKind::Length`], [`ErrorKind::OutOfRange`] and [`ErrorKind::UnknownName`] for the tube
     /// of another system or another number of steps.
     pub fn tighten(&mut self, tube: &Tube) -> Result<TighteningReport, Error> {
-        let variables = self.members.first().horizon_variables();
+        let variables = self.systems.first().horizon_variables();
         self.tighten_by(tube, &variables)
     }
 
@@ -307,7 +307,7 @@ impl HybridProgram {
         tube: &Tube,
         variables: &HorizonVariables,
     ) -> Result<TighteningReport, Error> {
-        let own = self.members.first();
+        let own = self.systems.first();
         let own: Vec<Variable> = own.states().iter().chain(own.inputs()).flatten().collect();
         let bounds = |model: &Model| -> Result<Vec<Interval>, Error> {
             own.iter().map(|variable| Ok(model.variable_ref(*variable)?.bounds())).collect()
@@ -315,7 +315,7 @@ impl HybridProgram {
         let before = bounds(&self.model)?;
         let report = tube.tighten(&mut self.model, variables)?;
         let after = bounds(&self.model)?;
-        let implied = &mut Arc::make_mut(&mut self.members).implied;
+        let implied = &mut Arc::make_mut(&mut self.systems).implied;
         for (variable, (before, after)) in own.iter().zip(before.into_iter().zip(after)) {
             if before != after {
                 let known = implied.get(variable).filter(|known| known.1 == before);
@@ -329,7 +329,7 @@ impl HybridProgram {
     /// The bounds of a state or an input without what sets have proved about them.
     pub(crate) fn stated_bounds(&self, variable: Variable) -> Result<Interval, Error> {
         let own = self.model.variable_ref(variable)?.bounds();
-        let implied = self.members.implied.get(&variable).filter(|known| known.1 == own);
+        let implied = self.systems.implied.get(&variable).filter(|known| known.1 == own);
         Ok(implied.map_or(own, |known| known.0))
     }
 
@@ -354,7 +354,7 @@ impl HybridProgram {
         plan: &HybridPlan,
         solver: &mut dyn Solver,
     ) -> Result<Option<HybridPlan>, Error> {
-        let solution = self.members.extreme(&self.model, plan, solver)?;
+        let solution = self.systems.extreme(&self.model, plan, solver)?;
         solution.map(|solution| self.plan_by(&solution, solver)).transpose()
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{AtSample, Members};
+use super::{AtSample, ProgramSystems};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::simulate::RunCertificate;
@@ -23,7 +23,7 @@ pub struct HybridPlan {
     pub certificate: RunCertificate,
     /// The solution from which it comes, with its objective, bound and counts.
     pub solution: Solution,
-    members: Arc<Members>,
+    systems: Arc<ProgramSystems>,
     /// Runs and certificates of the further systems, in the order in which they joined.
     others: Vec<(HybridRun, RunCertificate)>,
 }
@@ -42,7 +42,7 @@ impl fmt::Display for HybridPlan {
         if let Some(objective) = self.solution.objective() {
             writeln!(f, "# objective {objective}, {}", self.solution.termination())?;
         }
-        self.members.all.iter().zip(self.runs()).try_for_each(|((name, _), run)| {
+        self.systems.all.iter().zip(self.runs()).try_for_each(|((name, _), run)| {
             if !name.is_empty() {
                 writeln!(f, "# {}", name.escape_debug())?;
             }
@@ -52,7 +52,7 @@ impl fmt::Display for HybridPlan {
 }
 
 impl HybridPlan {
-    pub(super) fn of(members: &Arc<Members>, solution: &Solution) -> Result<Self, Error> {
+    pub(super) fn of(systems: &Arc<ProgramSystems>, solution: &Solution) -> Result<Self, Error> {
         if solution.point().is_none() {
             let help = match solution.is_infeasible() {
                 true => {
@@ -64,26 +64,26 @@ impl HybridPlan {
             let termination = solution.termination().to_string();
             return Err(ErrorKind::NoPlan { termination, help }.into());
         }
-        let (run, certificate) = members.first().certified(solution)?;
-        members.check_missions(solution)?;
-        let others = members.iter().skip(1).map(|own| own.certified(solution));
+        let (run, certificate) = systems.first().certified(solution)?;
+        systems.check_missions(solution)?;
+        let others = systems.iter().skip(1).map(|own| own.certified(solution));
         let others = others.collect::<Result<_, Error>>()?;
-        let (members, solution) = (members.clone(), solution.clone());
-        Ok(HybridPlan { run, certificate, solution, members, others })
+        let (systems, solution) = (systems.clone(), solution.clone());
+        Ok(HybridPlan { run, certificate, solution, systems, others })
     }
 
-    pub(crate) fn members(&self) -> &Members {
-        &self.members
+    pub(crate) fn systems(&self) -> &ProgramSystems {
+        &self.systems
     }
 
     /// The system of the plan, the first one if there are several.
     pub(crate) fn system(&self) -> &HybridSystem {
-        self.members.first().system()
+        self.systems.first().system()
     }
 
     /// The number of steps.
     pub fn steps(&self) -> usize {
-        self.members.steps
+        self.systems.steps
     }
 
     /// The runs of all systems.
@@ -97,7 +97,7 @@ impl HybridPlan {
     ///
     /// [`ErrorKind::UnknownName`].
     pub fn joined(&self, name: &str) -> Result<(&HybridRun, &RunCertificate), Error> {
-        let names = self.members.all.iter().skip(1).map(|(own, _)| own);
+        let names = self.systems.all.iter().skip(1).map(|(own, _)| own);
         let mut found = names.zip(&self.others).filter(|(own, _)| *own == name);
         let found = found.next().map(|(_, (run, certificate))| (run, certificate));
         let kind = "system that has joined the program";
@@ -110,7 +110,7 @@ impl HybridPlan {
     ///
     /// Those of [`HybridProgram::at`](super::HybridProgram::at).
     pub fn value(&self, expression: impl Into<Affine>, sample: usize) -> Result<f64, Error> {
-        self.solution.value(expression.into().at_sample(&self.members, sample)?)
+        self.solution.value(expression.into().at_sample(&self.systems, sample)?)
     }
 
     /// The values of a state or mode at the samples 0, ..., τ, or of an input, a transition or an
@@ -120,7 +120,7 @@ impl HybridPlan {
     ///
     /// Those of [`HybridProgram::at`](super::HybridProgram::at).
     pub fn values(&self, of: impl Into<Variable>) -> Result<Vec<f64>, Error> {
-        self.members.values(of.into(), &self.solution)
+        self.systems.values(of.into(), &self.solution)
     }
 
     /// Whether a mode or a transition is on at a sample.

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::{AtSample, HybridProgram, Members};
+use super::{AtSample, HybridProgram, ProgramSystems};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::{IntoRegion, Meaning, Region, StatedRegion, SystemRow, outside_domain};
@@ -106,23 +106,23 @@ impl HybridProgram {
         region: &StatedRegion,
         when: When,
     ) -> Result<(), Error> {
-        let (members, steps) = (self.members.clone(), self.steps());
+        let (systems, steps) = (self.systems.clone(), self.steps());
         match region {
             StatedRegion::Region(region) => {
                 if name == START && when == When::At(0) {
-                    let system = members.first().system();
+                    let system = systems.first().system();
                     let ranges = system.states.iter().zip(&region.ranges);
                     ranges.into_iter().try_for_each(|(state, range)| check_start(state, *range))?;
                 }
-                members.first().require(&mut self.model, name, region, when)
+                systems.first().require(&mut self.model, name, region, when)
             }
             StatedRegion::Rows(rows) => {
-                members.check_ends(name, rows, &when)?;
+                systems.check_ends(name, rows, &when)?;
                 let at = |sample: usize| {
                     let own = |row: &SystemRow| {
-                        let row = row.at_sample(&members, sample)?;
-                        Ok(if is_never(&row) {
-                            members.first().never_at(sample).into()
+                        let row = row.at_sample(&systems, sample)?;
+                        Ok(if is_infeasible(&row) {
+                            systems.first().infeasible_row_at(sample).into()
                         } else {
                             row
                         })
@@ -142,7 +142,7 @@ fn is_always(row: &SystemRow) -> bool {
 
 /// Whether a row has no variables and does not hold, as one about an output that no transition
 /// states.
-fn is_never(row: &SystemRow) -> bool {
+fn is_infeasible(row: &SystemRow) -> bool {
     let SystemRow::Row(row) = row else { return false };
     row.expression().terms().is_empty()
         && row.lower() <= row.upper()
@@ -160,7 +160,7 @@ fn check_start((name, domain): &(String, Interval), range: Interval) -> Result<(
     }
 }
 
-impl Members {
+impl ProgramSystems {
     /// Refuses a start outside a domain, and what has no value at the last sample.
     fn check_ends(&self, name: &str, rows: &[SystemRow], when: &When) -> Result<(), Error> {
         for row in rows {
@@ -296,8 +296,8 @@ impl HybridProgram {
         region: &Region,
         sample: usize,
     ) -> Result<(), Error> {
-        let (members, steps) = (self.members.clone(), self.steps());
-        let own = members.first();
+        let (systems, steps) = (self.systems.clone(), self.steps());
+        let own = systems.first();
         region.check(own.computed(), "the region")?;
         let rows = |sample| own.rows_of(region, sample);
         add(&mut self.model, name, When::At(sample), steps, &rows)

@@ -19,7 +19,7 @@ use super::HybridPlan;
 
 /// The systems of a program and their variables.
 #[derive(Debug, Clone)]
-pub(crate) struct Members {
+pub(crate) struct ProgramSystems {
     /// Of the program's model.
     tag: ModelTag,
     pub(crate) steps: usize,
@@ -40,13 +40,13 @@ pub(crate) struct Members {
     pub(crate) modes_follow_states: bool,
 }
 
-impl Members {
+impl ProgramSystems {
     pub(super) fn new(tag: ModelTag, variables: SystemVariables) -> Self {
         let steps = variables.horizon().steps();
         let (cases, implied, missions) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
         let all = vec![(String::new(), variables)];
         let (memory, modes_follow_states) = (None, false);
-        Members { tag, steps, all, cases, missions, implied, memory, modes_follow_states }
+        ProgramSystems { tag, steps, all, cases, missions, implied, memory, modes_follow_states }
     }
 
     /// The first system's variables.
@@ -250,7 +250,7 @@ pub trait AtSample {
 
     #[doc(hidden)]
     #[expect(private_interfaces, reason = "only the types of this module implement it")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<Self::Output, Error>;
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<Self::Output, Error>;
 }
 
 macro_rules! at_sample_as {
@@ -259,8 +259,8 @@ macro_rules! at_sample_as {
             type Output = <$via as AtSample>::Output;
 
             #[expect(private_interfaces, reason = "as the trait")]
-            fn at_sample(&self, members: &Members, sample: usize) -> Result<Self::Output, Error> {
-                <$via>::from(self.clone()).at_sample(members, sample)
+            fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<Self::Output, Error> {
+                <$via>::from(self.clone()).at_sample(systems, sample)
             }
         }
     )+};
@@ -270,10 +270,10 @@ impl AtSample for Affine {
     type Output = Affine;
 
     #[expect(private_interfaces, reason = "as the trait")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<Affine, Error> {
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<Affine, Error> {
         let mut sum = Affine::constant(self.offset());
         for (handle, factor) in self.terms() {
-            sum += factor * members.value(handle, sample)?;
+            sum += factor * systems.value(handle, sample)?;
         }
         Ok(sum)
     }
@@ -283,10 +283,10 @@ impl AtSample for Quadratic {
     type Output = Quadratic;
 
     #[expect(private_interfaces, reason = "as the trait")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<Quadratic, Error> {
-        let mut sum = Quadratic::from(self.affine().at_sample(members, sample)?);
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<Quadratic, Error> {
+        let mut sum = Quadratic::from(self.affine().at_sample(systems, sample)?);
         for (first, second, factor) in self.products() {
-            let [first, second] = [members.value(first, sample)?, members.value(second, sample)?];
+            let [first, second] = [systems.value(first, sample)?, systems.value(second, sample)?];
             sum += factor * (first * second);
         }
         Ok(sum)
@@ -297,10 +297,10 @@ impl AtSample for NormSum {
     type Output = NormSum;
 
     #[expect(private_interfaces, reason = "as the trait")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<NormSum, Error> {
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<NormSum, Error> {
         self.try_map(
-            |entry| entry.at_sample(members, sample),
-            |rest| rest.at_sample(members, sample),
+            |entry| entry.at_sample(systems, sample),
+            |rest| rest.at_sample(systems, sample),
         )
     }
 }
@@ -309,9 +309,9 @@ impl AtSample for Row {
     type Output = Row;
 
     #[expect(private_interfaces, reason = "as the trait")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<Row, Error> {
-        let expression = self.expression().at_sample(members, sample)?;
-        Ok(match members.weight([self.expression()]) {
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<Row, Error> {
+        let expression = self.expression().at_sample(systems, sample)?;
+        Ok(match systems.weight([self.expression()]) {
             1.0 => expression.within(self.lower(), self.upper()),
             weight => (weight * expression).within(weight * self.lower(), weight * self.upper()),
         })
@@ -322,9 +322,9 @@ impl AtSample for ConicRow {
     type Output = ConicRow;
 
     #[expect(private_interfaces, reason = "as the trait")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<ConicRow, Error> {
-        let row = self.try_map(&mut |expression| expression.at_sample(members, sample))?;
-        match members.weight_of(self.stored()) {
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<ConicRow, Error> {
+        let row = self.try_map(&mut |expression| expression.at_sample(systems, sample))?;
+        match systems.weight_of(self.stored()) {
             1.0 => Ok(row),
             weight => row.try_map(&mut |expression| Ok(weight * expression)),
         }
@@ -335,10 +335,10 @@ impl AtSample for SystemRow {
     type Output = SystemRow;
 
     #[expect(private_interfaces, reason = "as the trait")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<SystemRow, Error> {
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<SystemRow, Error> {
         Ok(match self {
-            SystemRow::Row(row) => row.at_sample(members, sample)?.into(),
-            SystemRow::Conic(row) => row.at_sample(members, sample)?.into(),
+            SystemRow::Row(row) => row.at_sample(systems, sample)?.into(),
+            SystemRow::Conic(row) => row.at_sample(systems, sample)?.into(),
         })
     }
 }
@@ -347,16 +347,16 @@ impl SystemRow {
     /// The row at a sample in the units in which it is stated.
     pub(crate) fn as_stated_at(
         &self,
-        members: &Members,
+        systems: &ProgramSystems,
         sample: usize,
     ) -> Result<SystemRow, Error> {
         Ok(match self {
             SystemRow::Row(row) => {
-                let expression = row.expression().at_sample(members, sample)?;
+                let expression = row.expression().at_sample(systems, sample)?;
                 expression.within(row.lower(), row.upper()).into()
             }
             SystemRow::Conic(row) => {
-                row.try_map(&mut |expression| expression.at_sample(members, sample))?.into()
+                row.try_map(&mut |expression| expression.at_sample(systems, sample))?.into()
             }
         })
     }
@@ -366,8 +366,8 @@ impl AtSample for Literal {
     type Output = Literal;
 
     #[expect(private_interfaces, reason = "as the trait")]
-    fn at_sample(&self, members: &Members, sample: usize) -> Result<Literal, Error> {
-        let value = members.value(self.variable(), sample)?;
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<Literal, Error> {
+        let value = systems.value(self.variable(), sample)?;
         match (&value.terms()[..], value.offset()) {
             ([(binary, 1.0)], 0.0) if self.is_on() => Ok(binary.on()),
             ([(binary, 1.0)], 0.0) => Ok(binary.off()),

@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 use std::error::Error as _;
 
-use super::{HybridProgram, Members};
+use super::{HybridProgram, ProgramSystems};
 use crate::error::Error;
 use crate::hybrid::rows::{HybridRun, SystemVariables};
 use crate::hybrid::simulate::{Followed, RunError};
@@ -44,11 +44,11 @@ impl HybridProgram {
         solution: &'s Solution,
         solver: Option<&mut dyn Solver>,
     ) -> Result<Cow<'s, Solution>, Error> {
-        self.members.settled(&self.model, solution, solver)
+        self.systems.settled(&self.model, solution, solver)
     }
 }
 
-impl Members {
+impl ProgramSystems {
     /// As [`HybridProgram::settled`], for the program's model.
     pub(crate) fn settled<'s>(
         &self,

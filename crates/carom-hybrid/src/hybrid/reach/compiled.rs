@@ -1,5 +1,5 @@
 //! A compiled hybrid system at one step: blocks of unconnected states, and for each block the maps,
-//! generators and limits of every move.
+//! generators and limits of every joint transition.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,12 +7,12 @@ use std::sync::Arc;
 use faer::Mat;
 
 use super::inputs::{Joint, tightened};
+use super::joint_transitions::JointTransitions;
 use super::law::{Context, Guard, Law, Prediction};
 use super::margins::Margins;
-use super::moves::Moves;
 use super::options::SetOptions;
 use super::rounding::EPSILON;
-use super::shape::{Map, Matrix, Shape};
+use super::shape::{AffineMap, Matrix, Shape};
 use super::template::Template;
 use crate::hybrid::system::{Coordinates, HybridSystem, MODE, Region};
 use crate::interval::Interval;
@@ -27,7 +27,7 @@ pub(super) struct Block {
     pub(super) limits: Vec<Cut>,
     /// The set within the limits.
     pub(super) domain: Shape,
-    /// One per move.
+    /// One per joint transition.
     pub(super) steps: Vec<Step>,
 }
 
@@ -41,14 +41,14 @@ pub(super) struct Cut {
     pub(super) given: f64,
 }
 
-/// A move within a block.
+/// A joint transition within a block.
 #[derive(Debug, Clone)]
 pub(super) struct Step {
     pub(super) before: Vec<Cut>,
-    pub(super) flow: Map,
+    pub(super) flow: AffineMap,
     pub(super) push: Push,
     pub(super) after: Vec<Cut>,
-    pub(super) reset: Option<Map>,
+    pub(super) reset: Option<AffineMap>,
     /// The margin again after a reset, because the reset may shrink it and an accepted plan may
     /// also miss the reset itself; and everything else that the next state may differ by.
     pub(super) loose: Vec<f64>,
@@ -70,9 +70,9 @@ pub(super) struct Push {
     pub(super) slack: Vec<f64>,
 }
 
-/// A move, over all blocks.
+/// A joint transition, over all blocks.
 #[derive(Debug, Clone)]
-pub(super) struct CompiledMove {
+pub(super) struct CompiledTransition {
     /// Numbers of its transitions.
     pub(super) members: Vec<usize>,
     /// How many of them are events.
@@ -101,7 +101,7 @@ pub(super) struct Compiled {
     /// Numbers of the transitions of each choice.
     pub(super) choices: Vec<Range<usize>>,
     pub(super) choice_names: Vec<String>,
-    pub(super) moves: Vec<CompiledMove>,
+    pub(super) joint_transitions: Vec<CompiledTransition>,
     /// Numbers of transitions of choices that are not followed.
     pub(super) relaxed: Vec<usize>,
     pub(super) margins: Margins,
@@ -111,7 +111,7 @@ pub(super) struct Compiled {
 pub(super) struct Source<'a> {
     pub(super) system: &'a HybridSystem,
     pub(super) coordinates: &'a Arc<Coordinates>,
-    pub(super) moves: &'a Moves,
+    pub(super) joint_transitions: &'a JointTransitions,
     pub(super) step: usize,
     /// The ranges of the inputs, if they differ from the system's.
     pub(super) given: Option<&'a [Interval]>,
@@ -128,7 +128,7 @@ impl Compiled {
     /// have the same matrices.
     pub(super) fn new(source: &Source, like: Option<&Compiled>) -> Self {
         let system = source.system;
-        let followed = source.moves.followed;
+        let followed = source.joint_transitions.followed;
         let context = Context {
             system,
             transitions: system.transitions().collect(),
@@ -137,9 +137,9 @@ impl Compiled {
             margin: source.options.margin,
             is_disturbed: source.options.disturbance,
             relaxed: system.choices.get(followed..).unwrap_or(&[]),
-            relaxed_numbers: &source.moves.relaxed,
+            relaxed_numbers: &source.joint_transitions.relaxed,
         };
-        let laws: Vec<Law> = source.moves.list.iter().map(|m| context.law(m)).collect();
+        let laws: Vec<Law> = source.joint_transitions.list.iter().map(|m| context.law(m)).collect();
         let groups = match like {
             Some(like) => like.blocks.iter().map(|block| block.states.clone()).collect(),
             None => groups(system, &laws),
@@ -149,7 +149,7 @@ impl Compiled {
             .enumerate()
             .map(|(b, states)| source.block(&laws, states, like.map(|like| &like.blocks[b])))
             .collect();
-        let moves = source.moves.list.iter().zip(laws).map(|(taken, law)| {
+        let compiled = source.joint_transitions.list.iter().zip(laws).map(|(taken, law)| {
             let joint: Vec<Joint> = law
                 .before
                 .iter()
@@ -162,7 +162,7 @@ impl Compiled {
                 Ok(inputs) => (inputs, law.is_possible),
                 Err(_) => (law.inputs.clone(), false),
             };
-            CompiledMove {
+            CompiledTransition {
                 members: taken.members.clone(),
                 events: taken.events,
                 is_possible,
@@ -183,19 +183,19 @@ impl Compiled {
                     first..first + choice.transitions.len()
                 })
                 .collect(),
-            moves: moves.collect(),
+            joint_transitions: compiled.collect(),
             blocks,
             states: system.states.clone(),
             coordinates: Arc::clone(source.coordinates),
             transitions: system.transitions().map(|t| (t.name.clone(), t.is_event)).collect(),
-            relaxed: source.moves.relaxed.clone(),
+            relaxed: source.joint_transitions.relaxed.clone(),
             margins: source.margins.clone(),
         }
     }
 
-    /// The names of a move's transitions, with the choices that they are of if choices are named.
+    /// The names of the members, with the choices that they are of if choices are named.
     pub(super) fn name(&self, number: usize) -> String {
-        let members = self.moves[number].members.iter();
+        let members = self.joint_transitions[number].members.iter();
         members.map(|&m| self.transition_name(m)).collect::<Vec<_>>().join(" and ")
     }
 
@@ -455,16 +455,16 @@ impl Source<'_> {
 
 /// Maps by their matrices, because combinations of template directions are found once for each.
 struct Maps<'a> {
-    known: Vec<Map>,
+    known: Vec<AffineMap>,
     template: Option<&'a Template>,
 }
 
 impl Maps<'_> {
-    fn map(&mut self, matrix: Matrix, offset: Vec<f64>) -> Map {
+    fn map(&mut self, matrix: Matrix, offset: Vec<f64>) -> AffineMap {
         if let Some(known) = self.known.iter().find(|map| *map.matrix() == matrix) {
             return known.with_offset(offset);
         }
-        let map = Map::new(matrix, offset, self.template);
+        let map = AffineMap::new(matrix, offset, self.template);
         self.known.push(map.clone());
         map
     }

@@ -97,7 +97,7 @@ pub enum Obstacle {
 }
 
 /// The obstacles that tell why no transition is left: the first one, and rules of the user's.
-fn telling(obstacles: impl Iterator<Item = Obstacle>) -> Vec<Obstacle> {
+fn reported(obstacles: impl Iterator<Item = Obstacle>) -> Vec<Obstacle> {
     let mut told: Vec<Obstacle> = Vec::new();
     let name_of = |obstacle: &Obstacle| match obstacle {
         Obstacle::Limit { name, transition: None, .. } => Some(name.clone()),
@@ -198,20 +198,22 @@ impl ReachSets {
                 (&cut.name, cut.given, Some(m))
             }
             Place::Joint(m, k) => {
-                let guard = system.moves.get(m)?.joint.get(k)?;
+                let guard = system.joint_transitions.get(m)?.joint.get(k)?;
                 (&guard.name, guard.given, Some(m))
             }
             Place::End(_) | Place::Shape => return None,
         };
         let measure = self.measure_of(name);
         let (limit, nearest) = (measure.outward(limit), measure.outward(emptied.nearest));
-        if taken.is_some_and(|m| system.moves[m].members.iter().any(|t| self.is_rule(*t, name))) {
+        if taken.is_some_and(|m| {
+            system.joint_transitions[m].members.iter().any(|t| self.is_rule(*t, name))
+        }) {
             let name = format!("{name} ({})", number(limit));
             return Some(Obstacle::Limit { name, transition: None, limit, nearest });
         }
         // Of the transitions that a step combines, the one that has the guard.
         let owner = |m: usize| {
-            let members = &system.moves[m].members;
+            let members = &system.joint_transitions[m].members;
             let has = |&&t: &&usize| self.has_guard(t, name);
             match members.iter().find(has) {
                 Some(&own) => system.transition_name(own),
@@ -268,7 +270,7 @@ impl ReachSets {
             // The forward sets became empty by themselves.
             let Some((step, emptied)) = &self.emptied else { return (sample, Vec::new()) };
             let obstacles = emptied.iter().filter_map(|emptied| self.obstacle(step + 1, emptied));
-            return (step + 1, telling(obstacles).into_iter().map(Finding::of_all).collect());
+            return (step + 1, reported(obstacles).into_iter().map(Finding::of_all).collect());
         }
         let needed = self.needed(tube, sample);
         let has_events = self.system().transitions().any(|transition| transition.is_event);

@@ -1,13 +1,13 @@
 //! Nodes of a step: the modes of the choices with memory, and how long they have lasted.
 //!
-//! States in different nodes are in different sets. A move leads from a node to at most one node.
-//! If there are too many sets, some are merged, by which sets only grow: first those that differ in
-//! dwell times, the longest ones first, then those that differ in numbers of events, then those of
-//! different modes.
+//! States in different nodes are in different sets. A joint transition leads from a node to
+//! at most one node. If there are too many sets, some are merged, by which sets only grow: first
+//! those that differ in dwell times, the longest ones first, then those that differ in numbers of
+//! events, then those of different modes.
 
 use std::sync::Arc;
 
-use super::moves::Moves;
+use super::joint_transitions::JointTransitions;
 use super::set::{Label, Layers};
 use crate::hybrid::system::{Choice, HybridSystem, Region};
 
@@ -35,12 +35,12 @@ type Place = Vec<(usize, usize)>;
 /// Choices with memory and their modes by name, if there are any.
 type Names = Option<Arc<Vec<(String, String)>>>;
 
-/// A move from a node to a node.
+/// A joint transition from a node to a node.
 #[derive(Debug, Clone)]
 pub(super) struct Edge {
     pub(super) from: usize,
     pub(super) to: usize,
-    /// Number of the move.
+    /// Number of the joint transition.
     pub(super) taken: usize,
 }
 
@@ -65,22 +65,27 @@ pub(super) struct Graph {
 
 impl Graph {
     /// The graph for at most `layers` sets, of which those by events are `events + 1`.
-    pub(super) fn new(system: &HybridSystem, moves: &Moves, events: usize, layers: usize) -> Self {
+    pub(super) fn new(
+        system: &HybridSystem,
+        joint: &JointTransitions,
+        events: usize,
+        layers: usize,
+    ) -> Self {
         let limit = system.most_events.filter(|&most| most <= MOST_EVENTS);
         let mut events = limit.unwrap_or(events);
         let unseen = |m: &usize| system.transitions().nth(*m).is_some_and(|t| t.is_event);
-        if moves.relaxed.iter().any(unseen) {
+        if joint.relaxed.iter().any(unseen) {
             // Events of choices that are not followed are not counted.
             events = 0;
         }
-        let with_memory = system.choices.iter().enumerate().take(moves.followed);
+        let with_memory = system.choices.iter().enumerate().take(joint.followed);
         let with_memory = with_memory.filter(|(_, choice)| !choice.modes().is_empty());
         let mut memories: Vec<Memory> =
             with_memory.map(|(c, choice)| Memory::new(c, choice)).collect();
         while count(&memories).saturating_mul(events + 1) > layers && merge_ages(&mut memories) {}
         while count(&memories) > layers && merge_modes(&mut memories) {}
         events = events.min((layers / count(&memories)).max(1) - 1);
-        let is_limited = system.most_events == Some(events) && !moves.relaxed.iter().any(unseen);
+        let is_limited = system.most_events == Some(events) && !joint.relaxed.iter().any(unseen);
         let mut graph = Graph {
             nodes: places(&memories),
             names: Vec::new(),
@@ -93,15 +98,15 @@ impl Graph {
             is_limited,
         };
         graph.name(system);
-        graph.connect(system, moves);
+        graph.connect(system, joint);
         graph
     }
 
-    fn connect(&mut self, system: &HybridSystem, moves: &Moves) {
+    fn connect(&mut self, system: &HybridSystem, joint: &JointTransitions) {
         self.leaving = vec![Vec::new(); self.nodes.len()];
         self.entering = vec![Vec::new(); self.nodes.len()];
         for (from, place) in self.nodes.iter().enumerate() {
-            for (number, taken) in moves.list.iter().enumerate() {
+            for (number, taken) in joint.list.iter().enumerate() {
                 let next = self.memories.iter().zip(place).map(|(memory, &at)| {
                     let first = system.first_transition(memory.choice);
                     let choice = &system.choices[memory.choice];

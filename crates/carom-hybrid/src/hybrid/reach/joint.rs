@@ -14,7 +14,7 @@ use super::inputs::{Joint, least};
 use super::lifted::{Lift, Pair, Slab};
 use super::rounding::EPSILON;
 use super::set::{Emptied, Place};
-use super::shape::{Map, Shape};
+use super::shape::{AffineMap, Shape};
 use crate::interval::Interval;
 
 /// The guards of a block, and how it treats them.
@@ -29,7 +29,7 @@ struct Local<'a> {
 impl<'a> Local<'a> {
     fn new(system: &'a Compiled, number: usize, block: usize, inputs: &'a [Interval]) -> Self {
         let step = &system.blocks[block].steps[number];
-        let joint = system.moves[number].joint.iter().enumerate();
+        let joint = system.joint_transitions[number].joint.iter().enumerate();
         let guards: Vec<(usize, &Joint)> = joint.filter(|(_, g)| g.block == Some(block)).collect();
         let weight = |j: usize| -> f64 {
             let width = (inputs[j].upper - inputs[j].lower).max(0.0);
@@ -132,7 +132,7 @@ pub(super) fn flown(
         }
         _ => {
             let push = push(&local.step.gains, &local.step.constant, inputs, 0.0);
-            let map: Map = local.step.flow.with_offset(push.shift.clone());
+            let map: AffineMap = local.step.flow.with_offset(push.shift.clone());
             (start.map(&map), push)
         }
     };

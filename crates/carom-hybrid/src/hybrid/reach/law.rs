@@ -1,16 +1,16 @@
-//! The law of a move in one step: one flow, guards, reset and input ranges for what all choices do
-//! together.
+//! The law of a joint transition in one step: one flow, guards, reset and input ranges for what all
+//! choices do together.
 
 use faer::Mat;
 
-use super::moves::Move;
+use super::joint_transitions::JointTransition;
 use super::rounding::EPSILON;
-use crate::hybrid::affine::{self, Behaviour, Map};
+use crate::hybrid::affine::{self, AffineForm, Dynamics};
 use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Reset, Transition, Uncertain};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
-/// A half-space of a move.
+/// A half-space of a joint transition.
 #[derive(Debug, Clone)]
 pub(super) struct Guard {
     pub(super) name: String,
@@ -36,20 +36,20 @@ impl Guard {
     }
 }
 
-/// How a transition's prediction follows from a move.
+/// How a transition's prediction follows from a joint transition.
 #[derive(Debug, Clone)]
 pub(super) enum Prediction {
-    /// The move's prediction, shifted.
+    /// The joint transition's prediction, shifted.
     Shifted(Vec<f64>),
     /// By a flow of its own.
-    Own(Vec<Map>),
+    Own(Vec<AffineForm>),
 }
 
-/// A move in one step: guards, `y = A x + B u + c`, guards on y, and a reset.
+/// A joint transition in one step: guards, `y = A x + B u + c`, guards on y, and a reset.
 #[derive(Debug, Clone)]
 pub(super) struct Law {
     /// One row per state.
-    pub(super) flow: Vec<Map>,
+    pub(super) flow: Vec<AffineForm>,
     pub(super) before: Vec<Guard>,
     pub(super) after: Vec<Guard>,
     pub(super) reset: Option<(Mat<f64>, Vec<f64>)>,
@@ -80,7 +80,7 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    pub(super) fn law(&self, taken: &Move) -> Law {
+    pub(super) fn law(&self, taken: &JointTransition) -> Law {
         let system = self.system;
         let members: Vec<&Transition> =
             taken.members.iter().map(|&m| self.transitions[m]).collect();
@@ -187,7 +187,7 @@ impl Context<'_> {
     /// The law of several choices, whose effects add to the common flow.
     fn sum(
         &self,
-        taken: &Move,
+        taken: &JointTransition,
         members: &[&Transition],
         before: Vec<Guard>,
         inputs: Vec<Interval>,
@@ -221,7 +221,7 @@ impl Context<'_> {
     }
 
     /// The choices share A and B, so that each of them resets the common prediction.
-    fn add_resets(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
+    fn add_resets(&self, law: &mut Law, taken: &JointTransition, members: &[&Transition]) {
         let n = law.flow.len();
         let identity = Mat::<f64>::identity(n, n);
         let (mut matrix, mut offset) = (identity.clone(), vec![0.0; n]);
@@ -263,13 +263,13 @@ impl Context<'_> {
 
     /// The choices have flows of their own: the sum of their effects is one flow, and guards on
     /// predictions become guards on states and inputs.
-    fn add_flows(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
+    fn add_flows(&self, law: &mut Law, taken: &JointTransition, members: &[&Transition]) {
         let common = law.flow.clone();
         let width = common[0].factors.len();
-        let mut sizes = vec![Map::constant(width, 0.0); common.len()];
+        let mut sizes = vec![AffineForm::constant(width, 0.0); common.len()];
         for (&number, transition) in taken.members.iter().zip(members) {
             let own = affine::flow(&transition.flow);
-            let Behaviour { next, guards, .. } = self.behaviour(transition);
+            let Dynamics { next, guards, .. } = self.dynamics(transition);
             for guard in guards {
                 let number = guard.number.checked_sub(transition.guards.len());
                 if let Some(halfspace) = number.and_then(|k| transition.prediction_guards.get(k)) {
@@ -290,13 +290,19 @@ impl Context<'_> {
         }
     }
 
-    fn behaviour(&self, transition: &Transition) -> Behaviour {
-        affine::behaviour(self.system, transition, &[], Vec::new(), self.step)
+    fn dynamics(&self, transition: &Transition) -> Dynamics {
+        affine::dynamics(self.system, transition, &[], Vec::new(), self.step)
     }
 
     /// A guard on a flow's result as a guard on states and inputs, which is `map <= 0` up to
     /// rounding.
-    fn pulled(&self, halfspace: &Halfspace, map: Map, flow: &[Map], inputs: &[Interval]) -> Guard {
+    fn pulled(
+        &self,
+        halfspace: &Halfspace,
+        map: AffineForm,
+        flow: &[AffineForm],
+        inputs: &[Interval],
+    ) -> Guard {
         let reach = self.reach(flow, inputs);
         let size: f64 = halfspace.normal.iter().zip(&reach).map(|(f, r)| f.abs() * r).sum();
         let size = size + halfspace.limit_at(self.step).abs();
@@ -307,7 +313,7 @@ impl Context<'_> {
     }
 
     /// Bounds of the magnitudes of the terms of a flow over domains and inputs.
-    fn reach(&self, flow: &[Map], inputs: &[Interval]) -> Vec<f64> {
+    fn reach(&self, flow: &[AffineForm], inputs: &[Interval]) -> Vec<f64> {
         let ranges = self.system.states.iter().map(|(_, domain)| domain).chain(inputs);
         let sizes: Vec<f64> = ranges.map(|range| range.magnitude() + 1.0).collect();
         flow.iter().map(|row| row.magnitudes().at(&sizes)).collect()
@@ -325,7 +331,7 @@ impl Context<'_> {
         let ranges: Vec<Interval> = domains.chain(inputs).map(wide).collect();
         let common = self.system.flow.as_ref().map(affine::flow);
         let of = |transition: &Transition| -> Vec<Interval> {
-            let mut next = self.behaviour(transition).next;
+            let mut next = self.dynamics(transition).next;
             for (next, common) in next.iter_mut().zip(common.iter().flatten()) {
                 next.add(-1.0, common);
             }

@@ -6,7 +6,7 @@
 //! such runs: their starts, inputs and resets are exact, and conditions and bounds are widened
 //! once, by how far a plan may be from its run.
 
-use crate::hybrid::affine::Map;
+use crate::hybrid::affine::AffineForm;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::HybridSystem;
 use crate::interval::Interval;
@@ -86,9 +86,9 @@ impl Margins {
     }
 
     /// Of the predictions of a flow.
-    pub(super) fn after(&self, flow: &[Map]) -> Margins {
+    pub(super) fn after(&self, flow: &[AffineForm]) -> Margins {
         let Some(drift) = &self.drift else { return self.clone() };
-        let widest = |row: &Map| {
+        let widest = |row: &AffineForm| {
             let mut by = drift.clone();
             by.resize(row.factors.len(), self.margin);
             row.factors.iter().zip(by).map(|(a, by)| a.abs() * by).sum()

@@ -48,7 +48,7 @@ pub(super) enum Place {
     Limit(usize),
     Guard(usize, usize),
     Prediction(usize, usize),
-    /// A guard on inputs of a move.
+    /// A guard on inputs of a joint transition.
     Joint(usize, usize),
     /// A half-space of the start or the goal.
     End(usize),

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use super::compiled::{Compiled, Source};
 use super::graph::Graph;
+use super::joint_transitions::JointTransitions;
 use super::margins::Margins;
-use super::moves::Moves;
 use super::options::SetOptions;
 use super::set::{Emptied, Layers, ReachSet, closed};
 use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::system::{
-    Bracket, Coordinates, HybridSystem, IntoRegion, NormLimit, Region, Restated, check_ends,
+    Approximation, Coordinates, HybridSystem, IntoRegion, NormLimit, Region, Restated, check_ends,
 };
 use crate::interval::Interval;
 #[cfg(doc)]
@@ -52,7 +52,7 @@ pub struct ReachSets {
     compiled: Vec<Arc<Compiled>>,
     /// The first step with its own inputs, if these are given.
     first: Option<Arc<Compiled>>,
-    moves: Moves,
+    joint_transitions: JointTransitions,
     pub(super) graph: Arc<Graph>,
     source: HybridSystem,
     /// The system with norms, in its own coordinates.
@@ -116,19 +116,19 @@ impl ReachSets {
         let Restated { system, coordinates } = restated;
         let (system, coordinates) = (&system, Arc::new(coordinates));
         // Sets have polygons for norms.
-        let around = system.polyhedral(Bracket::Around);
+        let around = system.polyhedral(Approximation::Outer);
         let norms = system.all_norms().chain(&start.norms).chain(&goal.norms);
         let norm_excess = norms.map(NormLimit::excess).fold(0.0, f64::max);
         let computed = system.clone();
         let (system, start, goal) = (&around, start.polyhedral(), goal.polyhedral());
         let (from, to) = (closed(&system.states, &start), closed(&system.states, &goal));
         let sizes = from.iter().zip(&to).map(|(a, b)| a.magnitude().max(b.magnitude()));
-        let moves = Moves::new(system, &options.exclusive);
-        let graph = Graph::new(system, &moves, options.events, options.layers);
+        let joint_transitions = JointTransitions::new(system, &options.exclusive);
+        let graph = Graph::new(system, &joint_transitions, options.events, options.layers);
         let mut sets = ReachSets {
             compiled: Vec::new(),
             first: None,
-            moves,
+            joint_transitions,
             graph: Arc::new(graph),
             source: system.clone(),
             computed,
@@ -177,7 +177,7 @@ impl ReachSets {
         let source = Source {
             system: &self.source,
             coordinates: &self.coordinates,
-            moves: &self.moves,
+            joint_transitions: &self.joint_transitions,
             step,
             given,
             options: &self.options,
@@ -388,7 +388,8 @@ impl ReachSets {
             let (node, events) = graph.node_and_events(layer);
             for &edge in &graph.leaving[node] {
                 let edge = &graph.edges[edge];
-                let Some(events) = graph.sum(events, system.moves[edge.taken].events) else {
+                let Some(events) = graph.sum(events, system.joint_transitions[edge.taken].events)
+                else {
                     continue;
                 };
                 match successors(&system, &after, edge.taken, set) {
@@ -423,7 +424,7 @@ impl ReachSets {
             let (node, events) = graph.node_and_events(layer);
             for &edge in &graph.entering[node] {
                 let edge = &graph.edges[edge];
-                let events = graph.sum(events, system.moves[edge.taken].events);
+                let events = graph.sum(events, system.joint_transitions[edge.taken].events);
                 if let Some(events) = events
                     && let Ok(before) = predecessors(&system, edge.taken, set)
                 {

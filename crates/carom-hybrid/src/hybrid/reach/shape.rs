@@ -20,7 +20,7 @@ pub(super) type Matrix = Vec<Vec<f64>>;
 
 /// `z -> M z + c` with the data to apply and to invert it.
 #[derive(Debug, Clone)]
-pub(super) struct Map {
+pub(super) struct AffineMap {
     matrix: Matrix,
     offset: Vec<f64>,
     /// Per template direction d, the combinations of `Mᵀ d`.
@@ -57,7 +57,7 @@ fn product(a: &Matrix, b: &Matrix, size: impl Fn(f64) -> f64) -> Matrix {
     (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
 }
 
-impl Map {
+impl AffineMap {
     /// A map between sets of a template, or between polygons.
     pub(super) fn new(matrix: Matrix, offset: Vec<f64>, template: Option<&Template>) -> Self {
         let pull_back = |matrix: &Matrix| template.map_or_else(Vec::new, |t| pull_back(matrix, t));
@@ -66,12 +66,12 @@ impl Map {
             let pull = pull_back(&inverse);
             Arc::new(Inverse { matrix: inverse, error, pull })
         });
-        Map { matrix, offset, pull: Arc::new(pull), inverse }
+        AffineMap { matrix, offset, pull: Arc::new(pull), inverse }
     }
 
     /// The same matrix with another offset.
     pub(super) fn with_offset(&self, offset: Vec<f64>) -> Self {
-        Map { offset, ..self.clone() }
+        AffineMap { offset, ..self.clone() }
     }
 
     pub(super) fn matrix(&self) -> &Matrix {
@@ -215,7 +215,7 @@ impl Shape {
     }
 
     /// The image under a map.
-    pub(super) fn map(&self, map: &Map) -> Shape {
+    pub(super) fn map(&self, map: &AffineMap) -> Shape {
         match self {
             Shape::Planar(polygon) => {
                 let m = &map.matrix;
@@ -227,7 +227,7 @@ impl Shape {
     }
 
     /// The part of `whole` that a map sends into this set.
-    pub(super) fn preimage(&self, map: &Map, whole: &Shape) -> Shape {
+    pub(super) fn preimage(&self, map: &AffineMap, whole: &Shape) -> Shape {
         if self.is_empty() {
             return self.clone();
         }
@@ -237,7 +237,7 @@ impl Shape {
         }
     }
 
-    fn unmap(&self, map: &Map, inverse: &Inverse) -> Shape {
+    fn unmap(&self, map: &AffineMap, inverse: &Inverse) -> Shape {
         let back: Vec<f64> = map.offset.iter().map(|c| -c).collect();
         match self {
             Shape::Planar(polygon) => {
@@ -275,7 +275,7 @@ impl Shape {
     }
 
     /// The preimage under a singular map: this set's limits, pulled back one by one.
-    fn restrict(&self, map: &Map, whole: &Shape) -> Shape {
+    fn restrict(&self, map: &AffineMap, whole: &Shape) -> Shape {
         if map.matrix.iter().flatten().all(|&entry| entry == 0.0) {
             // Everything maps to one point.
             let misses = self.separation(&self.boxed(&map.offset, &map.offset)).is_some();

@@ -1,4 +1,4 @@
-//! One step forward or backward through one move.
+//! One step forward or backward through one joint transition.
 
 use std::sync::Arc;
 
@@ -10,13 +10,13 @@ use super::set::{Emptied, Label, Place, ReachSet, bounding_box, cut};
 use super::shape::Shape;
 use crate::interval::Interval;
 
-/// The predictions of a move from a set: after the flow and its guards, before the reset.
+/// The predictions of a joint transition from a set: after its flow and guards, before the reset.
 pub(super) fn predict(
     system: &Compiled,
     number: usize,
     set: &ReachSet,
 ) -> Result<Vec<Shape>, Emptied> {
-    let taken = &system.moves[number];
+    let taken = &system.joint_transitions[number];
     if !taken.is_possible {
         return Err(nothing(0));
     }
@@ -64,7 +64,7 @@ fn predict_jointly(
 
 /// The inputs that the guards leave.
 fn inputs(system: &Compiled, number: usize, starts: &[Shape]) -> Result<Vec<Interval>, Emptied> {
-    let taken = &system.moves[number];
+    let taken = &system.joint_transitions[number];
     let starts: Vec<&Shape> = starts.iter().collect();
     tightened(taken.inputs.clone(), &taken.joint, &starts).map_err(|(k, nearest)| Emptied {
         block: taken.joint[k].block.unwrap_or(0),
@@ -114,13 +114,13 @@ pub(super) fn successors(
     arrive(system, next, number, &predict(system, number, set)?)
 }
 
-/// The states from which a move can lead into a set.
+/// The states from which a joint transition can lead into a set.
 pub(super) fn predecessors(
     system: &Arc<Compiled>,
     number: usize,
     set: &ReachSet,
 ) -> Result<ReachSet, Emptied> {
-    let taken = &system.moves[number];
+    let taken = &system.joint_transitions[number];
     if !taken.is_possible {
         return Err(nothing(0));
     }
@@ -178,7 +178,7 @@ fn started(mut start: Shape, block: &Block, number: usize, b: usize) -> Result<S
     settled(start, b)
 }
 
-/// The boxes around the predictions of the transitions of a move.
+/// The boxes around the predictions of the transitions of a joint transition.
 pub(super) fn prediction_boxes(
     system: &Compiled,
     number: usize,
@@ -186,7 +186,7 @@ pub(super) fn prediction_boxes(
     predicted: &[Shape],
 ) -> Vec<(usize, Vec<Interval>)> {
     let common = bounding_box(system, predicted);
-    let taken = &system.moves[number];
+    let taken = &system.joint_transitions[number];
     let boxes = taken.predictions.iter().map(|(transition, prediction)| {
         let found = match prediction {
             Prediction::Shifted(by) => {

@@ -196,7 +196,7 @@ impl ReachSets {
     fn gains(&self, edges: &Edges, steps: usize) -> bool {
         let is_event = |edge: usize| {
             let taken = self.graph.edges[edge].taken;
-            self.sample(usize::MAX).moves[taken].events > 0
+            self.sample(usize::MAX).joint_transitions[taken].events > 0
         };
         let open = |t: &usize| (0..edges.edges).any(|k| is_event(k) && edges.any(*t, k));
         self.graph.nodes() > 1 || (0..steps).filter(open).count() > 1
@@ -230,7 +230,7 @@ impl ReachSets {
                     let edge = &graph.edges[k];
                     let at = ahead.at(t, events, k);
                     let alive = ahead.alive[at] && back.any(t, k);
-                    let total = graph.sum(events, system.moves[edge.taken].events);
+                    let total = graph.sum(events, system.joint_transitions[edge.taken].events);
                     let set = set.as_ref().filter(|_| alive);
                     let image = set.zip(total).and_then(|(set, total)| {
                         let predicted = predict(&system, edge.taken, set).ok()?;
@@ -286,13 +286,14 @@ impl ReachSets {
             let mut next: Layers = vec![None; graph.layers()];
             for (layer, set) in backward[to_go - 1].iter().enumerate() {
                 let (node, events) = graph.node_and_events(layer);
-                // Several edges may take the same move to this node.
-                let mut known: Vec<Option<Option<ReachSet>>> = vec![None; system.moves.len()];
+                // Several edges may take the same joint transition to this node.
+                let mut known: Vec<Option<Option<ReachSet>>> =
+                    vec![None; system.joint_transitions.len()];
                 for &k in &graph.entering[node] {
                     let edge = &graph.edges[k];
                     let at = back.at(t, events, k);
                     let alive = back.alive[at] && ahead.any(t, k);
-                    let total = graph.sum(events, system.moves[edge.taken].events);
+                    let total = graph.sum(events, system.joint_transitions[edge.taken].events);
                     let set = set.as_ref().filter(|_| alive);
                     let before = set.zip(total).and_then(|(set, total)| {
                         let before = known[edge.taken]
@@ -343,7 +344,7 @@ impl Tube {
             let mut possible = vec![false; count];
             for (k, edge) in graph.edges.iter().enumerate() {
                 if edges.any(t, k) {
-                    let members = &self.system.moves[edge.taken].members;
+                    let members = &self.system.joint_transitions[edge.taken].members;
                     members.iter().chain(&self.system.relaxed).for_each(|&m| possible[m] = true);
                     self.nodes[t][edge.from] = true;
                     self.nodes[t + 1][edge.to] = true;

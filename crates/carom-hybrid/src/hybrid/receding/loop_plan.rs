@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::hybrid::memory::Memory;
-use crate::hybrid::program::Members;
+use crate::hybrid::program::ProgramSystems;
 use crate::hybrid::rows::Named;
 use crate::hybrid::simulate::{Decided, Decisions, Simulation};
 use crate::hybrid::system::{Choice, HybridSystem};
@@ -25,9 +25,9 @@ pub(super) struct LoopPlan {
 
 impl LoopPlan {
     /// Reads the choices of all systems that are no cases from a point.
-    pub(super) fn choose(&mut self, members: &Members, point: &Point) -> Result<(), Error> {
-        self.events = vec![0; members.steps];
-        for (own, names) in members.steered_choices() {
+    pub(super) fn choose(&mut self, systems: &ProgramSystems, point: &Point) -> Result<(), Error> {
+        self.events = vec![0; systems.steps];
+        for (own, names) in systems.steered_choices() {
             let [transitions, modes] = own.chosen(point)?;
             let choices = own.system().choices.iter();
             let known_as = |name: &str| {

@@ -125,10 +125,10 @@ impl<'a> RecedingHorizon<'a> {
         check_moves(&program.model)?;
         check_start(&program)?;
         let handles = Handles::measure(&mut program)?;
-        let HybridProgram { model, members } = program;
-        let system = members.steered().map(|only| only.system().clone());
+        let HybridProgram { model, systems } = program;
+        let system = systems.steered().map(|only| only.system().clone());
         let prepared = solver.prepare(&model)?;
-        let planner = Planner::Receding { prepared, handles, members: Some(members) };
+        let planner = Planner::Receding { prepared, handles, systems: Some(systems) };
         Ok(RecedingHorizon::of(planner, system))
     }
 
@@ -165,7 +165,7 @@ impl<'a> RecedingHorizon<'a> {
         let handles = Handles::of_model(measured, states, inputs);
         check_moves(model)?;
         let planner =
-            Planner::Receding { prepared: solver.prepare(model)?, handles, members: None };
+            Planner::Receding { prepared: solver.prepare(model)?, handles, systems: None };
         Ok(RecedingHorizon::of(planner, None))
     }
 
@@ -413,9 +413,9 @@ fn check_moves(model: &Model) -> Result<(), Error> {
 
 /// Refuses programs that say with which modes they begin, because every step would begin with them.
 fn check_start(program: &HybridProgram) -> Result<(), Error> {
-    let choices = program.members.choices();
+    let choices = program.systems.choices();
     let with_modes = choices.iter().find(|(_, choice)| !choice.modes().is_empty());
-    if let (true, Some((_, choice))) = (program.members.modes_follow_states, with_modes) {
+    if let (true, Some((_, choice))) = (program.systems.modes_follow_states, with_modes) {
         return Err(ErrorKind::Unsupported {
             solver: "a receding horizon with one program for all steps".into(),
             what: format!("the modes of `{}`, which last from step to step", choice.name),
@@ -425,7 +425,7 @@ fn check_start(program: &HybridProgram) -> Result<(), Error> {
         }
         .into());
     }
-    let what = match (&program.members.memory, program.members.fixed_mode(&program.model)) {
+    let what = match (&program.systems.memory, program.systems.fixed_mode(&program.model)) {
         (Some(_), _) => "a memory of the start".to_owned(),
         (None, Some(choice)) => format!("a start in a mode of `{choice}`"),
         (None, None) => return Ok(()),

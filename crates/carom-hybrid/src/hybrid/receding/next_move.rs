@@ -29,8 +29,8 @@ impl RecedingHorizon<'_> {
         let began = Instant::now();
         check_finite("the measured state", "an entry", state.iter().copied())?;
         self.planner.begin(self.steps, &mut self.memory)?;
-        if let Some(members) = self.planner.members() {
-            self.system = members.steered().map(|only| only.system().clone());
+        if let Some(systems) = self.planner.systems() {
+            self.system = systems.steered().map(|only| only.system().clone());
         }
         let mut memory = self.memory.clone();
         let searched = Instant::now();
@@ -57,7 +57,7 @@ impl RecedingHorizon<'_> {
                 next
             }
         };
-        let choices = self.planner.members().map(|members| members.choices()).unwrap_or_default();
+        let choices = self.planner.systems().map(|systems| systems.choices()).unwrap_or_default();
         let first = LoopPlan { transitions: next.transitions.clone(), ..LoopPlan::default() };
         self.memory = first.pass(&choices, &mut memory);
         self.rest = self.rest.rest();

@@ -8,7 +8,7 @@ use super::guess::{LastIntegers, simulated};
 use super::loop_plan::LoopPlan;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::memory::Memory;
-use crate::hybrid::program::{HybridProgram, Members, as_drift};
+use crate::hybrid::program::{HybridProgram, ProgramSystems, as_drift};
 use crate::hybrid::rows::MemoryRow;
 use crate::hybrid::system::{InputValues, Measure};
 use crate::interval::Interval;
@@ -19,7 +19,11 @@ use crate::solver::{Control, Prepared, Solver};
 /// Where plans come from.
 pub(super) enum Planner<'a> {
     /// One program for all steps.
-    Receding { prepared: Box<dyn Prepared + 'a>, handles: Handles, members: Option<Arc<Members>> },
+    Receding {
+        prepared: Box<dyn Prepared + 'a>,
+        handles: Handles,
+        systems: Option<Arc<ProgramSystems>>,
+    },
     /// A program for each step.
     Built {
         solver: &'a mut dyn Solver,
@@ -33,7 +37,7 @@ pub(super) enum Planner<'a> {
 /// The program of the present step.
 pub(super) struct BuiltProgram {
     model: Model,
-    members: Arc<Members>,
+    systems: Arc<ProgramSystems>,
     handles: Handles,
 }
 
@@ -89,12 +93,12 @@ impl Handles {
     /// Adds parameters for the states at the first sample of a program, and for its memory unless
     /// the program states that.
     pub(super) fn measure(program: &mut HybridProgram) -> Result<Self, Error> {
-        let HybridProgram { model, members } = program;
+        let HybridProgram { model, systems } = program;
         let mut handles = Handles::default();
-        let first = members.first().computed();
-        for (k, (name, own)) in members.named().enumerate() {
+        let first = systems.first().computed();
+        for (k, (name, own)) in systems.named().enumerate() {
             // Cases begin in the state of the first system.
-            let shared = members.cases.get(name);
+            let shared = systems.cases.get(name);
             if shared == Some(&0) {
                 let what = format!("the number of steps that `{name}` shares");
                 let range = "at least 1, because a controller applies one input for all cases";
@@ -136,8 +140,8 @@ impl Handles {
                 handles.values.extend(values.map(Option::<&_>::cloned));
             }
         }
-        if members.memory.is_none() {
-            for (_, prefix, row) in members.memory_rows() {
+        if systems.memory.is_none() {
+            for (_, prefix, row) in systems.memory_rows() {
                 let Interval { lower, upper } = row.range;
                 let name = row.name(&["remembered", prefix], "");
                 let parameter = model.parameter(name, upper, lower, upper)?;
@@ -184,7 +188,7 @@ impl Planned {
     fn of(
         result: Result<Solution, Error>,
         handles: &Handles,
-        members: Option<&Members>,
+        systems: Option<&ProgramSystems>,
         excess: Option<&Affine>,
     ) -> Result<Self, Error> {
         let solution = match result {
@@ -213,8 +217,8 @@ impl Planned {
             let own = plan.inputs.iter_mut().filter_map(|input| input.get_mut(u));
             own.for_each(|value| *value = values.nearest(*value));
         }
-        if let Some(members) = members {
-            plan.choose(members, point)?;
+        if let Some(systems) = systems {
+            plan.choose(systems, point)?;
         }
         let excess = excess.map(|excess| point.value(excess)).transpose()?;
         Ok(Planned::Found(solution, plan, excess))
@@ -222,8 +226,8 @@ impl Planned {
 }
 
 /// The solution whose states are the run of its inputs, without a second solve.
-fn settled(members: &Members, model: &Model, solution: Solution) -> Result<Solution, Error> {
-    Ok(members.settled(model, &solution, None)?.into_owned())
+fn settled(systems: &ProgramSystems, model: &Model, solution: Solution) -> Result<Solution, Error> {
+    Ok(systems.settled(model, &solution, None)?.into_owned())
 }
 
 impl Planner<'_> {
@@ -250,10 +254,10 @@ impl Planner<'_> {
     }
 
     /// The systems of the present step, if there are any.
-    pub(super) fn members(&self) -> Option<&Members> {
+    pub(super) fn systems(&self) -> Option<&ProgramSystems> {
         match self {
-            Planner::Receding { members, .. } => members.as_deref(),
-            Planner::Built { program, .. } => program.as_ref().map(|own| &*own.members),
+            Planner::Receding { systems, .. } => systems.as_deref(),
+            Planner::Built { program, .. } => program.as_ref().map(|own| &*own.systems),
         }
     }
 
@@ -277,23 +281,23 @@ impl Planner<'_> {
                 Clock::Passed(passed) => *passed,
             };
             let mut own = build(step)?;
-            match &own.members.memory {
+            match &own.systems.memory {
                 Some(told) => *memory = told.clone(),
                 None => {
-                    for told in own.members.told_modes(&own.model, memory) {
+                    for told in own.systems.told_modes(&own.model, memory) {
                         memory.forget(&told);
                     }
                 }
             }
             let handles = Handles::measure(&mut own)?;
-            let HybridProgram { model, members } = own;
-            *program = Some(Box::new(BuiltProgram { model, members, handles }));
+            let HybridProgram { model, systems } = own;
+            *program = Some(Box::new(BuiltProgram { model, systems, handles }));
         }
-        if self.members().is_some_and(|members| members.modes_follow_states) {
+        if self.systems().is_some_and(|systems| systems.modes_follow_states) {
             *memory = Memory::default().with_events(memory.events);
         }
-        match self.members() {
-            Some(members) => memory.check_choices(&members.choices()),
+        match self.systems() {
+            Some(systems) => memory.check_choices(&systems.choices()),
             None => Ok(()),
         }
     }
@@ -317,14 +321,14 @@ impl Planner<'_> {
     pub(super) fn plan(&mut self, question: &Question<'_>) -> Result<Planned, Error> {
         let measured = self.handles().map_or(0, |handles| handles.measured.len());
         check_length("the measured state", question.state.len(), measured)?;
-        let start = match (self.members().and_then(Members::only), question.missed) {
+        let start = match (self.systems().and_then(ProgramSystems::only), question.missed) {
             (Some(variables), Some(rest)) => {
                 simulated(variables, question.state, question.memory, rest)?
             }
             _ => None,
         };
         match self {
-            Planner::Receding { prepared, handles, members } => {
+            Planner::Receding { prepared, handles, systems } => {
                 if question.budget.is_some() {
                     prepared.options_mut().time_limit = question.budget;
                 }
@@ -336,14 +340,14 @@ impl Planner<'_> {
                 }
                 let result = prepared.solve(&values, &mut control);
                 let model = prepared.model();
-                let result = match members.as_deref() {
-                    Some(members) => result.and_then(|found| settled(members, model, found)),
+                let result = match systems.as_deref() {
+                    Some(systems) => result.and_then(|found| settled(systems, model, found)),
                     None => result,
                 };
-                Planned::of(result, handles, members.as_deref(), question.excess)
+                Planned::of(result, handles, systems.as_deref(), question.excess)
             }
             Planner::Built { solver, last, program, .. } => {
-                let Some(BuiltProgram { model, members, handles }) = program.as_deref_mut() else {
+                let Some(BuiltProgram { model, systems, handles }) = program.as_deref_mut() else {
                     return Ok(Planned::Nothing(None, "there is no program".to_owned()));
                 };
                 if question.budget.is_some() {
@@ -357,8 +361,8 @@ impl Planner<'_> {
                 let result = model
                     .set_parameters(&handles.values(question))
                     .and_then(|()| solver.solve_with(model, &mut control))
-                    .and_then(|found| settled(members, model, found));
-                let planned = Planned::of(result, handles, Some(members), question.excess)?;
+                    .and_then(|found| settled(systems, model, found));
+                let planned = Planned::of(result, handles, Some(systems), question.excess)?;
                 if let Planned::Found(solution, ..) = &planned
                     && let Some(point) = solution.point()
                 {

@@ -125,7 +125,7 @@ pub struct Move {
     pub objective: Option<f64>,
     /// The proved bound on the cost of any plan, in the model's own sense; NaN if nothing was
     /// solved.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub bound: f64,
     /// By how much softened limits are exceeded, if that is reported.
     pub excess: Option<f64>,

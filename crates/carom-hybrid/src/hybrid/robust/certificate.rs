@@ -9,7 +9,7 @@
 use super::error::RobustError;
 use super::feedback::Feedback;
 use crate::error::Error;
-use crate::hybrid::affine::{self, Map};
+use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::simulate::Condition;
 use crate::hybrid::system::{HybridSystem, NormLimit, Transition};
@@ -165,7 +165,7 @@ impl Flight<'_> {
     }
 
     /// The factors of the error e in a map.
-    fn factors(&self, map: &Map) -> Vec<Interval> {
+    fn factors(&self, map: &AffineForm) -> Vec<Interval> {
         let row: Vec<Interval> = map.factors.iter().map(|factor| point(*factor)).collect();
         product(&[row], &self.both).swap_remove(0)
     }
@@ -175,14 +175,14 @@ impl Flight<'_> {
     }
 
     /// The values of a map over all runs.
-    fn over(&self, map: &Map, start: &[f64]) -> Interval {
+    fn over(&self, map: &AffineForm, start: &[f64]) -> Interval {
         let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
         map.over(&at) + dot(&self.factors(map), self.errors())
     }
 
     /// The values of maps of states over all runs, along the directions of the errors: what one
     /// parameter adds to all states is added up before its magnitude is taken.
-    fn along_directions(&self, maps: &[Map], start: &[f64]) -> Vec<Interval> {
+    fn along_directions(&self, maps: &[AffineForm], start: &[f64]) -> Vec<Interval> {
         let at: Vec<Interval> = start.iter().map(|value| point(*value)).collect();
         let factors: Intervals = maps
             .iter()
@@ -199,7 +199,7 @@ impl Flight<'_> {
     }
 
     /// Notes by how much a value of all runs is above 0, and refuses more than a tolerance.
-    fn below(
+    fn check_nonpositive(
         &mut self,
         step: usize,
         condition: Condition,
@@ -219,13 +219,13 @@ impl Flight<'_> {
         &mut self,
         step: usize,
         condition: Condition,
-        map: &Map,
+        map: &AffineForm,
         start: &[f64],
     ) -> Result<(), Error> {
         let terms = map.factors.iter().zip(start).map(|(a, x)| (a * x).abs());
         let size = terms.fold(map.constant.abs(), f64::max);
         let value = self.over(map, start).upper;
-        self.below(step, condition, value, size)
+        self.check_nonpositive(step, condition, value, size)
     }
 
     fn norm(
@@ -233,7 +233,7 @@ impl Flight<'_> {
         step: usize,
         condition: Condition,
         limit: &NormLimit,
-        flow: Option<&[Map]>,
+        flow: Option<&[AffineForm]>,
         start: &[f64],
     ) -> Result<(), Error> {
         let maps = limit.maps(flow, self.width(), step);
@@ -244,7 +244,7 @@ impl Flight<'_> {
             .fold(point(0.0), |sum, entry| sum + point(entry.magnitude()) * entry.magnitude());
         let length = squares.upper.sqrt().next_up();
         let value = (point(length) + -point(bound.lower)).upper;
-        self.below(step, condition, value, length)
+        self.check_nonpositive(step, condition, value, length)
     }
 
     /// The conditions of a sample, and the box of its states.
@@ -259,7 +259,7 @@ impl Flight<'_> {
             let above = (value + point(-domain.upper)).upper;
             let beyond = above.max((point(domain.lower) + -value).upper);
             let condition = Condition::Domain { state: name.clone() };
-            self.below(sample, condition, beyond, domain.magnitude())?;
+            self.check_nonpositive(sample, condition, beyond, domain.magnitude())?;
         }
         self.certificate.states.push(errors);
         let mut start = state.to_vec();
@@ -297,11 +297,11 @@ impl Flight<'_> {
         }
         for (u, (name, _)) in system.inputs.iter().enumerate() {
             let range = system.input_range_of(taken, u, step);
-            let mut map = Map::constant(width, -range.upper);
+            let mut map = AffineForm::constant(width, -range.upper);
             map.factors[n + u] = 1.0;
             let condition = Condition::InputRange { input: name.clone() };
             self.excess(step, condition.clone(), &map, start)?;
-            let mut map = Map::constant(width, range.lower);
+            let mut map = AffineForm::constant(width, range.lower);
             map.factors[n + u] = -1.0;
             self.excess(step, condition, &map, start)?;
         }
@@ -338,12 +338,12 @@ impl Flight<'_> {
     /// spread of uncertain parameters, and what the plan's next sample is off.
     fn advance(&mut self, step: usize, start: &[f64], taken: &[&Transition], next: &[f64]) {
         let (n, width) = (next.len(), self.width());
-        let behaviours: Vec<Vec<Map>> = taken
+        let dynamics: Vec<Vec<AffineForm>> = taken
             .iter()
-            .map(|own| affine::behaviour(self.system, own, &[], Vec::new(), step).next)
+            .map(|own| affine::dynamics(self.system, own, &[], Vec::new(), step).next)
             .collect();
         let common = self.system.flow.as_ref().map(affine::flow);
-        let parts: Vec<&[Map]> = behaviours.iter().map(Vec::as_slice).collect();
+        let parts: Vec<&[AffineForm]> = dynamics.iter().map(Vec::as_slice).collect();
         let maps = affine::sum(common.as_deref(), &parts);
         // In the states' own directions: the closed loop, and what does not depend on the error.
         let mut closed: Intervals = maps.iter().map(|map| self.factors(map)).collect();
@@ -375,7 +375,7 @@ impl Flight<'_> {
                     let factors = (0..n).map(|j| parameter.effect.matrix[(i, j)]);
                     affine::combine(factors, &flow, width, offset)
                 };
-                let effect: Vec<Map> = (0..n).map(effect).collect();
+                let effect: Vec<AffineForm> = (0..n).map(effect).collect();
                 for (spread, value) in spread.iter_mut().zip(self.along_directions(&effect, start))
                 {
                     *spread = *spread + times(value, range);

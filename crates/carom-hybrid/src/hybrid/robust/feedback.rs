@@ -4,7 +4,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 
 use crate::error::{Error, ErrorKind, check_finite};
-use crate::hybrid::affine::{self, Map};
+use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::Matrix;
 use crate::hybrid::system::{Coordinates, HybridSystem, Restated, Transition, Uncertain};
@@ -174,7 +174,7 @@ impl Feedback {
     }
 
     /// An affine map of states and inputs, as factors of the error e.
-    pub(super) fn closed(&self, map: &Map) -> Vec<f64> {
+    pub(super) fn closed(&self, map: &AffineForm) -> Vec<f64> {
         let n = self.shape.nrows();
         let (of_states, of_inputs) = map.factors.split_at(n);
         let by_state = |i: usize| {
@@ -187,7 +187,7 @@ impl Feedback {
     }
 
     /// Maps of the next state as maps of the next error e.
-    pub(super) fn errors(&self, maps: &[Map], width: usize) -> Vec<Map> {
+    pub(super) fn errors(&self, maps: &[AffineForm], width: usize) -> Vec<AffineForm> {
         let row = |k: usize| {
             let factors = (0..maps.len()).map(|i| self.inverse[(k, i)]);
             affine::combine(factors, maps, width, 0.0)
@@ -224,13 +224,13 @@ impl Feedback {
         };
         let unit = |k: usize| {
             let factors = (0..n + m).map(|i| if i == k { 1.0 } else { 0.0 }).collect();
-            self.closed(&Map { factors, constant: 0.0 })
+            self.closed(&AffineForm { factors, constant: 0.0 })
         };
         let ranges = system.states.iter().map(|(_, range)| range.width());
         let inputs = (0..m).map(|u| system.input_ranges(u, 0).map(|r| r.width()).sum());
         let widths: Vec<f64> = ranges.chain(inputs).collect();
         let units: Vec<Vec<f64>> = (0..n + m).map(unit).collect();
-        let most = |radius: &[f64], range: std::ops::Range<usize>| {
+        let largest_share = |radius: &[f64], range: std::ops::Range<usize>| {
             let share = |k: usize| 2.0 * size(&units[k], radius) / widths[k].max(1e-9);
             range.map(share).fold(0.0, f64::max)
         };
@@ -243,7 +243,7 @@ impl Feedback {
         radius.iter_mut().zip(event).for_each(|(radius, by)| *radius += by);
         let mut share = 0.0_f64;
         for _ in 0..STEPS {
-            share = share.max(most(&radius, 0..n) + most(&radius, n..n + m));
+            share = share.max(largest_share(&radius, 0..n) + largest_share(&radius, n..n + m));
             radius = grown(&radius);
         }
         share

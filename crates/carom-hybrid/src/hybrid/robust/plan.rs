@@ -89,7 +89,7 @@ fn certified(
     start: &[Interval],
     scale: f64,
 ) -> Result<RobustCertificate, Error> {
-    let own = plan.members().first();
+    let own = plan.systems().first();
     let coordinates = own.coordinates();
     let run = match plan.solution.point().filter(|_| !coordinates.is_plain()) {
         Some(point) => &own.read_own(point)?,

@@ -128,8 +128,8 @@ impl HybridProgram {
         feedback: &Feedback,
         start: impl IntoIterator<Item = (State, R)>,
     ) -> Result<RobustProgram, Error> {
-        let Some(own) = self.members.only() else {
-            return Err(RobustError::SeveralSystems { count: self.members.iter().count() }.into());
+        let Some(own) = self.systems.only() else {
+            return Err(RobustError::SeveralSystems { count: self.systems.iter().count() }.into());
         };
         let (found, expected) = (feedback.gain().ncols(), own.system().states.len());
         if found != expected || feedback.gain().nrows() != own.system().inputs.len() {

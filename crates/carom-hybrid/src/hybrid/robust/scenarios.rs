@@ -62,7 +62,7 @@ impl HybridProgram {
             self.share(["", name], &inputs, until)
         });
         match added {
-            Ok(()) => Arc::make_mut(&mut self.members).cases.insert(name.to_owned(), until),
+            Ok(()) => Arc::make_mut(&mut self.systems).cases.insert(name.to_owned(), until),
             Err(error) => {
                 *self = before;
                 return Err(error);
@@ -85,7 +85,7 @@ impl HybridProgram {
     /// as it was.
     pub fn share_inputs(&mut self, cases: [&str; 2], until: usize) -> Result<(), Error> {
         for name in cases {
-            if !self.members.cases.contains_key(name) {
+            if !self.systems.cases.contains_key(name) {
                 return Err(Error::unknown_name(name, "case of the program"));
             }
         }
@@ -116,7 +116,7 @@ impl HybridProgram {
         {
             return Err(Error::unknown_name(missing, "input of all cases"));
         }
-        self.members.check_new(name, system)?;
+        self.systems.check_new(name, system)?;
         Ok(own)
     }
 
@@ -141,10 +141,10 @@ impl HybridProgram {
         let horizon = Horizon::new(self.steps(), system.time_step)?;
         let model = &mut whole.model;
         let variables = system.write_restated(restated, model, "", &horizon, None)?;
-        let members = Arc::make_mut(&mut whole.members);
-        members.push(name, variables);
-        members.cases.insert(name.to_owned(), until);
-        members.put_first(name);
+        let systems = Arc::make_mut(&mut whole.systems);
+        systems.push(name, variables);
+        systems.cases.insert(name.to_owned(), until);
+        systems.put_first(name);
         let mut case = write(whole)?;
         let mut whole = self.without_model();
         whole.take_back(&mut case);
@@ -154,23 +154,23 @@ impl HybridProgram {
     }
 
     fn without_model(&self) -> Self {
-        HybridProgram { model: Model::new("case"), members: self.members.clone() }
+        HybridProgram { model: Model::new("case"), systems: self.systems.clone() }
     }
 
     /// Hands the model over to a case, whose system stands first in it.
     pub(crate) fn lend_to(&mut self, case: &mut HybridProgram, name: &str) {
         std::mem::swap(&mut self.model, &mut case.model);
         case.model.set_scope(name);
-        case.members = self.members.clone();
-        Arc::make_mut(&mut case.members).put_first(name);
+        case.systems = self.systems.clone();
+        Arc::make_mut(&mut case.systems).put_first(name);
     }
 
     /// Takes the model back from a case.
     pub(crate) fn take_back(&mut self, case: &mut HybridProgram) {
         std::mem::swap(&mut self.model, &mut case.model);
         self.model.set_scope("");
-        self.members = case.members.clone();
-        Arc::make_mut(&mut self.members).put_first("");
+        self.systems = case.systems.clone();
+        Arc::make_mut(&mut self.systems).put_first("");
     }
 
     /// Adds the rows by which two systems share their inputs.
@@ -180,8 +180,8 @@ impl HybridProgram {
         inputs: &[String],
         until: usize,
     ) -> Result<(), Error> {
-        let members = self.members.clone();
-        let of = |name: &str| members.named().find(|(own, _)| *own == name).map(|(_, own)| own);
+        let systems = self.systems.clone();
+        let of = |name: &str| systems.named().find(|(own, _)| *own == name).map(|(_, own)| own);
         let (Some(own), Some(its)) = (of(first), of(second)) else { return Ok(()) };
         let prefix = if first.is_empty() { second.to_owned() } else { format!("{first}_{second}") };
         self.model.all_or_nothing(|model| {

@@ -136,6 +136,6 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
     }
 
     fn variables(&self, program: &RobustProgram) -> HorizonVariables {
-        program.program.members.first().horizon_variables()
+        program.program.systems.first().horizon_variables()
     }
 }

@@ -10,7 +10,7 @@ use super::error::RobustError;
 use super::tube::ErrorTube;
 use super::words::{GROWTH, for_every};
 use crate::error::Error;
-use crate::hybrid::affine::Map;
+use crate::hybrid::affine::AffineForm;
 use crate::hybrid::program::HybridProgram;
 use crate::interval::Interval;
 use crate::model::{
@@ -78,7 +78,7 @@ impl<'a> StatementTightening<'a> {
         let families = own.states().iter().chain(own.inputs());
         let width = own.states().len() + own.inputs().len();
         for (k, family) in families.enumerate() {
-            let mut map = Map::constant(width, 0.0);
+            let mut map = AffineForm::constant(width, 0.0);
             map.factors[k] = 1.0;
             let factors = self.tube.feedback.closed(&map);
             for (sample, variable) in family.iter().enumerate() {

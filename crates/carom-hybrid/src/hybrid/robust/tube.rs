@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use super::feedback::{Feedback, disturbance};
 use super::words::GROWTH;
 use crate::error::Error;
-use crate::hybrid::affine::{self, Map};
+use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::rows::{SystemVariables, expression};
 use crate::hybrid::system::{NormEntry, NormLimit, Transition};
 use crate::interval::Interval;
@@ -23,7 +23,7 @@ const ZERO: f64 = 1e-13;
 /// The unknown part of a transition's effect on one entry of the next error.
 struct Spread {
     /// A function of the start of the step.
-    map: Map,
+    map: AffineForm,
     /// The largest magnitude of the parameter.
     most: f64,
 }
@@ -107,7 +107,7 @@ impl<'a> ErrorTube<'a> {
         sum
     }
 
-    fn width_of(&self, map: &Map, sample: usize) -> Affine {
+    fn width_of(&self, map: &AffineForm, sample: usize) -> Affine {
         self.width(&self.feedback.closed(map), sample)
     }
 
@@ -117,21 +117,21 @@ impl<'a> ErrorTube<'a> {
         let width = n + system.inputs.len();
         let by = self.feedback.spread(&disturbance(system));
         let by_choice: Vec<_> =
-            (0..system.choices.len()).map(|c| self.own.behaviours(c, step)).collect();
+            (0..system.choices.len()).map(|c| self.own.dynamics(c, step)).collect();
         let common = match system.flow.as_ref() {
             Some(flow) => affine::flow(flow),
             None => by_choice[0][0].next.clone(),
         };
-        let closed = |maps: &[Map]| -> Vec<Vec<f64>> {
+        let closed = |maps: &[AffineForm]| -> Vec<Vec<f64>> {
             let errors = self.feedback.errors(maps, width);
             errors.iter().map(|map| self.feedback.closed(map)).collect()
         };
         let base = closed(&common);
         let mut changes = Vec::new();
         for (c, own) in by_choice.iter().enumerate() {
-            for (j, behaviour) in own.iter().enumerate() {
+            for (j, dynamics) in own.iter().enumerate() {
                 let transition = &system.choices[c].transitions[j];
-                let factors = closed(&behaviour.next);
+                let factors = closed(&dynamics.next);
                 let spreads = self.spreads(transition, step);
                 let entries = factors.into_iter().zip(spreads).collect();
                 changes.push(ErrorChange { choice: c, transition: j, entries });
@@ -203,7 +203,7 @@ impl<'a> ErrorTube<'a> {
                 let factors = (0..n).map(|j| own.effect.matrix[(i, j)]);
                 affine::combine(factors, &flow, width, offset.unwrap_or(0.0))
             };
-            let maps: Vec<Map> = (0..n).map(map).collect();
+            let maps: Vec<AffineForm> = (0..n).map(map).collect();
             let errors = self.feedback.errors(&maps, width);
             for (entry, map) in by_entry.iter_mut().zip(errors) {
                 if map.numbers().any(|number| number.abs() > ZERO) {
@@ -219,14 +219,14 @@ impl<'a> ErrorTube<'a> {
         let system = self.own.computed();
         let (n, width) = (self.radius.len(), self.radius.len() + system.inputs.len());
         for (i, (_, domain)) in system.states.iter().enumerate() {
-            let mut map = Map::constant(width, 0.0);
+            let mut map = AffineForm::constant(width, 0.0);
             map.factors[i] = 1.0;
             self.within(model, &format!("tube_domain_{i}"), sample, None, &map, *domain)?;
         }
         let limits = system.limits.iter().filter(|limit| !limit.is_joint(n)).enumerate();
         for (k, limit) in limits {
             if let Some(map) = affine::excess(limit, width, sample) {
-                self.below(model, &format!("tube_limit_{k}"), sample, None, &map)?;
+                self.add_row(model, &format!("tube_limit_{k}"), sample, None, &map)?;
             }
         }
         let norms = system.norms.iter().filter(|limit| !limit.is_joint(n)).enumerate();
@@ -243,7 +243,7 @@ impl<'a> ErrorTube<'a> {
         let limits = system.limits.iter().filter(|limit| limit.is_joint(n)).enumerate();
         for (k, limit) in limits {
             if let Some(map) = affine::excess(limit, width, step) {
-                self.below(model, &format!("tube_joint_limit_{k}"), step, None, &map)?;
+                self.add_row(model, &format!("tube_joint_limit_{k}"), step, None, &map)?;
             }
         }
         let norms = system.norms.iter().filter(|limit| limit.is_joint(n)).enumerate();
@@ -251,19 +251,19 @@ impl<'a> ErrorTube<'a> {
             self.norm(model, &format!("tube_joint_norm_{k}"), step, None, limit, None)?;
         }
         for (c, choice) in system.choices.iter().enumerate() {
-            for (j, own) in self.own.behaviours(c, step).iter().enumerate() {
+            for (j, own) in self.own.dynamics(c, step).iter().enumerate() {
                 let (transition, when) = (&choice.transitions[j], self.own.literal(c, j, step));
                 let name = |word: &str, k: usize| format!("tube_{word}_{c}_{j}_{k}");
                 for u in 0..system.inputs.len() {
                     let Some(range) = system.input_range(choice, transition, u, step) else {
                         continue;
                     };
-                    let mut map = Map::constant(width, 0.0);
+                    let mut map = AffineForm::constant(width, 0.0);
                     map.factors[n + u] = 1.0;
                     self.within(model, &name("input", u), step, when, &map, range)?;
                 }
                 for guard in &own.guards {
-                    self.below(model, &name("guard", guard.number), step, when, &guard.map)?;
+                    self.add_row(model, &name("guard", guard.number), step, when, &guard.map)?;
                 }
                 let norms = transition.norms.iter().map(|limit| (limit, None));
                 let flow = affine::flow(&transition.flow);
@@ -277,14 +277,14 @@ impl<'a> ErrorTube<'a> {
         Ok(())
     }
 
-    /// `map <= 0` for every error.
-    fn below(
+    /// Adds `map <= 0` for every error.
+    fn add_row(
         &self,
         model: &mut Model,
         name: &str,
         sample: usize,
         when: Option<Literal>,
-        map: &Map,
+        map: &AffineForm,
     ) -> Result<(), Error> {
         let width = self.width_of(map, sample);
         if width.terms().is_empty() {
@@ -300,15 +300,15 @@ impl<'a> ErrorTube<'a> {
         name: &str,
         sample: usize,
         when: Option<Literal>,
-        map: &Map,
+        map: &AffineForm,
         range: Interval,
     ) -> Result<(), Error> {
         let mut above = map.clone();
         above.constant -= range.upper;
         let mut below = map.scaled(-1.0);
         below.constant += range.lower;
-        self.below(model, &format!("{name}_most"), sample, when, &above)?;
-        self.below(model, &format!("{name}_least"), sample, when, &below)
+        self.add_row(model, &format!("{name}_most"), sample, when, &above)?;
+        self.add_row(model, &format!("{name}_least"), sample, when, &below)
     }
 
     /// A limit of a length for every error: of the start of a step, or of what a flow predicts. The
@@ -320,7 +320,7 @@ impl<'a> ErrorTube<'a> {
         sample: usize,
         when: Option<Literal>,
         limit: &NormLimit,
-        flow: Option<&[Map]>,
+        flow: Option<&[AffineForm]>,
     ) -> Result<(), Error> {
         let width = self.radius.len() + self.own.computed().inputs.len();
         let maps = limit.maps(flow, width, sample);
@@ -341,12 +341,17 @@ impl<'a> ErrorTube<'a> {
 impl NormLimit {
     /// The entries and then the bound at a step as maps of states and inputs, or of what a flow
     /// predicts.
-    pub(super) fn maps(&self, flow: Option<&[Map]>, width: usize, step: usize) -> Vec<Map> {
+    pub(super) fn maps(
+        &self,
+        flow: Option<&[AffineForm]>,
+        width: usize,
+        step: usize,
+    ) -> Vec<AffineForm> {
         let of = |part: &NormEntry| match flow {
             None => {
                 let mut factors = part.factors.clone();
                 factors.resize(width, 0.0);
-                Map { factors, constant: part.constant_at(step) }
+                AffineForm { factors, constant: part.constant_at(step) }
             }
             Some(flow) => {
                 affine::combine(part.factors.iter().copied(), flow, width, part.constant_at(step))

@@ -25,7 +25,7 @@ pub(super) struct LinearRow {
 
 /// An upper bound of a linear function.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Most {
+pub(super) struct UpperBound {
     /// The bound, rounded up; `-inf` if the rows exclude the whole box. Values within rounding of
     /// 0 are 0.
     pub(super) value: f64,
@@ -41,13 +41,13 @@ pub(super) struct Most {
 /// # Arguments
 ///
 /// * `target`: a value at which a smaller bound is of no further use.
-pub(super) fn most(
+pub(super) fn upper_bound(
     factors: &[f64],
     constant: f64,
     domain: &[Interval],
     rows: &[LinearRow],
     target: f64,
-) -> Most {
+) -> UpperBound {
     let mut best = Multipliers::new(factors, constant, domain, rows).bound();
     for first in 0..rows.len() {
         if best.value <= target {
@@ -60,7 +60,7 @@ pub(super) fn most(
             for row in order.clone() {
                 match multipliers.improve(row) {
                     Some(changed) => moved |= changed,
-                    None => return Most { value: f64::NEG_INFINITY, weight: 0.0 },
+                    None => return UpperBound { value: f64::NEG_INFINITY, weight: 0.0 },
                 }
             }
             // If the first turn changes nothing, no other start does.
@@ -101,7 +101,7 @@ impl<'a> Multipliers<'a> {
         Multipliers { factors, constant, domain, rows, weights, rest }
     }
 
-    fn bound(&self) -> Most {
+    fn bound(&self) -> UpperBound {
         let used = || self.rows.iter().zip(&self.weights).filter(|(_, weight)| **weight > 0.0);
         let fixed: f64 = used().map(|(row, weight)| row.limit * weight).sum();
         let parts = self.rest.iter().zip(self.domain).filter(|(r, _)| **r != 0.0);
@@ -113,7 +113,7 @@ impl<'a> Multipliers<'a> {
         let value = self.constant + fixed + free;
         let is_noise = value.abs() <= NOISE * magnitude;
         let value = if is_noise { 0.0 } else { value + ROUNDING * magnitude };
-        Most { value, weight: self.weights.iter().sum() }
+        UpperBound { value, weight: self.weights.iter().sum() }
     }
 
     /// Sets a row's multiplier to its best value; whether that changes it. `None` if the row
@@ -191,7 +191,7 @@ pub(super) fn range(
     let negated: Vec<f64> = factors.iter().map(|a| -a).collect();
     Interval {
         // Not -0.
-        lower: 0.0 - most(&negated, -constant, domain, rows, none).value,
-        upper: most(factors, constant, domain, rows, none).value,
+        lower: 0.0 - upper_bound(&negated, -constant, domain, rows, none).value,
+        upper: upper_bound(factors, constant, domain, rows, none).value,
     }
 }

@@ -6,7 +6,7 @@
 
 use super::bound;
 use super::switch::Region;
-use crate::hybrid::affine::{Behaviour, Map};
+use crate::hybrid::affine::{AffineForm, Dynamics};
 use crate::hybrid::system::Transition;
 
 /// Two changes whose numbers differ by at most this fraction are proportional (no unit).
@@ -38,9 +38,9 @@ pub(super) struct Changes {
 }
 
 /// A quantity of a transition: a next state or an output.
-pub(super) fn quantity(behaviour: &Behaviour, number: usize) -> &Map {
-    let states = behaviour.next.len();
-    if number < states { &behaviour.next[number] } else { &behaviour.outputs[number - states] }
+pub(super) fn quantity(dynamics: &Dynamics, number: usize) -> &AffineForm {
+    let states = dynamics.next.len();
+    if number < states { &dynamics.next[number] } else { &dynamics.outputs[number - states] }
 }
 
 impl Changes {
@@ -52,7 +52,7 @@ impl Changes {
     /// * `regions`: where the transitions are possible, at the last of these steps.
     pub(super) fn new(
         transitions: &[Transition],
-        steps: &[&[Behaviour]],
+        steps: &[&[Dynamics]],
         regions: &[Region],
     ) -> Self {
         let last = steps.last().copied().unwrap_or_default();
@@ -62,19 +62,19 @@ impl Changes {
         let mut parts = vec![Part::Same; quantities];
         let mut groups: Vec<Vec<(usize, Vec<f64>)>> = Vec::new();
         for (q, part) in parts.iter_mut().enumerate() {
-            let change = |step: &&[Behaviour]| -> Vec<Map> {
+            let change = |step: &&[Dynamics]| -> Vec<AffineForm> {
                 let common = quantity(&step[reference], q);
                 step.iter().map(|own| quantity(own, q).minus(common)).collect()
             };
-            let maps: Vec<Map> = steps.iter().flat_map(change).collect();
-            if maps.iter().all(Map::is_zero) {
+            let maps: Vec<AffineForm> = steps.iter().flat_map(change).collect();
+            if maps.iter().all(AffineForm::is_zero) {
                 continue;
             }
-            if maps.iter().all(Map::is_constant) {
+            if maps.iter().all(AffineForm::is_constant) {
                 *part = Part::Constant;
                 continue;
             }
-            let numbers: Vec<f64> = maps.iter().flat_map(Map::numbers).collect();
+            let numbers: Vec<f64> = maps.iter().flat_map(AffineForm::numbers).collect();
             match groups.iter_mut().find(|group| ratio(&numbers, &group[0].1).is_some()) {
                 Some(group) => group.push((q, numbers)),
                 None => groups.push(vec![(q, numbers)]),
@@ -100,12 +100,12 @@ impl Changes {
     }
 
     /// The change that a transition makes to a quantity.
-    pub(super) fn of(&self, step: &[Behaviour], transition: usize, number: usize) -> Map {
+    pub(super) fn of(&self, step: &[Dynamics], transition: usize, number: usize) -> AffineForm {
         quantity(&step[transition], number).minus(quantity(&step[self.reference], number))
     }
 
     /// The values of a group's variable, by transition.
-    pub(super) fn group(&self, step: &[Behaviour], group: usize) -> Vec<Map> {
+    pub(super) fn group(&self, step: &[Dynamics], group: usize) -> Vec<AffineForm> {
         (0..step.len()).map(|j| self.of(step, j, self.groups[group])).collect()
     }
 }
@@ -121,7 +121,7 @@ fn ratio(numbers: &[f64], others: &[f64]) -> Option<f64> {
 
 /// The transition from which the others differ least: the sum of the ranges of the changes, in
 /// parts of the states' ranges. An event only if there is nothing else.
-fn reference(transitions: &[Transition], step: &[Behaviour], regions: &[Region]) -> usize {
+fn reference(transitions: &[Transition], step: &[Dynamics], regions: &[Region]) -> usize {
     let only_events = transitions.iter().all(|transition| transition.is_event);
     let lasting = transitions.iter().enumerate().filter(|(_, t)| only_events || !t.is_event);
     let mut best = (f64::INFINITY, 0);
@@ -130,7 +130,7 @@ fn reference(transitions: &[Transition], step: &[Behaviour], regions: &[Region])
         for i in 0..step[r].next.len() {
             let mut hull = crate::interval::Interval::point(0.0);
             for (own, region) in step.iter().zip(regions) {
-                let Map { factors, constant } = own.next[i].minus(&step[r].next[i]);
+                let AffineForm { factors, constant } = own.next[i].minus(&step[r].next[i]);
                 hull = hull.hull(bound::range(&factors, constant, &region.domain, &region.rows));
             }
             let domain = regions[r].domain[i];

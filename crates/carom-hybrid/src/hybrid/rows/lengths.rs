@@ -8,7 +8,7 @@ const CONSTANT_ROUNDING: f64 = 1e-12;
 
 /// A row of a length at a step; `None` if it is constant and holds. One that is constant and does
 /// not hold becomes one that never holds.
-pub(super) fn telling(program: &SystemVariables, row: ConicRow, step: usize) -> Option<ConicRow> {
+pub(super) fn nontrivial(program: &SystemVariables, row: ConicRow, t: usize) -> Option<ConicRow> {
     let StoredConic::Norm { entries, bound } = row.stored() else { return Some(row) };
     if entries.iter().chain([bound]).any(|part| !part.terms().is_empty()) {
         return Some(row);
@@ -18,6 +18,6 @@ pub(super) fn telling(program: &SystemVariables, row: ConicRow, step: usize) -> 
     if length <= bound.offset() + slack {
         return None;
     }
-    let any = program.states().first().and_then(|family| family.get(step));
+    let any = program.states().first().and_then(|family| family.get(t));
     any.map(|variable| norm([Affine::from(variable)]).le(-1.0))
 }

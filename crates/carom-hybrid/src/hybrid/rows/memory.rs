@@ -152,7 +152,7 @@ impl SystemVariables {
         match modes::constant(&row) {
             None => Some(row),
             Some(true) => None,
-            Some(false) => Some(self.never_at(0)),
+            Some(false) => Some(self.infeasible_row_at(0)),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
-use super::switch::never;
+use super::switch::infeasible_row;
 use crate::error::Error;
 use crate::hybrid::system::Choice;
 use crate::interval::Interval;
@@ -78,7 +78,7 @@ pub(super) fn add(
         let row = match constant(&row) {
             None => row,
             Some(true) => continue,
-            Some(false) => program.never_at(step),
+            Some(false) => program.infeasible_row_at(step),
         };
         let known = families.iter().position(|(k, m, d, _)| (*k, *m, *d) == (kind, mode, dwell));
         let at = known.unwrap_or_else(|| {
@@ -100,10 +100,10 @@ pub(super) fn constant(row: &Row) -> Option<bool> {
 
 impl SystemVariables {
     /// A row that no state at a sample satisfies, for what has no variables of its own.
-    pub(crate) fn never_at(&self, sample: usize) -> Row {
+    pub(crate) fn infeasible_row_at(&self, sample: usize) -> Row {
         let first = self.states.first().and_then(|family| family.get(sample));
         let domain = self.system.states.first().map_or(Interval::REALS, |(_, domain)| *domain);
-        let (factor, limit) = never(domain);
+        let (factor, limit) = infeasible_row(domain);
         first.map_or(Affine::zero(), |variable| factor * variable).le(limit)
     }
 }

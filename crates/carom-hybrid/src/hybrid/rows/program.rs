@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::change::Changes;
 use super::levels::Levels;
 use crate::error::Error;
-use crate::hybrid::affine::{self, Behaviour, Map};
+use crate::hybrid::affine::{self, AffineForm, Dynamics};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::HorizonVariables;
 use crate::hybrid::system::{Coordinates, HybridSystem, Measure};
@@ -217,8 +217,12 @@ impl SystemVariables {
 
     /// The variables of what a choice changes in a step, each as a function of the start by
     /// transition.
-    pub(crate) fn change_maps(&self, choice: usize, step: usize) -> Vec<(Variable, Vec<Map>)> {
-        let (own, program) = (self.behaviours(choice, step), &self.choices[choice]);
+    pub(crate) fn change_maps(
+        &self,
+        choice: usize,
+        step: usize,
+    ) -> Vec<(Variable, Vec<AffineForm>)> {
+        let (own, program) = (self.dynamics(choice, step), &self.choices[choice]);
         let of = |(group, family): (usize, &Family)| {
             Some((family.get(step)?, program.changes.group(&own, group)))
         };
@@ -303,11 +307,11 @@ impl SystemVariables {
     }
 
     /// The transitions of a choice at a step, without the ranges of the inputs.
-    pub(crate) fn behaviours(&self, choice: usize, step: usize) -> Vec<Behaviour> {
+    pub(crate) fn dynamics(&self, choice: usize, step: usize) -> Vec<Dynamics> {
         let transitions = &self.system.choices[choice].transitions;
         let outputs = affine::output_names(transitions);
-        let behaviour = |t| affine::behaviour(&self.system, t, &outputs, Vec::new(), step);
-        transitions.iter().map(behaviour).collect()
+        let dynamics = |t| affine::dynamics(&self.system, t, &outputs, Vec::new(), step);
+        transitions.iter().map(dynamics).collect()
     }
 
     pub(super) fn choice(&self, name: &str) -> Result<usize, Error> {

@@ -252,7 +252,7 @@ impl SystemVariables {
                     }
                     modes.push(to.clone());
                 }
-                let step = self.behaviours(c, t);
+                let step = self.dynamics(c, t);
                 for (g, family) in program.groups.iter().enumerate() {
                     let change = program.changes.of(&step, j, program.changes.groups[g]);
                     values.extend(family.get(t).map(|variable| (variable, change.at(&z(t)))));

@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::change::{Part, quantity};
-use super::lengths::telling;
+use super::lengths::nontrivial;
 use super::names::Names;
 use super::program::{ChoiceProgram, SystemVariables};
 use super::switch::{Label, Switch, SwitchRow};
 use super::write::expression;
 use crate::error::Error;
-use crate::hybrid::affine::{self, Behaviour};
+use crate::hybrid::affine::{self, Dynamics};
 use crate::hybrid::system::Choice;
 use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Either, Literal, Method, Model, Row, Term};
@@ -23,7 +23,7 @@ pub(super) struct ChoiceStep<'a> {
     pub(super) program: &'a SystemVariables,
     /// The number of the choice.
     pub(super) number: usize,
-    pub(super) own: &'a [Behaviour],
+    pub(super) own: &'a [Dynamics],
     pub(super) rows: &'a Switch,
     pub(super) step: usize,
     pub(super) method: Option<Method>,
@@ -240,7 +240,7 @@ impl ChoiceStep<'_> {
         let at_start = |factors: &[f64], constant: f64| {
             expression(
                 self.program,
-                &affine::Map { factors: factors.to_vec(), constant },
+                &affine::AffineForm { factors: factors.to_vec(), constant },
                 self.step,
             )
         };
@@ -265,7 +265,7 @@ impl ChoiceStep<'_> {
                 true => norm.row(self.step, at_start),
                 false => norm.row(self.step, predicted),
             };
-            let Some(row) = telling(self.program, row, self.step) else { continue };
+            let Some(row) = nontrivial(self.program, row, self.step) else { continue };
             let label = Label::Guard { number: usize::MAX - k, is_limit: norm.is_limit };
             let key = (self.number, transition, Some(label), false);
             let family = names.keyed(key, &[of, &own.name, &norm.name]);
@@ -356,7 +356,7 @@ impl ChoiceStep<'_> {
 
     /// The left side of a row.
     fn expression(&self, row: &SwitchRow) -> Affine {
-        let z = affine::Map { factors: row.z.clone(), constant: 0.0 };
+        let z = affine::AffineForm { factors: row.z.clone(), constant: 0.0 };
         let mut sum = expression(self.program, &z, self.step);
         for (factor, family) in row.w.iter().zip(&self.variables().groups) {
             if let Some(variable) = family.get(self.step).filter(|_| *factor != 0.0) {

@@ -7,9 +7,9 @@
 //! Half-spaces that are limits are never left out because of others and never used to leave others
 //! out, so that an explanation can drop them.
 
-use super::bound::{self, LinearRow, most, size};
+use super::bound::{self, LinearRow, size, upper_bound};
 use super::change::Changes;
-use crate::hybrid::affine::{Behaviour, Map};
+use crate::hybrid::affine::{AffineForm, Dynamics};
 use crate::interval::Interval;
 
 /// How much a row that holds everywhere may be violated by rounding, relative to its terms (no
@@ -37,23 +37,23 @@ impl Region {
     /// * `known`: what holds at the start of the step in any case.
     /// * `alone`: whether the choice decides on the next state alone.
     pub(super) fn new(
-        behaviour: &Behaviour,
+        dynamics: &Dynamics,
         domains: &[Interval],
         known: &[LinearRow],
         alone: bool,
     ) -> Self {
-        let domain = [domains, &behaviour.inputs].concat();
+        let domain = [domains, &dynamics.inputs].concat();
         let mut rows = known.to_vec();
-        let guards = behaviour.guards.iter().filter(|guard| !guard.is_limit);
-        rows.extend(guards.map(|guard| below(&guard.map, 0.0)));
+        let guards = dynamics.guards.iter().filter(|guard| !guard.is_limit);
+        rows.extend(guards.map(|guard| row_at_most(&guard.map, 0.0)));
         if alone {
-            for (next, range) in behaviour.next.iter().zip(domains) {
-                rows.push(below(next, range.upper));
-                rows.push(below(&next.scaled(-1.0), -range.lower));
+            for (next, range) in dynamics.next.iter().zip(domains) {
+                rows.push(row_at_most(next, range.upper));
+                rows.push(row_at_most(&next.scaled(-1.0), -range.lower));
             }
         }
-        let nothing = vec![0.0; domain.len()];
-        if most(&nothing, 0.0, &domain, &rows, f64::NEG_INFINITY).value == f64::NEG_INFINITY {
+        let (nothing, none) = (vec![0.0; domain.len()], f64::NEG_INFINITY);
+        if upper_bound(&nothing, 0.0, &domain, &rows, none).value == none {
             rows.clear();
         }
         Region { domain, rows }
@@ -61,12 +61,12 @@ impl Region {
 }
 
 /// `map <= limit`.
-pub(super) fn below(map: &Map, limit: f64) -> LinearRow {
+pub(super) fn row_at_most(map: &AffineForm, limit: f64) -> LinearRow {
     LinearRow { factors: map.factors.clone(), limit: limit - map.constant }
 }
 
 /// The coefficient and the limit with which a variable of this range satisfies no row.
-pub(super) fn never(range: Interval) -> (f64, f64) {
+pub(super) fn infeasible_row(range: Interval) -> (f64, f64) {
     (1.0, range.lower - 1.0)
 }
 
@@ -106,9 +106,9 @@ pub(super) struct Switch {
 struct Analysis<'a> {
     regions: &'a [Region],
     /// The values of the groups' variables, by group and transition.
-    changes: Vec<Vec<Map>>,
+    changes: Vec<Vec<AffineForm>>,
     /// The same as the rows state them: only their range, where that is a point.
-    stated: Vec<Vec<Map>>,
+    stated: Vec<Vec<AffineForm>>,
     /// Ranges of states and inputs in any transition, and then of the groups' variables.
     domain: Vec<Interval>,
     /// Rows that hold in any transition, in these variables.
@@ -123,17 +123,17 @@ struct Analysis<'a> {
 /// * `ranges`: of the states and of the inputs, over all transitions.
 /// * `known`: what holds at the start of the step in any case.
 pub(super) fn switch(
-    step: &[Behaviour],
+    step: &[Dynamics],
     changes: &Changes,
     regions: &[Region],
     ranges: &[Interval],
     known: &[LinearRow],
 ) -> Switch {
     let groups = changes.groups.len();
-    let maps: Vec<Vec<Map>> = (0..groups).map(|g| changes.group(step, g)).collect();
-    let of = |maps: &Vec<Map>| -> Vec<Interval> {
+    let maps: Vec<Vec<AffineForm>> = (0..groups).map(|g| changes.group(step, g)).collect();
+    let of = |maps: &Vec<AffineForm>| -> Vec<Interval> {
         let each = maps.iter().zip(regions);
-        let range = |(map, region): (&Map, &Region)| {
+        let range = |(map, region): (&AffineForm, &Region)| {
             bound::range(&map.factors, map.constant, &region.domain, &region.rows)
         };
         each.map(range).collect()
@@ -153,8 +153,8 @@ pub(super) fn switch(
     let is_range = |span: &Interval| regions.len() > 2 && span.width() == 0.0;
     let stated = maps.iter().zip(&spans).map(|(maps, spans)| {
         let each = maps.iter().zip(spans);
-        let map = |(map, span): (&Map, &Interval)| match is_range(span) {
-            true => Map::constant(map.factors.len(), span.lower),
+        let map = |(map, span): (&AffineForm, &Interval)| match is_range(span) {
+            true => AffineForm::constant(map.factors.len(), span.lower),
             false => map.clone(),
         };
         each.map(map).collect()
@@ -188,7 +188,7 @@ pub(super) fn switch(
 
 impl Analysis<'_> {
     /// Everything that a transition demands.
-    fn rows(&self, transition: usize, own: &Behaviour, ranges: &[Interval]) -> Vec<SwitchRow> {
+    fn rows(&self, transition: usize, own: &Dynamics, ranges: &[Interval]) -> Vec<SwitchRow> {
         let groups = self.changes.len();
         let mut rows = Vec::new();
         for (group, maps) in self.changes.iter().enumerate() {
@@ -202,13 +202,13 @@ impl Analysis<'_> {
         }
         let none = || vec![0.0; groups];
         for guard in &own.guards {
-            let LinearRow { factors: mut z, mut limit } = below(&guard.map, 0.0);
+            let LinearRow { factors: mut z, mut limit } = row_at_most(&guard.map, 0.0);
             if guard.map.is_constant() {
                 if guard.map.constant <= 0.0 {
                     continue;
                 }
                 // A row needs a variable.
-                (z[0], limit) = never(ranges[0]);
+                (z[0], limit) = infeasible_row(ranges[0]);
             }
             let label = Label::Guard { number: guard.number, is_limit: guard.is_limit };
             rows.push(SwitchRow { label, z, w: none(), limit });
@@ -228,10 +228,15 @@ impl Analysis<'_> {
 
     /// A row in states and inputs alone, where the changes are those of a transition; and the sum
     /// of the magnitudes of its terms.
-    fn within(&self, changes: &[Vec<Map>], transition: usize, row: &SwitchRow) -> (Map, f64) {
-        let mut map = Map { factors: row.z.clone(), constant: -row.limit };
+    fn within(
+        &self,
+        changes: &[Vec<AffineForm>],
+        transition: usize,
+        row: &SwitchRow,
+    ) -> (AffineForm, f64) {
+        let mut map = AffineForm { factors: row.z.clone(), constant: -row.limit };
         let domain = &self.regions[transition].domain;
-        let size = |map: &Map| -> f64 {
+        let size = |map: &AffineForm| -> f64 {
             let terms = map.factors.iter().zip(domain);
             terms.map(|(a, range)| (a * range.magnitude()).abs()).sum::<f64>() + map.constant.abs()
         };
@@ -255,7 +260,7 @@ impl Analysis<'_> {
                 let (map, magnitude) = self.within(&self.changes, other, row);
                 let allowed = ROUNDING * magnitude;
                 let Region { domain, rows } = region;
-                let miss = most(&map.factors, map.constant, domain, rows, allowed).value;
+                let miss = upper_bound(&map.factors, map.constant, domain, rows, allowed).value;
                 if miss > allowed {
                     return None;
                 }
@@ -291,7 +296,7 @@ impl Analysis<'_> {
     fn state(&mut self, from: usize, row: SwitchRow, common: &mut Vec<(usize, SwitchRow)>) {
         let factors = [&row.z[..], &row.w].concat();
         let allowed = ROUNDING * (row.limit.abs() + size(&factors, &self.domain));
-        let found = most(&factors, -row.limit, &self.domain, &self.known, allowed);
+        let found = upper_bound(&factors, -row.limit, &self.domain, &self.known, allowed);
         if found.value <= allowed && found.weight <= WEIGHT {
             return;
         }
@@ -308,12 +313,12 @@ impl Analysis<'_> {
             let (z, w) = row.factors.split_at(self.width);
             let label = Label::Change { group: 0, upper: true };
             let row = SwitchRow { label, z: z.to_vec(), w: w.to_vec(), limit: row.limit };
-            below(&self.within(&self.stated, transition, &row).0, 0.0)
+            row_at_most(&self.within(&self.stated, transition, &row).0, 0.0)
         };
         let bounds =
             self.stated.iter().zip(&self.domain[self.width..]).flat_map(|(maps, range)| {
                 let map = &maps[transition];
-                [below(map, range.upper), below(&map.scaled(-1.0), -range.lower)]
+                [row_at_most(map, range.upper), row_at_most(&map.scaled(-1.0), -range.lower)]
             });
         let rows = self.known.iter().map(split).chain(bounds);
         rows.filter(|row| row.factors.iter().any(|&a| a != 0.0)).collect()
@@ -326,7 +331,7 @@ impl Analysis<'_> {
         }
         let domain = &self.domain[..self.width];
         let allowed = ROUNDING * (row.limit.abs() + size(&row.z, domain));
-        let found = most(&row.z, -row.limit, domain, given, allowed);
+        let found = upper_bound(&row.z, -row.limit, domain, given, allowed);
         found.value <= allowed && found.weight <= WEIGHT
     }
 }

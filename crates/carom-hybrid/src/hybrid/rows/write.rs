@@ -4,25 +4,25 @@ use std::collections::BTreeSet;
 
 use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
-use super::lengths::telling;
+use super::lengths::nontrivial;
 use super::levels;
 use super::modes;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
-use super::switch::{Region, Switch, below, switch};
+use super::switch::{Region, Switch, row_at_most, switch};
 use crate::error::Error;
-use crate::hybrid::affine::{self, Behaviour, Map};
+use crate::hybrid::affine::{self, AffineForm, Dynamics};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem};
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Method, Model, Variable, VariableKind};
 
 /// The changes and rows of a choice, known before its variables are made.
-struct Plan {
+struct Formulation {
     changes: Changes,
     /// The transitions and their rows at every step that differs from others.
-    steps: Vec<(Vec<Behaviour>, Switch)>,
+    steps: Vec<(Vec<Dynamics>, Switch)>,
 }
 
 /// The ranges of the inputs at a step, over all transitions of every choice that limits them.
@@ -38,10 +38,11 @@ fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
 fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
     let width = system.states.len() + system.inputs.len();
     let limits = system.limits.iter().filter(|limit| !limit.is_limit);
-    limits.filter_map(|limit| Some(below(&affine::excess(limit, width, step)?, 0.0))).collect()
+    let row = |limit| Some(row_at_most(&affine::excess(limit, width, step)?, 0.0));
+    limits.filter_map(row).collect()
 }
 
-fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
+fn formulate(system: &HybridSystem, choice: &Choice, count: usize) -> Formulation {
     let outputs = affine::output_names(&choice.transitions);
     let domains: Vec<Interval> = system.states.iter().map(|(_, domain)| *domain).collect();
     let alone = system.choices.len() == 1;
@@ -49,27 +50,27 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
     for t in 0..count {
         let ranges = input_ranges(system, t);
         let known = known(system, t);
-        let behaviour = |transition| {
+        let dynamics = |transition| {
             let inputs = ranges.iter().enumerate().map(|(u, all)| {
                 let own = system.input_range(choice, transition, u, t).unwrap_or(*all);
                 let both = own.intersection(*all);
                 if both.is_empty() { own } else { both }
             });
-            affine::behaviour(system, transition, &outputs, inputs.collect(), t)
+            affine::dynamics(system, transition, &outputs, inputs.collect(), t)
         };
-        let own: Vec<Behaviour> = choice.transitions.iter().map(behaviour).collect();
-        let region = |own: &Behaviour| Region::new(own, &domains, &known, alone);
+        let own: Vec<Dynamics> = choice.transitions.iter().map(dynamics).collect();
+        let region = |own: &Dynamics| Region::new(own, &domains, &known, alone);
         let regions: Vec<Region> = own.iter().map(region).collect();
         steps.push((own, regions, [&domains[..], &ranges].concat(), known));
     }
-    let all: Vec<&[Behaviour]> = steps.iter().map(|(own, ..)| &own[..]).collect();
+    let all: Vec<&[Dynamics]> = steps.iter().map(|(own, ..)| &own[..]).collect();
     let last: &[Region] = steps.last().map_or(&[], |(_, regions, ..)| regions);
     let changes = Changes::new(&choice.transitions, &all, last);
     let steps = steps.into_iter().map(|(own, regions, ranges, known)| {
         let rows = switch(&own, &changes, &regions, &ranges, &known);
         (own, rows)
     });
-    Plan { steps: steps.collect(), changes }
+    Formulation { steps: steps.collect(), changes }
 }
 
 /// The numbers of rows, indicators, conic rows and disjunctions.
@@ -87,17 +88,18 @@ pub(super) fn write(
     method: Option<Method>,
 ) -> Result<SystemVariables, Error> {
     let count = system.settles().min(horizon.steps() - 1) + 1;
-    let plans: Vec<Plan> = system.choices.iter().map(|own| plan(system, own, count)).collect();
+    let formulations: Vec<Formulation> =
+        system.choices.iter().map(|own| formulate(system, own, count)).collect();
     let before = counts(model);
     let (mut program, background, words) = model.all_or_nothing(|model| {
         let mut names = Names::new(prefix);
-        let program = variables(system, model, &mut names, horizon, &plans)?;
+        let program = variables(system, model, &mut names, horizon, &formulations)?;
         let mut writer = Writer {
             system,
             model,
             names: Names::new(prefix),
             program: &program,
-            plans: &plans,
+            formulations: &formulations,
             method,
             as_predicted: as_predicted(system),
             background: BTreeSet::new(),
@@ -126,7 +128,7 @@ fn variables(
     model: &mut Model,
     names: &mut Names,
     horizon: &Horizon,
-    plans: &[Plan],
+    formulations: &[Formulation],
 ) -> Result<SystemVariables, Error> {
     let steps = horizon.steps();
     let mut program = SystemVariables {
@@ -166,29 +168,29 @@ fn variables(
         program.inputs.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
         program.levels.push(levels::variables(system, u, model, names, steps)?);
     }
-    for (choice, plan) in system.choices.iter().zip(plans) {
+    for (choice, own) in system.choices.iter().zip(formulations) {
         // A single choice needs no name.
         let of = if system.choices.len() == 1 { "" } else { &choice.name };
         let transitions: Vec<&str> = choice.transitions.iter().map(|t| t.name.as_str()).collect();
-        let on = 1 - plan.changes.reference.min(1);
+        let on = 1 - own.changes.reference.min(1);
         let taken = one_of(model, names, &transitions, on, steps, &[of])?;
         let modes = one_of(model, names, &choice.modes(), 1, steps + 1, &[&choice.name, "is"])?;
         let mut groups = Vec::new();
         let outputs = affine::output_names(&choice.transitions);
-        for (g, &quantity) in plan.changes.groups.iter().enumerate() {
+        for (g, &quantity) in own.changes.groups.iter().enumerate() {
             let name = match system.states.get(quantity) {
                 Some((state, _)) => names.family(&[of, "change", state]),
                 None => names.family(&[of, outputs[quantity - system.states.len()]]),
             };
             let member = |t: usize| {
-                let range = at(&plan.steps, t).1.bounds[g];
+                let range = at(&own.steps, t).1.bounds[g];
                 model.continuous((name.as_str(), t), range.lower, range.upper)
             };
             groups.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
         }
-        program.choices.push(ChoiceProgram { changes: plan.changes.clone(), taken, modes, groups });
+        program.choices.push(ChoiceProgram { changes: own.changes.clone(), taken, modes, groups });
     }
-    outputs(&mut program, plans);
+    outputs(&mut program, formulations);
     Ok(program)
 }
 
@@ -218,7 +220,11 @@ fn at<T>(list: &[T], step: usize) -> &T {
 }
 
 /// A map of states and inputs at a step, as an expression.
-pub(in crate::hybrid) fn expression(program: &SystemVariables, map: &Map, step: usize) -> Affine {
+pub(in crate::hybrid) fn expression(
+    program: &SystemVariables,
+    map: &AffineForm,
+    step: usize,
+) -> Affine {
     let mut sum = Affine::constant(map.constant);
     let variables = program.states.iter().chain(&program.inputs).map(|family| family.get(step));
     for (factor, variable) in map.factors.iter().zip(variables) {
@@ -230,7 +236,7 @@ pub(in crate::hybrid) fn expression(program: &SystemVariables, map: &Map, step: 
 }
 
 /// The change that a choice adds to a quantity of its reference in a step, as an expression.
-fn change(program: &ChoiceProgram, own: &[Behaviour], number: usize, step: usize) -> Affine {
+fn change(program: &ChoiceProgram, own: &[Dynamics], number: usize, step: usize) -> Affine {
     match program.changes.parts[number] {
         Part::Same => Affine::zero(),
         Part::Constant => {
@@ -246,7 +252,7 @@ fn change(program: &ChoiceProgram, own: &[Behaviour], number: usize, step: usize
 }
 
 /// Adds the outputs of all choices, by name.
-fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
+fn outputs(program: &mut SystemVariables, formulations: &[Formulation]) {
     let (n, steps) = (program.states.len(), program.horizon.steps());
     let mut outputs: Vec<(String, Vec<Affine>)> = Vec::new();
     let mut by_choice = Vec::new();
@@ -254,7 +260,7 @@ fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
         let mut of_choice = Vec::new();
         for (o, name) in affine::output_names(&choice.transitions).into_iter().enumerate() {
             let value = |t: usize| {
-                let own = &at(&plans[c].steps, t).0;
+                let own = &at(&formulations[c].steps, t).0;
                 let changes = &program.choices[c].changes;
                 let common = quantity(&own[changes.reference], n + o);
                 expression(program, common, t) + change(&program.choices[c], own, n + o, t)
@@ -299,7 +305,7 @@ struct Writer<'a> {
     model: &'a mut Model,
     names: Names,
     program: &'a SystemVariables,
-    plans: &'a [Plan],
+    formulations: &'a [Formulation],
     method: Option<Method>,
     /// Which states are as predicted.
     as_predicted: Vec<bool>,
@@ -322,7 +328,7 @@ impl Writer<'_> {
                 match modes::constant(&row) {
                     None => {}
                     Some(true) => continue,
-                    Some(false) => row = self.program.never_at(t),
+                    Some(false) => row = self.program.infeasible_row_at(t),
                 }
                 self.model.add((family.as_str(), t), row)?;
                 any = true;
@@ -337,9 +343,9 @@ impl Writer<'_> {
             let mut any = false;
             for t in 0..last {
                 let row = limit.row(t, |factors, constant| {
-                    expression(self.program, &Map { factors: factors.to_vec(), constant }, t)
+                    expression(self.program, &AffineForm { factors: factors.to_vec(), constant }, t)
                 });
-                let Some(row) = telling(self.program, row, t) else { continue };
+                let Some(row) = nontrivial(self.program, row, t) else { continue };
                 self.model.add((family.as_str(), t), row)?;
                 any = true;
             }
@@ -374,8 +380,8 @@ impl Writer<'_> {
                     self.model.add((name.as_str(), t), variable.equals(next))?;
                 }
             }
-            for (number, plan) in self.plans.iter().enumerate() {
-                let (own, rows) = at(&plan.steps, t);
+            for (number, formulation) in self.formulations.iter().enumerate() {
+                let (own, rows) = at(&formulation.steps, t);
                 let method = self.method;
                 let as_predicted = &self.as_predicted;
                 let step = ChoiceStep {
@@ -397,12 +403,13 @@ impl Writer<'_> {
     /// The next value of a state: the common flow, and what the choices change about it.
     fn next(&self, state: usize, step: usize) -> Affine {
         let width = self.system.states.len() + self.system.inputs.len();
-        let choices = self.program.choices.iter().zip(self.plans);
-        let mut choices = choices.map(|(own, plan)| (own, &at(&plan.steps, step).0));
+        let choices = self.program.choices.iter().zip(self.formulations);
+        let mut choices = choices.map(|(own, formulation)| (own, &at(&formulation.steps, step).0));
         let mut sum = Affine::zero();
-        let flow = self.system.flow.as_ref().filter(|_| self.plans.len() > 1).map(affine::flow);
-        let mut common = flow.map_or(Map::constant(width, 0.0), |flow| flow[state].clone());
-        let base = (self.plans.len() > 1).then(|| common.clone());
+        let has_several = self.formulations.len() > 1;
+        let flow = self.system.flow.as_ref().filter(|_| has_several).map(affine::flow);
+        let mut common = flow.map_or(AffineForm::constant(width, 0.0), |flow| flow[state].clone());
+        let base = has_several.then(|| common.clone());
         choices.by_ref().for_each(|(choice, own)| {
             let reference = &own[choice.changes.reference].next[state];
             let difference = base.as_ref().map_or(reference.clone(), |base| reference.minus(base));
@@ -413,7 +420,7 @@ impl Writer<'_> {
     }
 
     fn modes(&mut self) -> Result<(), Error> {
-        for number in 0..self.plans.len() {
+        for number in 0..self.formulations.len() {
             let families = modes::add(self.model, &mut self.names, self.program, number)?;
             self.background.extend(families);
         }
@@ -428,7 +435,7 @@ impl Writer<'_> {
         match modes::constant(&row) {
             None => {}
             Some(true) => return Ok(()),
-            Some(false) => row = self.program.never_at(0),
+            Some(false) => row = self.program.infeasible_row_at(0),
         }
         let family = self.names.family(&["most_events"]);
         self.model.add(family.as_str(), row)?;

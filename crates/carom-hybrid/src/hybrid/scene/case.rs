@@ -56,7 +56,7 @@ impl SceneProgram {
     pub fn add_case(&mut self, name: &str, scene: &Scene, until: usize) -> Result<(), Error> {
         let mut stated = scene.stated()?;
         let tag = stated.system.handles.tag;
-        if self.program.members.iter().any(|own| own.system().handles.tag == tag) {
+        if self.program.systems.iter().any(|own| own.system().handles.tag == tag) {
             stated.system.handles.renew();
         }
         stated.check_courses(self.steps())?;

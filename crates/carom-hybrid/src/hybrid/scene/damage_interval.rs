@@ -62,10 +62,10 @@ impl IntervalOptions {
 pub struct IntervalEnd {
     /// The horizon is proved to have no plan under this limit, in m/s. Infinite if it has no plan
     /// under any limit; 0 if nothing is refuted.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub bound: f64,
     /// Largest impact speed of the best plan found, in m/s; infinite if there is none.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub attained: f64,
 }
 

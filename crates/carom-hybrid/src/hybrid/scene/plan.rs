@@ -296,7 +296,7 @@ impl SceneProgram {
     /// The plan of a solution whose states are the run of its inputs.
     fn read(&self, solution: &Solution) -> Result<ScenePlan, Error> {
         let (run, _) = self.variables().certified(solution)?;
-        self.program.members.check_missions(solution)?;
+        self.program.systems.check_missions(solution)?;
         let bodies = self.paths(&run)?;
         let paths = match solution.point().filter(|_| !self.units.is_plain()) {
             Some(point) => self.paths(&self.variables().read_own(point)?)?,

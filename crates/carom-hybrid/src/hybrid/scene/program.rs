@@ -106,7 +106,7 @@ impl Stated {
         let user = self.user_system()?;
         let hybrid = user.write_restated(&self.restated(), &mut model, "", &horizon, None)?;
         let mut program = HybridProgram::from_parts(model, hybrid);
-        program.members_mut().modes_follow_states = true;
+        program.systems_mut().modes_follow_states = true;
         let mut program = self.completed(program)?;
         let price = program.price();
         program.minimize(price)?;

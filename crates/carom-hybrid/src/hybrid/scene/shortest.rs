@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair};
-use super::loose::loose;
+use super::decoupled_relaxation::decoupled_relaxation;
 use super::plan::ScenePlan;
 use super::program::{SceneProgram, exclusive};
 use super::rule::DamageRule;
@@ -30,7 +30,7 @@ const COARSER: f64 = 8.0;
 
 /// The most combinations of modes of a step for which sets of coupled axes are kept: they are
 /// templates of all states, each image of which costs many times a polygon's.
-const MOST_MOVES: usize = 8;
+const MOST_MODE_COMBINATIONS: usize = 8;
 
 /// The number of first steps in which a corner is looked for.
 const FIRST_STEPS: usize = 64;
@@ -173,9 +173,9 @@ impl Stated {
         Ok(sets)
     }
 
-    /// Sets that take no longer than a few nodes of a search: of the scene where few moves couple
-    /// its axes or none does, and otherwise of the scene with [looser conditions](loose), if hits
-    /// keep axes apart.
+    /// Sets that take no longer than a few nodes of a search: of the scene where few combinations
+    /// of modes couple its axes or none does, and otherwise of its
+    /// [decoupled relaxation](decoupled_relaxation), if hits keep axes apart.
     pub(super) fn quick_sets(&self) -> Result<Option<ReachSets>, Error> {
         let is_aligned = |contact: &ContactPair| {
             let along_axis = |face: &ContactFace| face.normal.iter().any(|n| n.abs() == 1.0);
@@ -186,8 +186,8 @@ impl Stated {
                 || is_aligned(contact)
                     && contact.faces.iter().all(|face| face.surface.is_frictionless())
         };
-        let moves = self.contacts.iter().map(|contact| contact.modes.len());
-        let few = moves.fold(1, usize::saturating_mul) <= MOST_MOVES;
+        let combinations = self.contacts.iter().map(|contact| contact.modes.len());
+        let few = combinations.fold(1, usize::saturating_mul) <= MOST_MODE_COMBINATIONS;
         let apart =
             self.contacts.iter().all(hits_apart) && self.scene.bodies.iter().all(Body::is_apart);
         // Lengths couple axes.
@@ -195,7 +195,7 @@ impl Stated {
         let has_ball = self.scene.bodies.iter().any(Body::has_ball);
         let mut system = match (apart_or_few && !(has_ball && apart), apart) {
             (true, _) => self.system.clone(),
-            (false, true) => loose(self),
+            (false, true) => decoupled_relaxation(self),
             (false, false) => return Ok(None),
         };
         system.most_events = self.most_hits();

@@ -156,6 +156,6 @@ impl HorizonModel for Task<'_> {
     }
 
     fn variables(&self, program: &HybridProgram) -> HorizonVariables {
-        program.members.first().horizon_variables()
+        program.systems.first().horizon_variables()
     }
 }

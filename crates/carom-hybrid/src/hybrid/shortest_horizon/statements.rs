@@ -218,7 +218,7 @@ impl ShortestOptions {
             match within(when, program.steps()) {
                 Some(when) => program.require_stated(name, region, when)?,
                 None => {
-                    let system = program.members.first().system();
+                    let system = program.systems.first().system();
                     region.of(system)?.check(system, "the region")?;
                     let late =
                         program.model.continuous(format!("{name} after the end"), 0.0, 0.0)?;

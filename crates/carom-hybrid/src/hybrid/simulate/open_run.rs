@@ -8,7 +8,7 @@
 use super::digits::{Digits, RoundedFloat, RunNumber};
 use super::error::RunError;
 use super::plan::PlannedRun;
-use crate::hybrid::affine::{self, Map};
+use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{HybridSystem, Measure, Transition};
 use crate::interval::Interval;
@@ -215,11 +215,10 @@ impl PlannedRun<'_> {
     }
 
     /// The next state as functions of the state and the input at a step.
-    pub(super) fn maps(&self, step: usize) -> Vec<Map> {
-        let of =
-            |own: &&Transition| affine::behaviour(self.system, own, &[], Vec::new(), step).next;
-        let parts: Vec<Vec<Map>> = self.transitions(step).iter().map(of).collect();
-        let parts: Vec<&[Map]> = parts.iter().map(Vec::as_slice).collect();
+    pub(super) fn maps(&self, step: usize) -> Vec<AffineForm> {
+        let of = |own: &&Transition| affine::dynamics(self.system, own, &[], Vec::new(), step).next;
+        let parts: Vec<Vec<AffineForm>> = self.transitions(step).iter().map(of).collect();
+        let parts: Vec<&[AffineForm]> = parts.iter().map(Vec::as_slice).collect();
         let common = self.system.flow.as_ref().map(affine::flow);
         affine::sum(common.as_deref(), &parts)
     }

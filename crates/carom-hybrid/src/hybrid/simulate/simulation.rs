@@ -21,7 +21,7 @@ pub struct Candidate {
     /// transition has no conditions.
     pub tightest: Option<Condition>,
     /// By how much it holds, in its unit; negative if it is violated, infinite without conditions.
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     pub slack: f64,
 }
 

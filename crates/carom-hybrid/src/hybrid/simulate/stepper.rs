@@ -11,7 +11,7 @@ use crate::hybrid::system::{Choice, Transition};
 use crate::tolerance::margin_scale;
 
 /// Up to how many combinations of transitions are counted in a step.
-const MOST_MOVES: usize = 65_536;
+const MOST_TRIED: usize = 65_536;
 
 /// Finds the transitions of one step.
 pub(super) struct Stepper<'a> {
@@ -117,7 +117,7 @@ impl<'a> Stepper<'a> {
         }
         let Some(Combination { picked, next, tightest }) = best else {
             let what = "the number of combinations of transitions in a step";
-            return Err(Error::out_of_range(what, f64::INFINITY, format!("at most {MOST_MOVES}")));
+            return Err(Error::out_of_range(what, f64::INFINITY, format!("at most {MOST_TRIED}")));
         };
         if let Some(slack) = tightest.filter(|slack| !slack.holds(tolerance)) {
             let (condition, violation) = (slack.condition, -slack.slack);
@@ -172,7 +172,7 @@ impl<'a> Stepper<'a> {
         let mut digits = vec![0; ways.len()];
         let mut tried = 0;
         while alone.iter().all(|list| !list.is_empty()) {
-            if tried == MOST_MOVES {
+            if tried == MOST_TRIED {
                 all.best = all.best.filter(|_| all.moves > 0);
                 return Ok(all);
             }

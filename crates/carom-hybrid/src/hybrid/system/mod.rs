@@ -78,7 +78,7 @@ pub use linear_complementarity::LinearComplementarity;
 pub(crate) use measure::{Measure, check_digits, power_of_two};
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub(crate) use norm_limit::{NormEntry, NormLimit};
-pub(crate) use polygons::Bracket;
+pub(crate) use polygons::Approximation;
 pub use region::Region;
 pub(crate) use region::{check_cut, outside_domain};
 pub use schedule::Schedule;

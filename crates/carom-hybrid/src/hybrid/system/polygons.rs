@@ -16,13 +16,13 @@ use super::{HybridSystem, Transition};
 /// The sides of the polygon of a pair of entries.
 const SIDES: usize = 16;
 
-/// On which side of the limit a polygon is.
+/// The side of the limit on which a polygon is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Bracket {
+pub(crate) enum Approximation {
     /// It holds all that the limit allows.
-    Around,
+    Outer,
     /// The limit allows all of it.
-    Within,
+    Inner,
 }
 
 impl NormLimit {
@@ -35,10 +35,10 @@ impl NormLimit {
     }
 
     /// The half-spaces of its polygon, all with its name.
-    pub(crate) fn polygon(&self, bracket: Bracket) -> Vec<Halfspace> {
-        let share = match bracket {
-            Bracket::Around => 1.0,
-            Bracket::Within => 1.0 / (1.0 + self.excess()),
+    pub(crate) fn polygon(&self, approximation: Approximation) -> Vec<Halfspace> {
+        let share = match approximation {
+            Approximation::Outer => 1.0,
+            Approximation::Inner => 1.0 / (1.0 + self.excess()),
         };
         let d = self.entries.len();
         if d == 1 {
@@ -78,19 +78,19 @@ impl NormLimit {
 }
 
 /// The half-spaces of the polygons of some limits.
-fn polygons(norms: &[NormLimit], bracket: Bracket) -> impl Iterator<Item = Halfspace> {
-    norms.iter().flat_map(move |limit| limit.polygon(bracket))
+fn polygons(norms: &[NormLimit], approximation: Approximation) -> impl Iterator<Item = Halfspace> {
+    norms.iter().flat_map(move |limit| limit.polygon(approximation))
 }
 
 impl HybridSystem {
     /// The system with polygons for norm limits.
-    pub(crate) fn polyhedral(&self, bracket: Bracket) -> HybridSystem {
+    pub(crate) fn polyhedral(&self, approximation: Approximation) -> HybridSystem {
         let mut system = self.clone();
         let norms = std::mem::take(&mut system.norms);
-        system.limits.extend(polygons(&norms, bracket));
+        system.limits.extend(polygons(&norms, approximation));
         for choice in &mut system.choices {
             for transition in &mut choice.transitions {
-                transition.make_polyhedral(bracket);
+                transition.make_polyhedral(approximation);
             }
         }
         system
@@ -113,10 +113,10 @@ impl HybridSystem {
 }
 
 impl Transition {
-    fn make_polyhedral(&mut self, bracket: Bracket) {
-        self.guards.extend(polygons(&std::mem::take(&mut self.norms), bracket));
+    fn make_polyhedral(&mut self, approximation: Approximation) {
+        self.guards.extend(polygons(&std::mem::take(&mut self.norms), approximation));
         let predicted = std::mem::take(&mut self.prediction_norms);
-        self.prediction_guards.extend(polygons(&predicted, bracket));
+        self.prediction_guards.extend(polygons(&predicted, approximation));
     }
 }
 
@@ -125,7 +125,7 @@ impl Region {
     pub(crate) fn polyhedral(&self) -> Region {
         let mut region = self.clone();
         let norms = std::mem::take(&mut region.norms);
-        region.halfspaces.extend(polygons(&norms, Bracket::Around));
+        region.halfspaces.extend(polygons(&norms, Approximation::Outer));
         region
     }
 }

@@ -111,7 +111,7 @@ impl TryFrom<StoredReset> for Reset {
 /// A number that may be infinite.
 #[derive(Serialize, Deserialize)]
 #[serde(transparent)]
-struct Limit(#[serde(with = "crate::wire")] f64);
+struct Limit(#[serde(with = "crate::serde_numbers")] f64);
 
 /// Writes limits by step, of which some may be infinite.
 pub(super) fn write_limits<S: Serializer>(

@@ -4,9 +4,9 @@ use faer::Mat;
 
 use super::error::TerminalError;
 use crate::error::{Error, check_length};
-use crate::hybrid::affine::{self, Behaviour, Map, excess};
+use crate::hybrid::affine::{self, AffineForm, Dynamics, excess};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::system::{Bracket, Choice, HybridSystem, Transition};
+use crate::hybrid::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::interval::Interval;
 
 /// A row `factors . (x, u) <= limit`.
@@ -19,7 +19,7 @@ pub(crate) struct Limit {
 
 impl Limit {
     /// The row `map <= 0`.
-    fn new(name: &str, map: Map) -> Self {
+    fn new(name: &str, map: AffineForm) -> Self {
         Limit { name: name.to_owned(), factors: map.factors, limit: -map.constant }
     }
 }
@@ -43,7 +43,7 @@ impl Stay {
     pub(crate) fn new(system: &HybridSystem, transitions: &[&str]) -> Result<Self, Error> {
         system.check()?;
         // Polygons within norms, so that what keeps the former keeps the latter.
-        let system = &system.polyhedral(Bracket::Within);
+        let system = &system.polyhedral(Approximation::Inner);
         check_length("the list of transitions", transitions.len(), system.choices.len())?;
         let (n, m) = (system.states.len(), system.inputs.len());
         let step = system.settles();
@@ -56,16 +56,16 @@ impl Stay {
         let mut limits: Vec<Limit> = limits
             .filter_map(|limit| Some(Limit::new(&limit.name, excess(limit, n + m, step)?)))
             .collect();
-        let behaviour = |t: &&Transition| affine::behaviour(system, t, &[], Vec::new(), step);
-        let behaviours: Vec<Behaviour> = taken.iter().map(behaviour).collect();
-        for (transition, own) in taken.iter().zip(&behaviours) {
+        let dynamics = |t: &&Transition| affine::dynamics(system, t, &[], Vec::new(), step);
+        let dynamics: Vec<Dynamics> = taken.iter().map(dynamics).collect();
+        for (transition, own) in taken.iter().zip(&dynamics) {
             let names = transition.guards.iter().chain(&transition.prediction_guards);
             let names: Vec<&String> = names.map(|guard| &guard.name).collect();
             let guards = own.guards.iter();
             limits.extend(guards.map(|guard| Limit::new(names[guard.number], guard.map.clone())));
         }
         let common = system.flow.as_ref().map(affine::flow);
-        let parts: Vec<&[Map]> = behaviours.iter().map(|own| &own.next[..]).collect();
+        let parts: Vec<&[AffineForm]> = dynamics.iter().map(|own| &own.next[..]).collect();
         let next = affine::sum(common.as_deref(), &parts);
         let map = LinearSystem::new(
             Mat::from_fn(n, n, |i, j| next[i].factors[j]),

@@ -11,7 +11,7 @@
 //! little, and rules for "exactly one of these" do not apply to it.
 
 use super::postsolve::{Restored, Undo};
-use super::work::Work;
+use super::working_program::WorkingProgram;
 
 /// The largest number of columns that a code distinguishes here; codes have 64 bits.
 const MAX_CODED_COLUMNS: usize = 1000;
@@ -36,7 +36,7 @@ struct BinaryCodes {
     bits: Vec<Bit>,
 }
 
-pub(super) fn apply(work: &mut Work, row: usize) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
     let Some((columns, coefficient)) = one_of(work, row) else { return 0 };
     let bits = bits(work, row, &columns);
     if bits.is_empty() || !are_distinct(&columns, &bits) {
@@ -58,7 +58,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
 }
 
 /// The columns of a row that says that they are not negative and their sum is 1.
-fn one_of(work: &Work, row: usize) -> Option<(Vec<usize>, f64)> {
+fn one_of(work: &WorkingProgram, row: usize) -> Option<(Vec<usize>, f64)> {
     let entries = &work.rows[row];
     let &(_, first) = entries.first()?;
     let alike =
@@ -69,7 +69,7 @@ fn one_of(work: &Work, row: usize) -> Option<(Vec<usize>, f64)> {
 }
 
 /// The binaries whose only rows are the two of a code over these columns.
-fn bits(work: &Work, row: usize, columns: &[usize]) -> Vec<Bit> {
+fn bits(work: &WorkingProgram, row: usize, columns: &[usize]) -> Vec<Bit> {
     let is_one = |j: usize| columns.binary_search(&j).is_ok();
     let mut rows: Vec<usize> = columns.iter().flat_map(|&j| work.uses[j].iter().copied()).collect();
     rows.sort_unstable();
@@ -100,7 +100,11 @@ fn bits(work: &Work, row: usize, columns: &[usize]) -> Vec<Bit> {
 }
 
 /// The binary of a row that may be one of a code, its sign, and what the terms are multiplied by.
-fn code_row(work: &Work, row: usize, is_one: &dyn Fn(usize) -> bool) -> Option<(usize, f64, f64)> {
+fn code_row(
+    work: &WorkingProgram,
+    row: usize,
+    is_one: &dyn Fn(usize) -> bool,
+) -> Option<(usize, f64, f64)> {
     let entries = &work.rows[row];
     let mut rest = entries.iter().filter(|e| !is_one(e.0));
     let (&(column, b), None) = (rest.next()?, rest.next()) else { return None };

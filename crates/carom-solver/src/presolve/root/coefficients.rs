@@ -9,7 +9,7 @@
 //! binary's coefficient and the row's limit are changed together until it is only just redundant.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Sparse, Work};
+use super::working_program::{Infeasible, Sparse, WorkingProgram};
 use crate::presolve::coefficients::{Columns, round_limits, tighten_terms};
 
 /// The distance from its limit up to which a row counts as binding, relative to its terms.
@@ -27,7 +27,7 @@ struct TightenedRow {
     tight: Sparse,
 }
 
-pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
+pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> Result<usize, Infeasible> {
     if work.rows[row].len() < 2 {
         return Ok(0);
     }
@@ -42,12 +42,12 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     Ok(usize::from(tightened) + usize::from(news))
 }
 
-fn columns(work: &Work) -> Columns<'_> {
+fn columns(work: &WorkingProgram) -> Columns<'_> {
     Columns { lower: &work.lower, upper: &work.upper, integral: &work.integral }
 }
 
 /// Tightens the binaries of a one-sided row.
-fn tighten(work: &mut Work, row: usize) -> bool {
+fn tighten(work: &mut WorkingProgram, row: usize) -> bool {
     let old = [work.row_lower[row], work.row_upper[row]];
     let mut terms = std::mem::take(&mut work.memory);
     terms.clone_from(&work.rows[row]);

@@ -12,7 +12,7 @@
 //! The columns that leave a cone are like any others from there on.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Sparse, Work};
+use super::working_program::{Infeasible, Sparse, WorkingProgram};
 use crate::presolve::conic_tightening::{BoundedColumns, is_implied, pins};
 use crate::presolve::parameters::{CONTRADICTION, FEW_ROUNDINGS};
 use crate::presolve::tightening::Tightening;
@@ -26,7 +26,7 @@ struct DroppedParts {
     sum: usize,
 }
 
-pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+pub(super) fn apply(work: &mut WorkingProgram) -> Result<usize, Infeasible> {
     if work.cones.is_empty() {
         return Ok(0);
     }
@@ -49,9 +49,13 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
 }
 
 /// Reduces a cone with its parts. Returns the number of changes.
-fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize, Infeasible> {
+fn reduce(
+    work: &mut WorkingProgram,
+    group: &[Cone],
+    kept: &mut Vec<Cone>,
+) -> Result<usize, Infeasible> {
     let [cone, parts @ ..] = group else { return Ok(0) };
-    let is_constant = |work: &Work, j: usize| work.lower[j] == work.upper[j];
+    let is_constant = |work: &WorkingProgram, j: usize| work.lower[j] == work.upper[j];
     for &j in cone.head() {
         // A column that leaves the cone keeps this in any case.
         work.intersect(j, [0.0, f64::INFINITY], 0.0)?;
@@ -61,7 +65,7 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
     } else if cone.columns.iter().all(|&j| work.column_noise[j] == 0.0) {
         pin(work, cone)?;
     }
-    let stays = |work: &Work, j: &usize| [work.lower[*j], work.upper[*j]] != [0.0, 0.0];
+    let stays = |work: &WorkingProgram, j: &usize| [work.lower[*j], work.upper[*j]] != [0.0, 0.0];
     let tail: Vec<usize> = cone.tail().iter().copied().filter(|j| stays(work, j)).collect();
     let open: Vec<usize> = tail.iter().copied().filter(|&j| !is_constant(work, j)).collect();
     let open_heads = cone.head().iter().filter(|&&j| !is_constant(work, j)).count();
@@ -103,12 +107,12 @@ fn reduce(work: &mut Work, group: &[Cone], kept: &mut Vec<Cone>) -> Result<usize
 }
 
 /// Whether bounds imply a cone.
-fn holds_anyway(work: &Work, cone: &Cone) -> bool {
+fn holds_anyway(work: &WorkingProgram, cone: &Cone) -> bool {
     alone(work, cone, is_implied)
 }
 
 /// Fixes the entries of a cone that is one point.
-fn pin(work: &mut Work, cone: &Cone) -> Result<(), Infeasible> {
+fn pin(work: &mut WorkingProgram, cone: &Cone) -> Result<(), Infeasible> {
     for Tightening { column, is_upper, value } in alone(work, cone, pins) {
         let [below, above] = [f64::NEG_INFINITY, f64::INFINITY];
         let bounds = if is_upper { [below, value] } else { [value, above] };
@@ -118,7 +122,7 @@ fn pin(work: &mut Work, cone: &Cone) -> Result<(), Infeasible> {
 }
 
 /// Applies a function to a cone whose columns are numbered by its entries.
-fn alone<T>(work: &Work, cone: &Cone, of: impl Fn(BoundedColumns<'_>, &Cone) -> T) -> T {
+fn alone<T>(work: &WorkingProgram, cone: &Cone, of: impl Fn(BoundedColumns<'_>, &Cone) -> T) -> T {
     let bounds: Vec<[f64; 2]> =
         cone.columns.iter().map(|&j| [work.lower[j], work.upper[j]]).collect();
     let integral: Vec<bool> = cone.columns.iter().map(|&j| work.integral[j]).collect();
@@ -127,7 +131,7 @@ fn alone<T>(work: &Work, cone: &Cone, of: impl Fn(BoundedColumns<'_>, &Cone) -> 
 }
 
 /// Makes a cone a bound of its only open column, or checks it if there is none.
-fn bound(work: &mut Work, cone: &Cone, open: &[usize]) -> Result<(), Infeasible> {
+fn bound(work: &mut WorkingProgram, cone: &Cone, open: &[usize]) -> Result<(), Infeasible> {
     let constant = |j: &&usize| work.lower[**j] == work.upper[**j];
     let square = |j: &usize| work.lower[*j] * work.lower[*j];
     let fixed: f64 = cone.tail().iter().filter(constant).map(square).sum();
@@ -168,7 +172,7 @@ fn bound(work: &mut Work, cone: &Cone, open: &[usize]) -> Result<(), Infeasible>
 }
 
 /// Adds a row with some terms (sorted by column, none of them 0) and limits; returns its number.
-pub(super) fn add_row(work: &mut Work, terms: Sparse, [lower, upper]: [f64; 2]) -> usize {
+pub(super) fn add_row(work: &mut WorkingProgram, terms: Sparse, [lower, upper]: [f64; 2]) -> usize {
     let row = work.rows.len();
     terms.iter().for_each(|&(column, _)| work.uses[column].push(row));
     work.rows.push(terms);
@@ -181,7 +185,7 @@ pub(super) fn add_row(work: &mut Work, terms: Sparse, [lower, upper]: [f64; 2]) 
 
 /// Fixes the columns of parts that no cone needs; any value between 0 and what the head leaves
 /// would do.
-fn drop_parts(work: &mut Work, sum: usize, parts: &[Cone]) {
+fn drop_parts(work: &mut WorkingProgram, sum: usize, parts: &[Cone]) {
     if parts.is_empty() {
         return;
     }

@@ -10,7 +10,7 @@
 
 use super::fixed_columns;
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work};
+use super::working_program::{Infeasible, WorkingProgram};
 use crate::presolve::determined::{ColumnKind, DeterminedColumns};
 
 /// Rows that have determined columns.
@@ -27,7 +27,7 @@ struct DeterminedRows {
 /// # Arguments
 ///
 /// * `keeps_all`: whether rows and columns stay.
-pub(super) fn apply(work: &mut Work, keeps_all: bool) -> Result<(), Infeasible> {
+pub(super) fn apply(work: &mut WorkingProgram, keeps_all: bool) -> Result<(), Infeasible> {
     let kind = |j: usize| match work.lower[j] == work.upper[j] {
         _ if work.given[j] => ColumnKind::Other,
         true => ColumnKind::Known,

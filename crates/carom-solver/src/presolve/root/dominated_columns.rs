@@ -23,7 +23,7 @@
 //! is convex, and its slopes are the reduced costs.
 
 use super::fixed_columns::fix;
-use super::work::Work;
+use super::working_program::WorkingProgram;
 
 /// The distance of a reduced cost from 0 at which its sign counts, relative to its terms, if bounds
 /// of multipliers were computed. Signs alone are exact.
@@ -36,7 +36,7 @@ const CURVED_ROUNDING: f64 = 1e-13;
 /// The largest number of rounds that tighten the bounds of multipliers.
 const MAX_MULTIPLIER_ROUNDS: usize = 3;
 
-pub(super) fn apply(work: &mut Work) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     let mut changes = 0;
     // Each column fixed by signs alone is decided by the rows as they are; fixing one only takes
     // entries away.
@@ -69,7 +69,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
 }
 
 /// Whether the bounds alone keep the objective from falling forever; its curvature only raises it.
-fn is_bounded(work: &Work) -> bool {
+fn is_bounded(work: &WorkingProgram) -> bool {
     work.live_columns().into_iter().all(|j| {
         let cost = work.linear[j];
         (cost <= 0.0 || work.lower[j].is_finite()) && (cost >= 0.0 || work.upper[j].is_finite())
@@ -77,7 +77,7 @@ fn is_bounded(work: &Work) -> bool {
 }
 
 /// The smallest and the largest multiplier of a row that its limits allow.
-fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] + Copy + '_ {
+fn signs(work: &WorkingProgram) -> impl Fn(usize) -> [f64; 2] + Copy + '_ {
     |row| {
         let most = if work.row_upper[row].is_finite() { f64::INFINITY } else { 0.0 };
         let least = if work.row_lower[row].is_finite() { f64::NEG_INFINITY } else { 0.0 };
@@ -87,7 +87,7 @@ fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] + Copy + '_ {
 
 /// The value to fix a column at, from the known sign of its reduced cost; `None` if there is none.
 fn decided(
-    work: &Work,
+    work: &WorkingProgram,
     column: usize,
     multiplier: impl Fn(usize) -> [f64; 2] + Copy,
     margin: f64,
@@ -119,7 +119,7 @@ fn decided(
 
 /// Least and largest reduced cost of a column, leaving one row out.
 fn reduced_cost(
-    work: &Work,
+    work: &WorkingProgram,
     column: usize,
     multiplier: impl Fn(usize) -> [f64; 2],
     without: Option<usize>,
@@ -138,7 +138,7 @@ fn reduced_cost(
 
 /// Least and largest slope that the curvature of the objective adds to the cost of a column within
 /// the bounds; of both signs also the rounding of the sum.
-fn slopes(work: &Work, column: usize) -> [f64; 2] {
+fn slopes(work: &WorkingProgram, column: usize) -> [f64; 2] {
     let (mut range, mut size) = ([0.0; 2], work.linear[column].abs());
     for (&other, &p) in &work.quadratic[column] {
         let (at_lower, at_upper) = (p * work.lower[other], p * work.upper[other]);
@@ -157,7 +157,7 @@ fn slopes(work: &Work, column: usize) -> [f64; 2] {
 }
 
 /// The size of a reduced cost's finite terms, at least that of the cost.
-fn scale(work: &Work, column: usize, multiplier: impl Fn(usize) -> [f64; 2]) -> f64 {
+fn scale(work: &WorkingProgram, column: usize, multiplier: impl Fn(usize) -> [f64; 2]) -> f64 {
     let terms = work.column(column).flat_map(|(row, a)| {
         multiplier(row).map(|y| if y.is_finite() { (a * y).abs() } else { 0.0 })
     });
@@ -166,7 +166,7 @@ fn scale(work: &Work, column: usize, multiplier: impl Fn(usize) -> [f64; 2]) -> 
 
 /// Bounds of the multipliers of every optimum: signs, then the reduced costs of continuous columns
 /// that miss a bound.
-fn multipliers(work: &Work) -> Vec<[f64; 2]> {
+fn multipliers(work: &WorkingProgram) -> Vec<[f64; 2]> {
     let sign = signs(work);
     let mut bounds: Vec<[f64; 2]> = (0..work.rows.len()).map(sign).collect();
     let open: Vec<usize> = work

@@ -11,10 +11,10 @@
 //! products would fill in.
 
 use super::substitute::{is_stable, substitute};
-use super::work::Work;
+use super::working_program::WorkingProgram;
 use crate::presolve::coefficients::is_whole;
 
-pub(super) fn apply(work: &mut Work, row: usize) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
     if !work.is_equality(row) {
         return 0;
     }
@@ -29,7 +29,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
     1
 }
 
-fn may_go(work: &Work, row: usize, gone: (usize, f64), stays: (usize, f64)) -> bool {
+fn may_go(work: &WorkingProgram, row: usize, gone: (usize, f64), stays: (usize, f64)) -> bool {
     let is_binary = |j: usize| work.integral[j] && work.lower[j] >= 0.0 && work.upper[j] <= 1.0;
     let modes = is_binary(gone.0) && is_binary(stays.0) && gone.1 * stays.1 > 0.0;
     if !work.is_straight(gone.0) || modes {

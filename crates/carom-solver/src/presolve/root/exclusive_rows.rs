@@ -8,7 +8,7 @@
 //! times that a choice between routes determines, where each route has a row of its own.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Sparse, Work};
+use super::working_program::{Sparse, WorkingProgram};
 use crate::presolve::parameters::FEW_ROUNDINGS;
 use crate::tolerance;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -34,7 +34,7 @@ struct ExclusiveRows {
     members: Vec<(usize, usize, f64)>,
 }
 
-pub(super) fn apply(work: &mut Work) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     // Under curvature, points lie within faces, so that a tighter row is met in fractions all the
     // same.
     if work.quadratic.iter().any(|products| !products.is_empty()) {
@@ -90,7 +90,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
 }
 
 /// Sets of binaries of which at most one is 1, each sorted, and by column the sets that it is in.
-fn exclusive_binaries(work: &mut Work) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
+fn exclusive_binaries(work: &mut WorkingProgram) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
     let (mut cliques, mut places) = (Vec::new(), vec![Vec::new(); work.uses.len()]);
     for row in work.live_rows() {
         let terms = &work.rows[row];
@@ -132,12 +132,12 @@ fn clique(terms: &Sparse, sign: f64, limit: f64) -> Option<Vec<usize>> {
     Some(clique)
 }
 
-fn is_binary(work: &Work, column: usize) -> bool {
+fn is_binary(work: &WorkingProgram, column: usize) -> bool {
     work.integral[column] && work.lower[column] == 0.0 && work.upper[column] == 1.0
 }
 
 /// The sign with which a row has only an upper limit.
-fn sign(work: &Work, row: usize) -> Option<f64> {
+fn sign(work: &WorkingProgram, row: usize) -> Option<f64> {
     match (work.row_lower[row].is_finite(), work.row_upper[row].is_finite()) {
         (false, true) => Some(1.0),
         (true, false) => Some(-1.0),
@@ -145,7 +145,7 @@ fn sign(work: &Work, row: usize) -> Option<f64> {
     }
 }
 
-fn candidate(work: &Work, row: usize, column: usize) -> Option<ExclusiveCandidate> {
+fn candidate(work: &WorkingProgram, row: usize, column: usize) -> Option<ExclusiveCandidate> {
     let sign = sign(work, row)?;
     let is_harder = sign * work.coefficient(row, column) > 0.0;
     if !is_harder || !is_binary(work, column) {
@@ -161,8 +161,12 @@ fn candidate(work: &Work, row: usize, column: usize) -> Option<ExclusiveCandidat
 }
 
 /// Whether two rows are the same but for their binaries.
-fn differ_in_one(work: &Work, one: ExclusiveCandidate, other: ExclusiveCandidate) -> bool {
-    fn rest(work: &Work, of: ExclusiveCandidate) -> impl Iterator<Item = &(usize, f64)> {
+fn differ_in_one(
+    work: &WorkingProgram,
+    one: ExclusiveCandidate,
+    other: ExclusiveCandidate,
+) -> bool {
+    fn rest(work: &WorkingProgram, of: ExclusiveCandidate) -> impl Iterator<Item = &(usize, f64)> {
         work.rows[of.row].iter().filter(move |(j, _)| *j != of.column)
     }
     let limits = |of: ExclusiveCandidate| [work.row_lower[of.row], work.row_upper[of.row]];
@@ -170,7 +174,7 @@ fn differ_in_one(work: &Work, one: ExclusiveCandidate, other: ExclusiveCandidate
 }
 
 /// Makes the first of some rows all of them.
-fn merge(work: &mut Work, rows: &[ExclusiveCandidate]) {
+fn merge(work: &mut WorkingProgram, rows: &[ExclusiveCandidate]) {
     let kept = rows[0].row;
     let member = |k: &ExclusiveCandidate| (k.row, k.column, work.coefficient(k.row, k.column));
     let members: Vec<(usize, usize, f64)> = rows.iter().map(member).collect();

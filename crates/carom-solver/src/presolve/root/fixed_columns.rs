@@ -4,7 +4,7 @@
 //! Columns of cones stay, but in no row and not in the objective.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{OldColumn, Work};
+use super::working_program::{OldColumn, WorkingProgram};
 
 #[derive(Debug)]
 struct FixedColumn {
@@ -12,7 +12,7 @@ struct FixedColumn {
     value: f64,
 }
 
-pub(super) fn apply(work: &mut Work) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     let fixed: Vec<usize> = work
         .live_columns()
         .into_iter()
@@ -26,12 +26,12 @@ pub(super) fn apply(work: &mut Work) -> usize {
 }
 
 /// Whether a column is in a row or in the objective.
-fn has_entries(work: &Work, column: usize) -> bool {
+fn has_entries(work: &WorkingProgram, column: usize) -> bool {
     let in_rows = !work.uses[column].is_empty();
     in_rows || work.linear[column] != 0.0 || !work.is_straight(column)
 }
 
-pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
+pub(super) fn fix(work: &mut WorkingProgram, column: usize, value: f64) {
     let old = work.remember(column);
     for &(row, a) in &old.entries {
         work.row_noise[row] += a.abs() * work.column_noise[column];

@@ -8,12 +8,12 @@
 //! other rules can replace the column: from `x <= z`, where nothing else keeps `z` up, follows
 //! `z = x`. Multipliers are restored in continuous programs; those with integers have none.
 
-use super::work::Work;
+use super::working_program::WorkingProgram;
 use crate::presolve::coefficients::is_whole;
 use crate::presolve::parameters::IMPLIED;
 use crate::tolerance;
 
-pub(super) fn apply(work: &mut Work, column: usize) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram, column: usize) -> usize {
     if work.is_held(column) || !work.is_straight(column) {
         return 0;
     }
@@ -24,7 +24,7 @@ pub(super) fn apply(work: &mut Work, column: usize) -> usize {
 
 /// Makes the only row that keeps a column from falling, or from rising, an equality. Returns
 /// whether there is one.
-fn hold(work: &mut Work, column: usize, rises: bool) -> bool {
+fn hold(work: &mut WorkingProgram, column: usize, rises: bool) -> bool {
     let sign = if rises { -1.0 } else { 1.0 };
     let mut holding = None;
     for &row in &work.uses[column] {

@@ -10,10 +10,10 @@
 //! restored: programs with integers have none. So a column that stands for
 //! a conjunction, `x <= z_1` and `x <= z_2`, is a binary: rows over it say "at least one of these".
 
-use super::work::Work;
+use super::working_program::WorkingProgram;
 use crate::presolve::coefficients::is_whole;
 
-pub(super) fn apply(work: &mut Work) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     // A continuous program stays one.
     if !work.live_columns().iter().any(|&j| work.integral[j]) {
         return 0;
@@ -21,7 +21,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
     work.each_column(work.live_columns(), make_whole)
 }
 
-fn make_whole(work: &mut Work, column: usize) -> usize {
+fn make_whole(work: &mut WorkingProgram, column: usize) -> usize {
     let open = work.lower[column] == 0.0
         && work.upper[column] >= 1.0
         && !work.integral[column]
@@ -41,7 +41,7 @@ fn make_whole(work: &mut Work, column: usize) -> usize {
 }
 
 /// Whether a single row keeps a column from exceeding 1.
-fn is_at_most_one(work: &Work, column: usize) -> bool {
+fn is_at_most_one(work: &WorkingProgram, column: usize) -> bool {
     work.uses[column].iter().any(|&row| {
         let a = work.coefficient(row, column);
         let limit = if a > 0.0 { work.row_upper[row] } else { work.row_lower[row] };
@@ -52,7 +52,7 @@ fn is_at_most_one(work: &Work, column: usize) -> bool {
 }
 
 /// Whether all rows that keep a column from rising, or from falling, hold it at whole numbers.
-fn ends_whole(work: &Work, column: usize, rises: bool) -> bool {
+fn ends_whole(work: &WorkingProgram, column: usize, rises: bool) -> bool {
     work.uses[column].iter().all(|&row| {
         let a = work.coefficient(row, column);
         let limit = if (a > 0.0) == rises { work.row_upper[row] } else { work.row_lower[row] };

@@ -5,7 +5,7 @@
 //! integer programming, INFORMS Journal on Computing 32, 2020).
 
 use super::substitute::{is_stable, substitute};
-use super::work::Work;
+use super::working_program::WorkingProgram;
 use crate::presolve::parameters::IMPLIED;
 
 /// The largest number of terms of an equality that replaces a column.
@@ -17,7 +17,7 @@ const MAX_COLUMN_ROWS: usize = 4;
 /// The largest number of entries that one substitution may add to the matrix.
 const MAX_FILL: isize = 0;
 
-pub(super) fn apply(work: &mut Work, row: usize) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
     if !work.is_equality(row) || !(2..=MAX_EQUALITY_TERMS).contains(&work.rows[row].len()) {
         return 0;
     }
@@ -38,7 +38,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
 }
 
 /// The most entries that a substitution can add, less those that it takes away.
-fn fill(work: &Work, column: usize, row: usize) -> isize {
+fn fill(work: &WorkingProgram, column: usize, row: usize) -> isize {
     let entries = |i: usize| work.rows[i].iter();
     let others = work.uses[column].iter().filter(|&&other| other != row);
     let added: usize = others
@@ -51,7 +51,7 @@ fn fill(work: &Work, column: usize, row: usize) -> isize {
 }
 
 /// Whether each bound of a column follows from one of its rows and the bounds of other columns.
-fn is_implied_free(work: &Work, column: usize) -> bool {
+fn is_implied_free(work: &WorkingProgram, column: usize) -> bool {
     let (lower, upper) = (work.lower[column], work.upper[column]);
     let mut needs = [lower.is_finite(), upper.is_finite()];
     for &row in &work.uses[column] {

@@ -9,7 +9,8 @@
 //! direction can be fixed at 0, and propagation bounds the others, which could otherwise take
 //! values of any size.
 //!
-//! If a point is shifted, the other columns of the direction move further out (see `Work::spread`).
+//! If a point is shifted, the other columns of the direction move further out (see
+//! `WorkingProgram::spread`).
 //!
 //! The columns of a direction must have no bounds, or only bounds that one sense of the direction
 //! moves away from, such as non-negative potentials. These bounds are dropped, and postsolve shifts
@@ -23,7 +24,7 @@ use std::collections::BTreeMap;
 use super::fixed_columns::fix;
 use super::postsolve::{Restored, Undo};
 use super::singleton_rows;
-use super::work::{Infeasible, Sparse, Work};
+use super::working_program::{Infeasible, Sparse, WorkingProgram};
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::sum::{exact_product, exact_sum};
@@ -49,19 +50,19 @@ pub(crate) fn shifts(program: &Program, token: &StopToken) -> Vec<Sparse> {
     if !(0..program.column_count()).any(is_open) {
         return Vec::new();
     }
-    let mut work = Work::new(program, token);
+    let mut work = WorkingProgram::new(program, token);
     match work.each_row(singleton_rows::apply) {
         Ok(_) => fix_all(&mut work),
         Err(Infeasible) => Vec::new(),
     }
 }
 
-pub(super) fn apply(work: &mut Work) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     fix_all(work).len()
 }
 
 /// Fixes the first columns of all directions that it can be done for, and returns these.
-fn fix_all(work: &mut Work) -> Vec<Sparse> {
+fn fix_all(work: &mut WorkingProgram) -> Vec<Sparse> {
     let mut fixed = Vec::new();
     // Free columns first: bounds on one side may hide what can be done without touching them.
     for most in [0, 1] {
@@ -82,7 +83,7 @@ fn fix_all(work: &mut Work) -> Vec<Sparse> {
 
 /// Fixes the first column of a direction, unless both senses of the direction run into bounds.
 /// Returns the sense that does not.
-fn fix_along(work: &mut Work, mut direction: Sparse) -> Option<Sparse> {
+fn fix_along(work: &mut WorkingProgram, mut direction: Sparse) -> Option<Sparse> {
     let leaves = |j: usize, d: f64| {
         let (lower, upper) = (work.lower[j].is_finite(), work.upper[j].is_finite());
         (!lower || d > 0.0) && (!upper || d < 0.0)
@@ -141,7 +142,7 @@ struct Elimination {
 }
 
 impl Elimination {
-    fn new(work: &Work, open: Vec<bool>) -> Self {
+    fn new(work: &WorkingProgram, open: Vec<bool>) -> Self {
         let columns = (0..open.len()).filter(|&j| open[j]);
         let entries: usize = columns.map(|j| work.uses[j].len()).sum();
         Elimination {
@@ -153,7 +154,7 @@ impl Elimination {
     }
 
     /// A basis; in each direction the first column belongs to no other one, and has the entry 1.
-    fn directions(mut self, work: &mut Work) -> Vec<Sparse> {
+    fn directions(mut self, work: &mut WorkingProgram) -> Vec<Sparse> {
         let mut rows = self.rows(work);
         // Short ones first: they express columns without filling the others.
         rows.sort_by_key(Vec::len);
@@ -183,7 +184,7 @@ impl Elimination {
 
     /// The linear forms that must not change: rows, costs and gradients over open columns, without
     /// the columns that a row by itself keeps from moving.
-    fn rows(&mut self, work: &Work) -> Vec<Sparse> {
+    fn rows(&mut self, work: &WorkingProgram) -> Vec<Sparse> {
         let open = |&(j, _): &(usize, f64)| self.open[j];
         let count = |row: &Sparse| row.iter().filter(|entry| open(entry)).count();
         let mut counts: Vec<usize> = work.rows.iter().map(count).collect();
@@ -224,7 +225,7 @@ impl Elimination {
     }
 
     /// Expresses a column by a row, or closes what the row keeps from moving.
-    fn eliminate(&mut self, work: &Work, row: &[(usize, f64)]) {
+    fn eliminate(&mut self, work: &WorkingProgram, row: &[(usize, f64)]) {
         let (sum, exact) = self.expand(row);
         self.spend(1 + row.len() + sum.len());
         // A continuous column where there is one: an integral one needs whole steps.
@@ -275,7 +276,7 @@ impl Elimination {
 /// The column `j` with the coefficient `a`, expressed by the others of `sum = 0`; `None` if factors
 /// do not fit into a float, or if whole steps of integral columns would not be whole ones of `j`.
 fn expression(
-    work: &Work,
+    work: &WorkingProgram,
     sum: &BTreeMap<usize, f64>,
     j: usize,
     a: f64,

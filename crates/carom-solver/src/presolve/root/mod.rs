@@ -5,8 +5,8 @@
 //!
 //! # Cones
 //!
-//! A column of a second-order cone keeps its place (`Work::is_held`), and the cones are carried
-//! over. Rules are right with cones for one of three reasons:
+//! A column of a second-order cone keeps its place (`WorkingProgram::is_held`), and the cones are
+//! carried over. Rules are right with cones for one of three reasons:
 //!
 //! * They conclude from rows and bounds what holds at every point, so further conditions change
 //!   nothing: singleton rows, redundant rows, parallel rows, coefficients, exclusive rows. A row
@@ -47,7 +47,7 @@ mod singleton_rows;
 mod slack_columns;
 mod substitute;
 mod units;
-mod work;
+mod working_program;
 
 pub use blocks::{ProgramBlock, blocks};
 pub(crate) use lineality::shifts;
@@ -58,7 +58,7 @@ use crate::error::Error;
 use crate::presolve::{tighten_conditional_cones, tighten_switched_cones};
 use crate::program::Program;
 use crate::solver::StopToken;
-use work::{Infeasible, Work};
+use working_program::{Infeasible, WorkingProgram};
 
 /// The rules of the presolve before the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,7 +139,7 @@ impl PresolveRule {
         PresolveRule::ExclusiveRows,
     ];
 
-    fn apply(self, work: &mut Work) -> Result<usize, Infeasible> {
+    fn apply(self, work: &mut WorkingProgram) -> Result<usize, Infeasible> {
         match self {
             PresolveRule::FixedColumns => Ok(fixed_columns::apply(work)),
             PresolveRule::SingletonRows => work.each_row(singleton_rows::apply),
@@ -211,7 +211,7 @@ pub(crate) fn presolve_around(
     rules: &[PresolveRule],
     token: &StopToken,
 ) -> Result<Presolve, Error> {
-    let mut work = Work::new(program, token);
+    let mut work = WorkingProgram::new(program, token);
     given.iter().for_each(|&j| work.given[j] = true);
     if may_scale {
         units::apply(&mut work);
@@ -235,7 +235,11 @@ pub(crate) fn presolve_around(
 }
 
 /// Applies the rules until they find nothing more, or the token is over.
-fn reduce(work: &mut Work, rules: &[PresolveRule], token: &StopToken) -> Result<(), Infeasible> {
+fn reduce(
+    work: &mut WorkingProgram,
+    rules: &[PresolveRule],
+    token: &StopToken,
+) -> Result<(), Infeasible> {
     work.settle()?;
     let mut changes = 0;
     // By rule, the changes when it was last applied.

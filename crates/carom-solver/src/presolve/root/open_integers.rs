@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use super::cones::add_row;
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
-use super::work::{Sparse, Work};
+use super::working_program::{Sparse, WorkingProgram};
 
 /// The longest equalities, and most rows of an integer that is replaced.
 const LONGEST_EQUALITY: usize = 12;
@@ -41,7 +41,7 @@ struct Recombined {
     row: Option<usize>,
 }
 
-pub(super) fn apply(work: &mut Work) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     let Some(mut is_open) = open_columns(work) else { return 0 };
     let mut changes = 0;
     for row in work.live_rows() {
@@ -54,7 +54,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
 
 /// The integers that no rows and bounds of others bound on both sides; `None` if there are none or
 /// many.
-fn open_columns(work: &mut Work) -> Option<Vec<bool>> {
+fn open_columns(work: &mut WorkingProgram) -> Option<Vec<bool>> {
     let is_infinite = |[lower, upper]: [f64; 2]| lower.is_infinite() || upper.is_infinite();
     let mut bounds: Vec<[f64; 2]> =
         work.lower.iter().zip(&work.upper).map(|(&lower, &upper)| [lower, upper]).collect();
@@ -89,7 +89,7 @@ fn open_columns(work: &mut Work) -> Option<Vec<bool>> {
 }
 
 /// Finds finite bounds of columns without them that a row implies; `true` if there are any.
-fn bound_infinite(work: &Work, row: usize, bounds: &mut [[f64; 2]]) -> bool {
+fn bound_infinite(work: &WorkingProgram, row: usize, bounds: &mut [[f64; 2]]) -> bool {
     let terms = &work.rows[row];
     let (mut sums, mut infinite) = ([0.0; 2], [0; 2]);
     let ends = |bounds: &[[f64; 2]], j: usize, a: f64| {
@@ -126,7 +126,7 @@ fn bound_infinite(work: &Work, row: usize, bounds: &mut [[f64; 2]]) -> bool {
 }
 
 /// Takes one open integer out of an equality, or replaces one; `false` if nothing is left to do.
-fn solve(work: &mut Work, is_open: &mut [bool], row: usize) -> bool {
+fn solve(work: &mut WorkingProgram, is_open: &mut [bool], row: usize) -> bool {
     if !work.row_alive[row] || !is_whole_equality(work, row) {
         return false;
     }
@@ -163,7 +163,7 @@ fn solve(work: &mut Work, is_open: &mut [bool], row: usize) -> bool {
     true
 }
 
-fn is_whole_equality(work: &Work, row: usize) -> bool {
+fn is_whole_equality(work: &WorkingProgram, row: usize) -> bool {
     let is_whole = |a: f64| a == a.round() && a.abs() <= MAX_COEFFICIENT;
     let terms = &work.rows[row];
     work.is_equality(row)
@@ -173,7 +173,7 @@ fn is_whole_equality(work: &Work, row: usize) -> bool {
 }
 
 /// Lets `z = x_column + quotients` take the place of a column.
-fn recombine(work: &mut Work, column: usize, terms: Sparse) {
+fn recombine(work: &mut WorkingProgram, column: usize, terms: Sparse) {
     for row in work.uses[column].clone() {
         let a = work.coefficient(row, column);
         let mut entries: BTreeMap<usize, f64> = work.rows[row].iter().copied().collect();

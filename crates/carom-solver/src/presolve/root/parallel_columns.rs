@@ -7,7 +7,7 @@
 //! continuous pairs, and for integral ones with `r = 1` or `r = -1`.
 
 use super::postsolve::{Restored, Undo};
-use super::work::Work;
+use super::working_program::WorkingProgram;
 use crate::presolve::parallel::{self, Patterns, is_multiple};
 
 /// A column that was `ratio` times another one.
@@ -22,7 +22,7 @@ struct ParallelColumn {
     kept_bounds: [f64; 2],
 }
 
-pub(super) fn apply(work: &mut Work) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     let mut seen = Patterns::new(work.uses.len());
     work.each_column(work.live_columns(), |work, column| {
         if work.is_held(column) || !work.is_straight(column) || work.uses[column].is_empty() {
@@ -41,7 +41,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
 }
 
 /// The factor from `other` to `column`, or `None` if they cannot be merged.
-fn ratio(work: &Work, column: usize, other: usize) -> Option<f64> {
+fn ratio(work: &WorkingProgram, column: usize, other: usize) -> Option<f64> {
     if work.uses[column] != work.uses[other] {
         return None;
     }
@@ -56,7 +56,7 @@ fn ratio(work: &Work, column: usize, other: usize) -> Option<f64> {
     (same_cost && kinds).then_some(ratio)
 }
 
-fn merge(work: &mut Work, column: usize, kept: usize, ratio: f64) {
+fn merge(work: &mut WorkingProgram, column: usize, kept: usize, ratio: f64) {
     let bounds = [work.lower[column], work.upper[column]];
     let kept_bounds = [work.lower[kept], work.upper[kept]];
     let (p, q) = (ratio * bounds[0], ratio * bounds[1]);

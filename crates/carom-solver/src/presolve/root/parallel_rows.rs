@@ -5,7 +5,7 @@
 //! Research Letters 5, 1986).
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work};
+use super::working_program::{Infeasible, WorkingProgram};
 use crate::presolve::parallel::{self, Patterns};
 
 /// A row that was `ratio` times another one.
@@ -18,7 +18,7 @@ struct ParallelRow {
     gives: [bool; 2],
 }
 
-pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+pub(super) fn apply(work: &mut WorkingProgram) -> Result<usize, Infeasible> {
     let mut seen = Patterns::new(work.rows.len());
     work.each_row(|work, row| {
         if work.rows[row].is_empty() {
@@ -46,7 +46,7 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
 }
 
 /// The factor from `other` to `row`, or `None` if they are not parallel.
-fn ratio(work: &Work, row: usize, other: usize) -> Option<f64> {
+fn ratio(work: &WorkingProgram, row: usize, other: usize) -> Option<f64> {
     let (one, two) = (&work.rows[row], &work.rows[other]);
     let same = one.len() == two.len() && one.iter().zip(two).all(|(a, b)| a.0 == b.0);
     same.then(|| parallel::ratio(one.iter().zip(two).map(|(a, b)| (a.1, b.1))))?

@@ -6,7 +6,7 @@
 //! fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{ActivityRange, Infeasible, Sparse, Work};
+use super::working_program::{ActivityRange, Infeasible, Sparse, WorkingProgram};
 use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
 use crate::presolve::tightening::finite_size;
 use crate::tolerance;
@@ -26,7 +26,7 @@ struct ForcingRow {
     by_lower: bool,
 }
 
-pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
+pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> Result<usize, Infeasible> {
     let range = work.range(work.rows[row].iter());
     let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
     let noise = range.noise + work.row_noise[row];
@@ -74,7 +74,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
 }
 
 /// The amount by which rounding may violate a row, in its unit.
-fn excess(work: &Work, row: usize, range: &ActivityRange) -> f64 {
+fn excess(work: &WorkingProgram, row: usize, range: &ActivityRange) -> f64 {
     let limit = finite_size(work.row_lower[row]).max(finite_size(work.row_upper[row]));
     let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
     // Exact terms have no rounding, so their violation counts beyond the tolerance.
@@ -86,7 +86,7 @@ fn excess(work: &Work, row: usize, range: &ActivityRange) -> f64 {
 
 /// Moves the columns of a row to the bounds that it leaves them, up to some room in the row's unit,
 /// and drops the row.
-fn force(work: &mut Work, row: usize, by_lower: bool, room: f64) {
+fn force(work: &mut WorkingProgram, row: usize, by_lower: bool, room: f64) {
     let entries = work.rows[row].clone();
     for &(j, a) in &entries {
         let at_upper = (a > 0.0) == by_lower;

@@ -5,7 +5,7 @@
 //! Programming 8, 1975). Empty rows are checked and dropped.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work};
+use super::working_program::{Infeasible, WorkingProgram};
 use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
 use crate::presolve::tightening::finite_size;
 use crate::tolerance;
@@ -19,7 +19,7 @@ struct SingletonRow {
     gives: [bool; 2],
 }
 
-pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
+pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> Result<usize, Infeasible> {
     match work.rows[row][..] {
         [] => {
             let (lower, upper) = (work.row_lower[row], work.row_upper[row]);

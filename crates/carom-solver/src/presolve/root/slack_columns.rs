@@ -9,7 +9,7 @@
 
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
-use super::work::Work;
+use super::working_program::WorkingProgram;
 use crate::presolve::tightening::finite_size;
 
 /// A column without a cost that widened a row.
@@ -23,7 +23,7 @@ struct RowSlack {
     rest: Vec<(usize, f64)>,
 }
 
-pub(super) fn apply(work: &mut Work, column: usize) -> usize {
+pub(super) fn apply(work: &mut WorkingProgram, column: usize) -> usize {
     let [row] = work.uses[column][..] else { return 0 };
     if work.is_held(column)
         || work.integral[column]
@@ -49,7 +49,7 @@ pub(super) fn apply(work: &mut Work, column: usize) -> usize {
 
 /// Makes a row an equality if a column's cost moves the column up to a limit of the row, and no
 /// bound stops it before.
-fn bind(work: &mut Work, column: usize, row: usize) {
+fn bind(work: &mut WorkingProgram, column: usize, row: usize) {
     let (a, cost) = (work.coefficient(row, column), work.linear[column]);
     let bound = if cost > 0.0 { work.lower[column] } else { work.upper[column] };
     // Falling along `-cost`, the activity moves by `-cost * a`.
@@ -59,7 +59,7 @@ fn bind(work: &mut Work, column: usize, row: usize) {
     }
 }
 
-fn widen(work: &mut Work, column: usize, row: usize) {
+fn widen(work: &mut WorkingProgram, column: usize, row: usize) {
     let coefficient = work.coefficient(row, column);
     let bounds = [work.lower[column], work.upper[column]];
     let limits = [work.row_lower[row], work.row_upper[row]];

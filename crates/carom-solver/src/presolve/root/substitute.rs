@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 
 use super::postsolve::{Restored, Undo};
-use super::work::{OldColumn, Sparse, Work};
+use super::working_program::{OldColumn, Sparse, WorkingProgram};
 use crate::presolve::parameters::LARGEST_WHOLE;
 use crate::sum::{Sum, exact_product};
 use crate::tolerance;
@@ -45,7 +45,7 @@ struct Substituted {
 const MAX_CONSTANT_ROUNDING: f64 = 1e-9;
 
 /// Whether a column can be expressed by a row without numbers growing or losing their digits.
-pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
+pub(super) fn is_stable(work: &WorkingProgram, column: usize, row: usize) -> bool {
     let pivot = work.coefficient(row, column).abs();
     let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= MAX_PIVOT_RATIO * pivot);
     let constant = work.row_lower[row] / pivot;
@@ -57,7 +57,7 @@ pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
 }
 
 /// Whether the entries of another row keep their digits when a row replaces a column there.
-fn is_sharp(work: &Work, column: usize, row: usize, other: usize) -> bool {
+fn is_sharp(work: &WorkingProgram, column: usize, row: usize, other: usize) -> bool {
     let factor = work.coefficient(other, column) / work.coefficient(row, column);
     let entries = work.rows[row].iter().filter(|(j, _)| *j != column);
     entries.into_iter().all(|&(j, a)| {
@@ -68,7 +68,7 @@ fn is_sharp(work: &Work, column: usize, row: usize, other: usize) -> bool {
 }
 
 /// Substitutes a column by an equality; `keep` leaves a row for its bounds.
-pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool) {
+pub(super) fn substitute(work: &mut WorkingProgram, column: usize, row: usize, keep: bool) {
     let old = work.remember(column);
     let coefficient = work.coefficient(row, column);
     let constant = work.row_lower[row] / coefficient;
@@ -138,7 +138,7 @@ fn minus(row: &Sparse, factor: f64, terms: &Sparse) -> Sparse {
     sum
 }
 
-fn substitute_objective(work: &mut Work, column: usize, constant: f64, terms: &Sparse) {
+fn substitute_objective(work: &mut WorkingProgram, column: usize, constant: f64, terms: &Sparse) {
     let linear = work.linear[column];
     work.add_to_objective(linear, constant);
     for &(k, a) in terms {

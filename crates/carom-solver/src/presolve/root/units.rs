@@ -7,7 +7,7 @@
 //! Ordinary numbers stay as they are. Multiplying by a power of two rounds nothing.
 
 use super::postsolve::{Restored, Undo};
-use super::work::Work;
+use super::working_program::WorkingProgram;
 use crate::presolve::tightening::finite_size;
 use crate::tolerance::SMALL_UNIT;
 use std::collections::BTreeMap;
@@ -34,7 +34,7 @@ fn factor_of(size: f64) -> Option<f64> {
 
 /// Chooses the units of columns and rows. Columns whose value comes from outside keep theirs, and
 /// with them all others do.
-pub(super) fn apply(work: &mut Work) {
+pub(super) fn apply(work: &mut WorkingProgram) {
     if work.given.iter().any(|&given| given) {
         return;
     }
@@ -59,7 +59,7 @@ pub(super) fn apply(work: &mut Work) {
     }
 }
 
-fn scale_column(work: &mut Work, column: usize, factor: f64) {
+fn scale_column(work: &mut WorkingProgram, column: usize, factor: f64) {
     for k in 0..work.uses[column].len() {
         let row = work.uses[column][k];
         if let Ok(at) = work.rows[row].binary_search_by_key(&column, |&(j, _)| j) {

@@ -6,7 +6,7 @@
 //! beyond the cutoff, or infeasibility, with the same formulas as [`Prover`](super::Prover) in
 //! plain floats. The caller proves it again.
 //!
-//! The method gives up early, because the ladder has another one for the rest.
+//! The method gives up early, because the cascade has another one for the rest.
 
 mod condensed;
 mod cone_iterate;

@@ -104,7 +104,7 @@ fn choose_by_gains(
             Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
             None => pseudocosts.gains(*j, x[*j]),
         };
-    let grows = ctx.tree.proofs().is_none()
+    let grows = ctx.tree.saved_tree().is_none()
         || chosen.column.as_ref().is_some_and(|column| {
             let rate = growth_rate(&gains_of(pseudocosts, column));
             (rate * (ctx.tree.cutoff() - bound)).exp() >= BRANCHING.fixing_tree

@@ -7,7 +7,7 @@ use crate::presolve::Domain;
 use crate::search::context::Context;
 use crate::search::local_bounds::add_facts;
 use crate::search::node::{Decision, KnownRelaxation};
-use crate::search::proofs::ProofMultipliers;
+use crate::search::saved_tree::ProofMultipliers;
 
 /// The relaxed point of the current node.
 #[derive(Debug, Clone, Copy)]

@@ -11,8 +11,8 @@ use crate::search::context::Context;
 use crate::search::local_bounds::propagate_since;
 use crate::search::node::{Decision, KnownRelaxation};
 use crate::search::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
-use crate::search::proofs::{End, Proof, ProofMultipliers};
 use crate::search::pseudocosts::Pseudocosts;
+use crate::search::saved_tree::{End, ProofMultipliers, SavedDuals};
 
 /// A child that a trial has left open.
 #[derive(Debug, Clone)]
@@ -57,11 +57,11 @@ pub(super) fn try_child(
     if let RelaxationVerdict::Relaxed { x, converged: true, .. } = &verdict {
         point = projection.lift(x);
     }
-    ctx.ladder.reducer().reuse_projection(projection);
+    ctx.cascade.reducer().reuse_projection(projection);
     ctx.node.domain.undo_to(mark);
     let trial = match &mut verdict {
         RelaxationVerdict::Refuted(_) => {
-            keep_proof(ctx, &decision, multipliers);
+            keep_duals(ctx, &decision, multipliers);
             close_side(ctx, decision, f64::INFINITY);
             None
         }
@@ -71,7 +71,7 @@ pub(super) fn try_child(
             pseudocosts.learn(decision.column, !decision.is_upper, gain, fraction);
             let child = ctx.tree.strengthen(child.min(ctx.node.cutoff));
             if child >= ctx.tree.cutoff() {
-                keep_proof(ctx, &decision, multipliers);
+                keep_duals(ctx, &decision, multipliers);
                 close_side(ctx, decision, child);
                 None
             } else {
@@ -85,14 +85,14 @@ pub(super) fn try_child(
             Some(ChildTrial { gain: 0.0, bound: f64::NEG_INFINITY, known: None, multipliers: None })
         }
     };
-    ctx.ladder.reuse(verdict);
+    ctx.cascade.reuse(verdict);
     trial
 }
 
 /// Keeps the multipliers that closed a side of the current node.
-fn keep_proof(ctx: &Context<'_>, side: &Decision, multipliers: Option<Arc<ProofMultipliers>>) {
+fn keep_duals(ctx: &Context<'_>, side: &Decision, multipliers: Option<Arc<ProofMultipliers>>) {
     if let Some(multipliers) = multipliers {
-        ctx.tree.keep_proof(|| Proof::new(End::Side(ctx.node.id, *side), multipliers));
+        ctx.tree.keep_duals(|| SavedDuals::new(End::Side(ctx.node.id, *side), multipliers));
     }
 }
 

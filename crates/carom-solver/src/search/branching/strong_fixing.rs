@@ -46,7 +46,7 @@ pub(super) fn fix_by_trials(
     let integrality = ctx.options().integrality;
     let away = |value: f64| (value - value.round()).abs();
     let settled = |j: &usize| away(raw[*j]) > integrality && away(x[*j]) <= integrality;
-    let mut settled: Vec<usize> = ctx.root().lone.iter().copied().filter(settled).collect();
+    let mut settled: Vec<usize> = ctx.root().ungrouped.iter().copied().filter(settled).collect();
     settled.sort_by(|&a, &b| away(raw[b]).total_cmp(&away(raw[a])).then(a.cmp(&b)));
     let (mut idle, mut any) = (0, false);
     for j in settled {

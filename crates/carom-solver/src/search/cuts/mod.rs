@@ -25,7 +25,7 @@ use super::root_point::{PilotResult, RootPoint, Strengthened};
 
 use crate::presolve::Domain;
 use crate::program::Program;
-use crate::relaxation::Ladder;
+use crate::relaxation::MethodCascade;
 use crate::solver::{Options, StopToken};
 
 /// A search of one node from a root; `None` if it is not wanted.
@@ -37,14 +37,14 @@ pub(crate) type PilotSearch<'a> = dyn FnMut(&Root) -> Option<PilotResult> + 'a;
 /// # Arguments
 ///
 /// * `token`: ends the rounds.
-/// * `ladder`: keeps count of the relaxations.
+/// * `cascade`: keeps count of the relaxations.
 /// * `pilot`: a search of one node from a root.
 pub(crate) fn strengthen(
     program: &Program,
     root: &mut Root,
     options: &Options,
     token: &StopToken,
-    ladder: &mut Ladder,
+    cascade: &mut MethodCascade,
     pilot: &mut PilotSearch<'_>,
 ) -> Option<Strengthened> {
     let idle = program.integers.is_empty() || program.is_feasibility_problem();
@@ -53,7 +53,7 @@ pub(crate) fn strengthen(
     }
     let point = root.point.take();
     let point =
-        point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token, None))?;
+        point.or_else(|| RootPoint::new(program, &root.domain, cascade, options, token, None))?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
     let start = Root { point: Some(point.clone()), ..root.clone() };
     let piloted = pilot(&start);
@@ -75,7 +75,7 @@ pub(crate) fn strengthen(
         ages: Vec::new(),
         sets: Sets::Untried,
     };
-    let last = rounds.run(&point, options, token, ladder);
+    let last = rounds.run(&point, options, token, cascade);
     let last = last.filter(|last| {
         rounds.pays([CUTS.total_lift[curved], CUTS.closed_share[1]], &point, last.value)
     });
@@ -125,7 +125,7 @@ impl CutRounds<'_> {
         root: &RootPoint,
         options: &Options,
         token: &StopToken,
-        ladder: &mut Ladder,
+        cascade: &mut MethodCascade,
     ) -> Option<RootPoint> {
         let (mut last, mut more): (Option<RootPoint>, Option<Program>) = (None, None);
         let mut idle = 0;
@@ -135,7 +135,7 @@ impl CutRounds<'_> {
             }
             let before = last.as_ref().unwrap_or(root);
             let how = (options, token);
-            let Some(point) = self.cut(before, &mut more, round, how, ladder) else { break };
+            let Some(point) = self.cut(before, &mut more, round, how, cascade) else { break };
             let part = CUTS.idle_share * (point.value - root.value).max(0.0);
             let moved = before.is_lifted_by(CUTS.idle_lift, point.value)
                 || point.value - before.value > part;
@@ -162,7 +162,7 @@ impl CutRounds<'_> {
         more: &mut Option<Program>,
         round: usize,
         (options, token): (&Options, &StopToken),
-        ladder: &mut Ladder,
+        cascade: &mut MethodCascade,
     ) -> Option<RootPoint> {
         let program = more.as_ref().unwrap_or(self.program);
         let mut found = self.separate(program, &before.x, round, token);
@@ -178,7 +178,7 @@ impl CutRounds<'_> {
         // worse.
         let mut relax = |cuts: &[Cut]| {
             let program = with_cuts(self.program, cuts)?;
-            let point = RootPoint::new(&program, self.domain, ladder, options, token, None)?;
+            let point = RootPoint::new(&program, self.domain, cascade, options, token, None)?;
             Some((program, point))
         };
         let some = !found.is_empty();

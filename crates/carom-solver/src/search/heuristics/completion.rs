@@ -21,7 +21,7 @@ pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
     let before = ctx.tree.begin(Heuristic::Start);
     let mut contradiction = None;
     let mut found = None;
-    let is_quick = start.proofs.is_some() && !ctx.options().may_stop();
+    let is_quick = start.saved_tree.is_some() && !ctx.options().may_stop();
     let mut left =
         if is_quick { HEURISTICS.prepared_relaxations } else { HEURISTICS.completion_relaxations };
     for share in HEURISTICS.start_shares {
@@ -84,8 +84,8 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
             RelaxationVerdict::Relaxed { x, .. } => Some(projection.lift(x)),
             _ => None,
         };
-        ctx.ladder.reuse(verdict);
-        ctx.ladder.reducer().reuse_projection(projection);
+        ctx.cascade.reuse(verdict);
+        ctx.cascade.reducer().reuse_projection(projection);
         let Some(point) = point else { return };
         round_and_propagate(ctx, &point);
         if ctx.tree.has_last_found() {

@@ -11,7 +11,7 @@ use super::parameters::HEURISTICS;
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::search::context::Context;
-use crate::search::indifferent_binaries::settle_groups;
+use crate::search::indifferent_binaries::round_groups;
 use crate::search::leaf::try_assignment;
 use crate::search::local_bounds::{fix_near, propagate_since};
 use crate::search::node_relaxation::{project_node, relax};
@@ -155,10 +155,10 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
         }
         _ => None,
     };
-    ctx.ladder.reuse(verdict);
-    ctx.ladder.reducer().reuse_projection(projection);
+    ctx.cascade.reuse(verdict);
+    ctx.cascade.reducer().reuse_projection(projection);
     let mut point = point?;
     let integrality = ctx.options().integrality;
-    settle_groups(ctx.program(), &ctx.node.domain, &ctx.root().groups, integrality, &mut point);
+    round_groups(ctx.program(), &ctx.node.domain, &ctx.root().groups, integrality, &mut point);
     Some(point)
 }

@@ -163,7 +163,7 @@ impl<'a> LocalSearch<'a> {
         let mut most = f64::NEG_INFINITY;
         let count = self.good.members.len();
         for k in 0..count.min(COMPARED_FLIPS) {
-            let k = if count > COMPARED_FLIPS { self.below(count) } else { k };
+            let k = if count > COMPARED_FLIPS { self.random_below(count) } else { k };
             let j = self.good.members[k];
             if self.score[j] > most {
                 (most, best) = (self.score[j], Some(j));
@@ -177,15 +177,15 @@ impl<'a> LocalSearch<'a> {
             self.weight[row] += 1.0;
             self.add_scores(row, 1.0);
         }
-        let k = self.below(self.violated.members.len());
+        let k = self.random_below(self.violated.members.len());
         let row = self.violated.members[k];
         let columns = self.program.row(row).0;
         let open = columns.iter().copied().filter(|&j| self.step[j] != 0.0);
         open.max_by(|&a, &b| self.score[a].total_cmp(&self.score[b]))
     }
 
-    /// A number below another one (SplitMix64).
-    fn below(&mut self, count: usize) -> usize {
+    /// A random number below another one (SplitMix64).
+    fn random_below(&mut self, count: usize) -> usize {
         self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.random;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

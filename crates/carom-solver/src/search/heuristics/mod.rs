@@ -50,11 +50,11 @@ impl HeuristicAccounts {
         }
     }
 
-    /// Notes that a replay has made the root smaller, so that its relaxed point is another one.
+    /// Notes that a warm start has made the root smaller, so that its relaxed point is another one.
     /// Then rounding and roll-outs have their turn again, except beside a good point and a small
     /// tree.
-    pub(super) fn note_replay(&mut self, ctx: &Context<'_>, bound: f64) {
-        let large = ctx.tree.proofs().is_some_and(|proofs| proofs.is_large());
+    pub(super) fn note_tree_warm_start(&mut self, ctx: &Context<'_>, bound: f64) {
+        let large = ctx.tree.saved_tree().is_some_and(|tree| tree.is_large());
         if large || !has_good_point(ctx, bound) {
             self.since_rounding = u64::MAX;
         }

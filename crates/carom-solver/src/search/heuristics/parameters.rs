@@ -34,7 +34,7 @@ pub(super) struct HeuristicParameters {
     /// Most relaxations of all completions of a start.
     pub(super) completion_relaxations: usize,
     /// Most relaxations of all completions in a prepared solve that no limit may stop. There, the
-    /// replay of the last tree finds points as well.
+    /// warm start of the tree finds points as well.
     pub(super) prepared_relaxations: usize,
     /// Shares of the integers of a start, from its beginning, that are tried.
     pub(super) start_shares: [f64; 3],

@@ -16,13 +16,13 @@ mod switched_cones;
 
 use carom::solver::{Control, Options, StopToken};
 use carom_solver::internals::program::Program;
-use carom_solver::internals::relaxation::LadderPool;
+use carom_solver::internals::relaxation::CascadePool;
 use carom_solver::internals::search::{PointJudge, SearchResult, SolveTask, search};
 
 /// Searches a program that no model is told about.
 fn search_alone(program: &Program, accept: &dyn PointJudge) -> SearchResult {
     let options = Options::default();
-    search_by(program, accept, &options, &LadderPool::new(&options))
+    search_by(program, accept, &options, &CascadePool::new(&options))
 }
 
 /// The same with options and with methods for the relaxations.
@@ -30,9 +30,9 @@ pub(crate) fn search_by(
     program: &Program,
     accept: &dyn PointJudge,
     options: &Options,
-    ladders: &LadderPool,
+    cascades: &CascadePool,
 ) -> SearchResult {
     let token = &StopToken::default();
-    let task = SolveTask::new(program, accept, ladders, options, token);
+    let task = SolveTask::new(program, accept, cascades, options, token);
     search(task, &mut Control::default(), None)
 }

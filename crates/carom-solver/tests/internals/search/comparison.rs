@@ -5,7 +5,7 @@ use carom::prelude::*;
 use carom::solution::Heuristic;
 use carom::solver::{Control, StopToken};
 use carom_solver::internals::program::Program;
-use carom_solver::internals::relaxation::LadderPool;
+use carom_solver::internals::relaxation::CascadePool;
 use carom_solver::internals::search::{
     Contradiction, SolveTask, Start, StartPoint, search, search_unstrengthened,
 };
@@ -24,10 +24,12 @@ fn program() -> Program {
 /// and the answer without it.
 fn contradiction(wrong: &Program, start: Option<Vec<f64>>) -> Option<Contradiction> {
     let (exact, options, token) = (&program(), &Options::default(), &StopToken::default());
-    let ladders = &LadderPool::new(options);
+    let cascades = &CascadePool::new(options);
     let accept = |_: &[f64]| true;
-    let task =
-        SolveTask { exact: Some(exact), ..SolveTask::new(wrong, &accept, ladders, options, token) };
+    let task = SolveTask {
+        exact: Some(exact),
+        ..SolveTask::new(wrong, &accept, cascades, options, token)
+    };
     let point = start.map(|values| StartPoint { values, found_by: Heuristic::Start });
     let start = Start::from_point(point);
     let found = search(task, &mut Control::default(), Some(&start));

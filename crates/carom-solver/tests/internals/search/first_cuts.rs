@@ -7,7 +7,7 @@ use carom_solver::internals::branch_and_bound::search_tightened;
 use carom_solver::internals::presolve::Reduced;
 use carom_solver::internals::program::Program;
 use carom_solver::internals::relaxation::{
-    Effort, Ladder, LadderPool, Relaxation, RelaxationClaim, RelaxationResult,
+    CascadePool, Effort, MethodCascade, Relaxation, RelaxationClaim, RelaxationResult,
 };
 use carom_solver::internals::search::SolveTask;
 
@@ -44,11 +44,11 @@ fn disc() -> Program {
 fn an_interrupt_keeps_the_bound_of_the_last_relaxation() {
     let (program, options, interrupt) = (disc(), Options::default(), Interrupt::new());
     let token = &StopToken::new(None, &interrupt);
-    let ladders = LadderPool::with_ladders(&options, move || {
-        Ladder::with_method(Box::new(Interrupting(interrupt.clone())))
+    let cascades = CascadePool::with_cascades(&options, move || {
+        MethodCascade::with_method(Box::new(Interrupting(interrupt.clone())))
     });
     let accept = |_: &[f64]| true;
-    let found = search_tightened(SolveTask::new(&program, &accept, &ladders, &options, token));
+    let found = search_tightened(SolveTask::new(&program, &accept, &cascades, &options, token));
     assert_eq!(found.termination, Termination::Interrupted);
     // The relaxed optimum is -5 sqrt(2) and a part of the price; the optimum is -7.
     assert!((-7.1..=-7.0 + 1e-6).contains(&found.bound), "{}", found.bound);

@@ -4,7 +4,7 @@ use carom::model::Model;
 use carom_solver::internals::presolve::Domain;
 use carom_solver::internals::program::Program;
 use carom_solver::internals::search::indifferent_binaries::{
-    groups, lone_binaries, settle_groups, settle_lone,
+    groups, round_groups, shift_to_integers, ungrouped_binaries,
 };
 
 /// Two modes, left of 4 and right of 3; both rows leave the binaries room between.
@@ -20,7 +20,7 @@ fn what_is_violated_stays_fractional_and_goes_as_far_as_it_can() {
     let (domain, groups) = (Domain::new(&program), groups(&program));
     let settled = |x: f64| {
         let mut point = vec![x, 0.5, 0.5];
-        settle_groups(&program, &domain, &groups, 1e-6, &mut point);
+        round_groups(&program, &domain, &groups, 1e-6, &mut point);
         point
     };
     assert_eq!(settled(1.0), [1.0, 1.0, 0.0]);
@@ -40,9 +40,9 @@ fn binaries_alone_go_to_the_nearer_end() {
     model.add("above", (x + 8.0 * on).le(5.0)).unwrap();
     let program = Program::assemble(&model).unwrap();
     let (domain, groups) = (Domain::new(&program), groups(&program));
-    let alone = lone_binaries(&program, &groups);
+    let alone = ungrouped_binaries(&program, &groups);
     assert_eq!((groups, alone.clone()), (Vec::new(), vec![1]));
     let mut point = vec![1.0, 0.3];
-    settle_lone(&program, &domain, &alone, 1e-6, &mut point);
+    shift_to_integers(&program, &domain, &alone, 1e-6, &mut point);
     assert_eq!(point, [1.0, 0.125]);
 }

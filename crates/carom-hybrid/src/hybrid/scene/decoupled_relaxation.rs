@@ -1,4 +1,4 @@
-//! A scene's system with looser conditions, in which axes are independent, for sets of each axis.
+//! A relaxation of a scene's system in which axes are independent, for sets of each axis.
 
 use super::contact::ContactPair;
 use super::system::Stated;
@@ -9,7 +9,7 @@ use crate::tolerance::REACH;
 /// The system in which conditions that couple axes are replaced by what they say about each axis,
 /// while the other axes are anywhere in their domains. Each of its plans may be impossible, but
 /// each plan of the scene is one of them.
-pub(super) fn loose(stated: &Stated) -> HybridSystem {
+pub(super) fn decoupled_relaxation(stated: &Stated) -> HybridSystem {
     let mut system = stated.system.clone();
     let block = 2 * stated.scene.axes();
     let axes = Axes {

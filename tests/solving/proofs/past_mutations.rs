@@ -1,16 +1,16 @@
-//! Three optima that an earlier version took for proved, each from a slip of its own: a tolerance
+//! Three optima that an earlier version took for proved, each from a fault of its own: a tolerance
 //! that grew with the terms of a row, an excluded case of a hull, a square without bounds.
 //!
-//! With a slip brought back, the answer is wrong and called optimal, and its log says where; or the
+//! With a fault brought back, the answer is wrong and called optimal, and its log says where; or the
 //! search notices by itself.
 
-// Other builds have no slips.
+// Other builds have no mutations.
 #![cfg_attr(not(debug_assertions), allow(unused_imports, dead_code))]
 
 use carom::model::Model;
 use carom::prelude::*;
 use carom::solver::{Heuristics, MipStart};
-use carom_model::internals::slips::{Slip, with_slip};
+use carom_model::internals::mutations::{Mutation, with_mutation};
 use carom_proof::check;
 use carom_solver::internals::proof::write_proof_of;
 
@@ -114,7 +114,7 @@ fn a_tolerance_that_grows_with_the_terms_is_rejected_at_the_point() {
             )
         };
 
-        let (solution, log) = with_slip(Slip::ScaledTolerance, &mut run);
+        let (solution, log) = with_mutation(Mutation::ScaledTolerance, &mut run);
         assert!(solution.is_optimal() && !is_near(&solution, right), "{seed}");
         let (at, reason) = rejected(&log);
         let line = log.lines().nth(at).expect("a line");
@@ -134,7 +134,8 @@ fn a_tolerance_that_grows_with_the_terms_is_rejected_at_the_point() {
 #[cfg(debug_assertions)]
 fn a_case_left_out_of_a_hull_is_rejected_where_it_has_a_point() -> Result<(), Error> {
     let (model, _) = hull()?;
-    let (solution, log) = with_slip(Slip::ExcludedCase, || solved(&model, None, "excluded"));
+    let (solution, log) =
+        with_mutation(Mutation::ExcludedCase, || solved(&model, None, "excluded"));
     assert!(solution.is_optimal() && is_near(&solution, 0.2));
     assert_eq!(solution.statistics().contradictions, 0);
     assert!(!solution.proof().is_some_and(|report| report.is_complete));
@@ -145,23 +146,24 @@ fn a_case_left_out_of_a_hull_is_rejected_where_it_has_a_point() -> Result<(), Er
     Ok(())
 }
 
-/// An accepted point that a slip excludes, or makes dearer, ends it: the answer is the right one,
+/// An accepted point that a mutation excludes, or makes dearer, ends it: the answer is the right one,
 /// and the contradiction is counted.
 #[test]
 #[cfg(debug_assertions)]
-fn accepted_points_contradict_the_slips() -> Result<(), Error> {
+fn accepted_points_contradict_the_mutations() -> Result<(), Error> {
     let (mut hull, [a, b, c]) = hull()?;
     // A point at the best bound of every column would be the answer without a search.
     hull.set_bounds(hull.variable_by_name("t")?, 0.0, 1.5)?;
     let start = &MipStart::new().with_values([(a, 0.0), (b, 0.0), (c, 1.0)]);
-    for (slip, model, start, value) in [
-        (Slip::ExcludedCase, hull, Some(start), 1.0),
-        (Slip::OpenSquare, open_square()?, None, 16.0),
+    for (mutation, model, start, value) in [
+        (Mutation::ExcludedCase, hull, Some(start), 1.0),
+        (Mutation::OpenSquare, open_square()?, None, 16.0),
     ] {
-        let (solution, log) = with_slip(slip, || solved(&model, start, &format!("{slip:?}")));
-        assert_eq!(solution.statistics().contradictions, 1, "{slip:?}");
-        assert!(solution.is_optimal() && is_near(&solution, value), "{slip:?}");
-        assert!(check(log.as_bytes()).is_ok(), "{slip:?}");
+        let (solution, log) =
+            with_mutation(mutation, || solved(&model, start, &format!("{mutation:?}")));
+        assert_eq!(solution.statistics().contradictions, 1, "{mutation:?}");
+        assert!(solution.is_optimal() && is_near(&solution, value), "{mutation:?}");
+        assert!(check(log.as_bytes()).is_ok(), "{mutation:?}");
     }
     Ok(())
 }

@@ -36,7 +36,7 @@ pub(super) type Sparse = Vec<(usize, f64)>;
 
 /// The program, and the undos of what was done to it.
 #[derive(Debug)]
-pub(super) struct Work {
+pub(super) struct WorkingProgram {
     pub(super) rows: Vec<Sparse>,
     /// The rows that a column is in, sorted.
     pub(super) uses: Vec<Vec<usize>>,
@@ -111,7 +111,7 @@ pub(super) struct ActivityRange {
     pub(super) noise: f64,
 }
 
-impl Work {
+impl WorkingProgram {
     pub(super) fn new(program: &Program, token: &StopToken) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
         let pairs = |(index, value): (&[usize], &[f64])| {
@@ -126,7 +126,7 @@ impl Work {
             row.iter().for_each(|&(j, _)| uses[j].push(i));
         }
         let limits = program.row_lower.iter().zip(&program.row_upper);
-        Work {
+        WorkingProgram {
             rows,
             uses,
             // Limits may come from a sum themselves.
@@ -169,7 +169,7 @@ impl Work {
     /// Applies a rule to one live row after another until it is late, and adds up the changes.
     pub(super) fn each_row(
         &mut self,
-        mut rule: impl FnMut(&mut Work, usize) -> Result<usize, Infeasible>,
+        mut rule: impl FnMut(&mut WorkingProgram, usize) -> Result<usize, Infeasible>,
     ) -> Result<usize, Infeasible> {
         let mut changes = 0;
         for row in self.live_rows() {
@@ -185,7 +185,7 @@ impl Work {
     pub(super) fn each_column(
         &mut self,
         columns: Vec<usize>,
-        mut rule: impl FnMut(&mut Work, usize) -> usize,
+        mut rule: impl FnMut(&mut WorkingProgram, usize) -> usize,
     ) -> usize {
         let mut changes = 0;
         for column in columns {

@@ -1,15 +1,15 @@
-//! Moves: what all choices do together in a step, one transition of each.
+//! Joint transitions: what all choices do together in a step, one transition of each.
 
 use super::Step;
 use super::piece::Piece;
-use crate::hybrid::affine::{self, Map, excess};
+use crate::hybrid::affine::{self, AffineForm, excess};
 use crate::hybrid::system::HybridSystem;
 
-/// The most moves that are looked at.
-const MOST_MOVES: usize = 64;
+/// The most joint transitions that are looked at.
+const MOST_JOINT_PIECES: usize = 64;
 
-/// A step of all choices.
-pub(super) struct Move {
+/// A joint transition with the pieces of the state space that its conditions leave.
+pub(super) struct JointPiece {
     /// The positions of the transitions.
     pub(super) taken: Vec<usize>,
     /// The modes in which it begins, in choices with memory.
@@ -21,12 +21,12 @@ pub(super) struct Move {
     pub(super) inside: Piece,
 }
 
-/// All moves of a step; `None` if there are too many.
-pub(super) fn moves(system: &HybridSystem, step: &Step) -> Option<Vec<Move>> {
+/// All joint transitions of a step; `None` if there are too many.
+pub(super) fn joint_transitions(system: &HybridSystem, step: &Step) -> Option<Vec<JointPiece>> {
     let mut all: Vec<Vec<usize>> = vec![Vec::new()];
     for choice in &system.choices {
         let count = choice.transitions.len();
-        if all.len() * count > MOST_MOVES {
+        if all.len() * count > MOST_JOINT_PIECES {
             return None;
         }
         let longer = |taken: &Vec<usize>| -> Vec<Vec<usize>> {
@@ -38,8 +38,8 @@ pub(super) fn moves(system: &HybridSystem, step: &Step) -> Option<Vec<Move>> {
     let common = system.flow.as_ref().map(affine::flow);
     let of = |taken: Vec<usize>| {
         let piece = joined(step.pieces.iter().zip(&taken).map(|(own, &j)| &own[j]));
-        let parts = step.behaviours.iter().zip(&taken).map(|(own, &j)| &own[j].next[..]);
-        let next = affine::sum(common.as_deref(), &parts.collect::<Vec<&[Map]>>());
+        let parts = step.dynamics.iter().zip(&taken).map(|(own, &j)| &own[j].next[..]);
+        let next = affine::sum(common.as_deref(), &parts.collect::<Vec<&[AffineForm]>>());
         let mut inside = piece.clone();
         for (next, (_, domain)) in next.iter().zip(&system.states) {
             for (sign, end) in [(1.0, domain.upper), (-1.0, -domain.lower)] {
@@ -49,7 +49,8 @@ pub(super) fn moves(system: &HybridSystem, step: &Step) -> Option<Vec<Move>> {
             }
         }
         for limit in system.limits.iter().filter(|limit| !limit.is_joint(next.len())) {
-            let Some(Map { factors, constant }) = excess(limit, width, step.number + 1) else {
+            let Some(AffineForm { factors, constant }) = excess(limit, width, step.number + 1)
+            else {
                 continue;
             };
             let after = affine::combine(factors, &next, width, constant);
@@ -59,7 +60,7 @@ pub(super) fn moves(system: &HybridSystem, step: &Step) -> Option<Vec<Move>> {
             let (from, _) = choice.transitions[j].modes.as_ref()?;
             Some((choice.name.clone(), from.clone()))
         });
-        Move { modes: modes.collect(), taken, piece, inside }
+        JointPiece { modes: modes.collect(), taken, piece, inside }
     };
     Some(all.into_iter().map(of).collect())
 }

@@ -5,7 +5,7 @@ use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
-use super::numbers::Numbers;
+use super::seeded_numbers::Numbers;
 
 fn bounce(e: f64) -> Surface {
     Surface::bounce(Restitution::new(e).unwrap())

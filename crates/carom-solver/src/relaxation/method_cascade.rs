@@ -1,13 +1,13 @@
-//! The ladder of attempts: which method solves a program, how accurately, and which one follows if
+//! The cascade of attempts: which method solves a program, how accurately, and which one follows if
 //! the result is not good enough.
 //!
-//! `attempts.rs` lists the attempts of each [`Purpose`], and [`LadderMethod::of`] the methods. No
+//! `attempts.rs` lists the attempts of each [`Purpose`], and [`CascadeMethod::of`] the methods. No
 //! other part of the crate names a method.
 
 use web_time::{Duration, Instant};
 
 use super::active_set::ActiveSet;
-use super::attempts::{MethodAttempt, Purpose, Rung, VERTEX, attempts};
+use super::attempts::{MethodAttempt, Purpose, Stage, VERTEX, attempts};
 use super::borderline::{Doubt, WIDENINGS, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::cone_cut::ConeCut;
@@ -39,7 +39,7 @@ pub(super) const CONIC_RECORD: usize = 3;
 /// The part of a solve that is the same for all attempts.
 struct Request<'a> {
     purpose: Purpose,
-    /// The method for attempts of the warm rung.
+    /// The method for attempts of the warm stage.
     warm_method: Option<WarmMethod>,
     /// The state that the parent's relaxation left.
     warm: Option<&'a WarmState>,
@@ -56,23 +56,23 @@ impl<'a> Request<'a> {
 }
 
 /// A method, its counter, and the purposes for which it gets the parent's state.
-struct LadderMethod {
+struct CascadeMethod {
     method: Box<dyn Relaxation>,
     starts_warm: fn(Purpose) -> bool,
     count: fn(&mut RelaxationCounts) -> &mut u64,
 }
 
-impl LadderMethod {
+impl CascadeMethod {
     fn of(method: RelaxationMethod) -> Self {
         match method {
-            RelaxationMethod::Automatic | RelaxationMethod::InteriorPoint => LadderMethod {
+            RelaxationMethod::Automatic | RelaxationMethod::InteriorPoint => CascadeMethod {
                 method: Box::new(InteriorPoint::new()),
                 // Without a start it ends deeper inside the face of optima, which is better if the
                 // search continues from that point.
                 starts_warm: |purpose| matches!(purpose, Purpose::Trial | Purpose::Separation),
                 count: |counts| &mut counts.interior_point,
             },
-            RelaxationMethod::Clarabel => LadderMethod {
+            RelaxationMethod::Clarabel => CascadeMethod {
                 method: Box::new(ClarabelRelaxation::new()),
                 starts_warm: |_| true,
                 count: |counts| &mut counts.clarabel,
@@ -81,7 +81,7 @@ impl LadderMethod {
     }
 }
 
-/// The attempts, iterations and time of a ladder since they were last taken.
+/// The attempts, iterations and time of a cascade since they were last taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spent {
     /// Attempts by method.
@@ -102,12 +102,12 @@ impl Spent {
 }
 
 /// The methods of a search, the memory that they work in, and what they have taken.
-pub struct Ladder {
+pub struct MethodCascade {
     /// By [`WarmMethod`]; `None` if no method starts from a state.
-    warm: Option<[LadderMethod; 2]>,
-    cold: LadderMethod,
+    warm: Option<[CascadeMethod; 2]>,
+    cold: CascadeMethod,
     /// `None` if the cold method is alone.
-    fallback: Option<LadderMethod>,
+    fallback: Option<CascadeMethod>,
     /// The records of the warm methods, of the cold one, and of that for cones.
     pub(super) records: [Record; 4],
     spent: Spent,
@@ -120,42 +120,42 @@ pub struct Ladder {
     pub(super) cone_cuts: Vec<(ConeCut, f64)>,
 }
 
-impl Ladder {
-    /// The ladder of a choice.
+impl MethodCascade {
+    /// The cascade of a choice.
     pub fn new(choice: RelaxationMethod) -> Self {
         let fallback = RelaxationMethod::Clarabel;
-        let fallback = (choice != fallback).then(|| LadderMethod::of(fallback));
+        let fallback = (choice != fallback).then(|| CascadeMethod::of(fallback));
         let warm = (choice == RelaxationMethod::Automatic).then(|| {
             [
-                LadderMethod {
+                CascadeMethod {
                     method: Box::new(ActiveSet::new()),
                     starts_warm: |_| true,
                     count: |counts| &mut counts.active_set,
                 },
-                LadderMethod {
+                CascadeMethod {
                     method: Box::new(DualSimplex::new()),
                     starts_warm: |_| true,
                     count: |counts| &mut counts.dual_simplex,
                 },
             ]
         });
-        Ladder::of(warm, LadderMethod::of(choice), fallback)
+        MethodCascade::of(warm, CascadeMethod::of(choice), fallback)
     }
 
-    /// A ladder with a method of one's own, alone and counted as the crate's own.
+    /// A cascade with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
-        Ladder::of(None, LadderMethod { method, starts_warm: |_| true, count }, None)
+        MethodCascade::of(None, CascadeMethod { method, starts_warm: |_| true, count }, None)
     }
 
     fn of(
-        warm: Option<[LadderMethod; 2]>,
-        cold: LadderMethod,
-        fallback: Option<LadderMethod>,
+        warm: Option<[CascadeMethod; 2]>,
+        cold: CascadeMethod,
+        fallback: Option<CascadeMethod>,
     ) -> Self {
         let (records, spent, prover, reducer) = Default::default();
         let (conic, conic_interior, cone_cuts) = Default::default();
-        Ladder {
+        MethodCascade {
             warm,
             cold,
             fallback,
@@ -169,12 +169,12 @@ impl Ladder {
         }
     }
 
-    /// Proves bounds, in the memory that the ladder has for that.
+    /// Proves bounds, in the memory that the cascade has for that.
     pub fn prover(&mut self) -> &mut Prover {
         &mut self.prover
     }
 
-    /// Reduces programs, in the memory that the ladder has for that.
+    /// Reduces programs, in the memory that the cascade has for that.
     pub(crate) fn reducer(&mut self) -> &mut Reducer {
         &mut self.reducer
     }
@@ -220,8 +220,8 @@ impl Ladder {
     fn attempts(&self, purpose: Purpose, warm: Option<WarmMethod>) -> &'static [MethodAttempt] {
         let all = attempts(purpose);
         let others = match all {
-            [MethodAttempt { rung: Rung::Warm, .. }, ..] if warm.is_some() => return all,
-            [MethodAttempt { rung: Rung::Warm, .. }, others @ ..] => others,
+            [MethodAttempt { stage: Stage::Warm, .. }, ..] if warm.is_some() => return all,
+            [MethodAttempt { stage: Stage::Warm, .. }, others @ ..] => others,
             all => all,
         };
         match others {
@@ -269,10 +269,10 @@ impl Ladder {
         program: &Reduced,
         request: &Request<'_>,
     ) -> RelaxationResult {
-        let MethodAttempt { rung, iterations, tolerance, refinements } = attempt;
-        let entry = match (rung, request.warm_method, &mut self.warm) {
-            (Rung::Warm, Some(method), Some(warm)) => Some(&mut warm[method as usize]),
-            (Rung::Fallback, ..) => self.fallback.as_mut(),
+        let MethodAttempt { stage, iterations, tolerance, refinements } = attempt;
+        let entry = match (stage, request.warm_method, &mut self.warm) {
+            (Stage::Warm, Some(method), Some(warm)) => Some(&mut warm[method as usize]),
+            (Stage::Fallback, ..) => self.fallback.as_mut(),
             _ => None,
         };
         let entry = entry.unwrap_or(&mut self.cold);
@@ -483,8 +483,8 @@ impl Ladder {
     }
 }
 
-impl std::fmt::Debug for Ladder {
+impl std::fmt::Debug for MethodCascade {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Ladder").field("spent", &self.spent).finish_non_exhaustive()
+        f.debug_struct("MethodCascade").field("spent", &self.spent).finish_non_exhaustive()
     }
 }

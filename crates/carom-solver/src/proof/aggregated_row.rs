@@ -1,5 +1,5 @@
-//! Sums of facts, in floats with bounds on their rounding: what counts as a contradiction here is
-//! one in exact arithmetic, too.
+//! Weighted sums of facts, in floats with bounds on their rounding: what counts as a contradiction
+//! here is one in exact arithmetic, too.
 
 use super::bounds::Side;
 use crate::sum::{exact_product, exact_sum};
@@ -61,15 +61,15 @@ impl Rounded {
     }
 }
 
-/// A sum of facts: `terms >= limit`.
+/// A weighted sum of facts: `terms >= limit`.
 #[derive(Debug, Default)]
-pub(super) struct FactSum {
+pub(super) struct AggregatedRow {
     terms: Vec<Rounded>,
     touched: Vec<usize>,
     limit: Rounded,
 }
 
-impl FactSum {
+impl AggregatedRow {
     /// Begins a sum over so many columns.
     pub(super) fn clear(&mut self, columns: usize) {
         for j in self.touched.drain(..) {

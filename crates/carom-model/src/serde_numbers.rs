@@ -1,8 +1,8 @@
 //! Real numbers with infinities in files: JSON has none, so they travel as text.
 //!
-//! Used as `#[serde(with = "crate::wire")]` on numbers that may be infinite. Text formats get
-//! `"inf"`, `"-inf"` and `"nan"` for what they cannot write as a number; binary formats get plain
-//! floats.
+//! Used as `#[serde(with = "crate::serde_numbers")]` on numbers that may be infinite. Text formats
+//! get `"inf"`, `"-inf"` and `"nan"` for what they cannot write as a number; binary formats get
+//! plain floats.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

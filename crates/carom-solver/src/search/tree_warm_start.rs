@@ -19,7 +19,9 @@ use super::context::Context;
 use super::local_bounds::propagate_since;
 use super::node::{Decision, Node};
 use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
-use super::proofs::{End, EndKey, Fork, Proof, ProofMultipliers, ProofTrial, Proofs};
+use super::saved_tree::{
+    End, EndKey, ProofMultipliers, ProofTrial, SavedDuals, SavedSplit, SavedTree,
+};
 use crate::relaxation::{Purpose, RelaxationVerdict};
 
 /// Most decisions on a way down.
@@ -31,13 +33,13 @@ const MOST_DECISIONS: usize = 400;
 /// # Arguments
 ///
 /// * `x`: the relaxed point of the root.
-pub(super) fn replay(
+pub(super) fn warm_start_tree(
     ctx: &mut Context<'_>,
     root: &Node,
     bound: f64,
     x: &[f64],
 ) -> Option<Vec<Node>> {
-    let proofs = ctx.tree.proofs().filter(|proofs| proofs.has_forks())?;
+    let saved_tree = ctx.tree.saved_tree().filter(|saved_tree| saved_tree.has_splits())?;
     let cutoff = ctx.tree.cutoff();
     if root.id != 0 || cutoff == f64::INFINITY {
         return None;
@@ -45,15 +47,16 @@ pub(super) fn replay(
     ctx.node.cutoff = ctx.propagator.set_cutoff(ctx.program(), cutoff);
     let whole = |v: &f64| (v - v.round()).abs() <= ctx.options().integrality;
     let fractional = x.iter().map(|v| !whole(v)).collect();
-    let relaxes = !proofs.is_large();
-    let mut replay = Replay { fractional, relaxes, ..Replay::default() };
-    replay.run(ctx, &proofs, bound);
-    if replay.has_more_to_relax() {
-        let Replay { fractional, known, crowded, .. } = replay;
-        replay = Replay { fractional, known, crowded, relaxes: true, ..Replay::default() };
-        replay.run(ctx, &proofs, bound);
+    let relaxes = !saved_tree.is_large();
+    let mut warm_start = TreeWarmStart { fractional, relaxes, ..TreeWarmStart::default() };
+    warm_start.run(ctx, &saved_tree, bound);
+    if warm_start.has_more_to_relax() {
+        let TreeWarmStart { fractional, known, crowded, .. } = warm_start;
+        warm_start =
+            TreeWarmStart { fractional, known, crowded, relaxes: true, ..TreeWarmStart::default() };
+        warm_start.run(ctx, &saved_tree, bound);
     }
-    let Replay { mut parts, forks, proofs, closed, proved, .. } = replay;
+    let TreeWarmStart { mut parts, splits, duals, closed, proved, .. } = warm_start;
     if parts.iter().any(|part| part.path.is_empty()) {
         return None;
     }
@@ -61,8 +64,8 @@ pub(super) fn replay(
         s.split += 1;
         s.closed_by_proofs += proved;
     });
-    forks.into_iter().for_each(|fork| ctx.tree.keep_fork(|| fork));
-    proofs.into_iter().for_each(|proof| ctx.tree.keep_proof(|| proof));
+    splits.into_iter().for_each(|split| ctx.tree.keep_split(|| split));
+    duals.into_iter().for_each(|duals| ctx.tree.keep_duals(|| duals));
     if closed && closed_bound(ctx) < f64::INFINITY {
         ctx.tree.close(closed_bound(ctx));
     }
@@ -76,16 +79,16 @@ pub(super) fn replay(
     Some(parts.into_iter().map(node_of).collect())
 }
 
-/// The state of a replay: the parts of the root so far.
+/// The state of a warm start: the parts of the root so far.
 #[derive(Default)]
-struct Replay {
+struct TreeWarmStart {
     /// The decisions that lead to the part in hand, from the root on.
     path: Vec<Decision>,
     /// Open parts.
     parts: Vec<OpenPart>,
     /// The tree as it is now, and the multipliers that closed its ends.
-    forks: Vec<Fork>,
-    proofs: Vec<Proof>,
+    splits: Vec<SavedSplit>,
+    duals: Vec<SavedDuals>,
     /// Whether anything was closed.
     closed: bool,
     /// By column: whether it is fractional at the root.
@@ -96,7 +99,7 @@ struct Replay {
     relaxes: bool,
     /// Sides that relaxing might close.
     left: bool,
-    /// Ends that proofs have closed, here or in a run without relaxations.
+    /// Ends that saved multipliers have closed, here or in a run without relaxations.
     proved: u64,
     known: BTreeSet<EndKey>,
     /// Nodes of the earlier tree that have several open ends without relaxations.
@@ -111,11 +114,11 @@ struct OpenPart {
     multipliers: Option<Arc<ProofMultipliers>>,
 }
 
-impl Replay {
+impl TreeWarmStart {
     /// Goes through the earlier tree from its root. The domain is left as it was.
-    fn run(&mut self, ctx: &mut Context<'_>, proofs: &Proofs, bound: f64) {
+    fn run(&mut self, ctx: &mut Context<'_>, saved_tree: &SavedTree, bound: f64) {
         let mark = ctx.node.domain.mark();
-        self.visit(ctx, proofs, Some(0), (0, bound));
+        self.visit(ctx, saved_tree, Some(0), (0, bound));
         ctx.propagator.touch(ctx.node.domain.changed_since(mark));
         ctx.node.domain.undo_to(mark);
     }
@@ -133,30 +136,30 @@ impl Replay {
     fn visit(
         &mut self,
         ctx: &mut Context<'_>,
-        proofs: &Proofs,
+        saved_tree: &SavedTree,
         earlier: Option<u32>,
         (id, bound): (u32, f64),
     ) {
         let (length, open) = (self.path.len(), self.parts.len());
-        let mut fork = Fork { id, ..Fork::default() };
+        let mut split = SavedSplit { id, ..SavedSplit::default() };
         let relaxes = self.relaxes;
-        let top = self.go_down(ctx, proofs, earlier, bound, &mut fork);
+        let top = self.go_down(ctx, saved_tree, earlier, bound, &mut split);
         self.relaxes = relaxes;
         let Some(top) = top else {
             self.closed = true;
             self.path.truncate(length);
-            self.forks.push(fork);
+            self.splits.push(split);
             return;
         };
         if self.parts.len() > open + 1 {
             self.crowded.extend(earlier);
             self.parts.truncate(open);
-            (fork.chain, fork.rest) = (Vec::new(), None);
+            (split.chain, split.rest) = (Vec::new(), None);
             let (path, multipliers) = (self.path[..top].to_vec(), ctx.node.multipliers.clone());
             self.parts.push(OpenPart { path, bound, id, multipliers });
         }
         self.path.truncate(length);
-        self.forks.push(fork);
+        self.splits.push(split);
     }
 
     /// Goes down to the ends below a node of the earlier tree. Returns the length of the path to
@@ -164,25 +167,25 @@ impl Replay {
     fn go_down(
         &mut self,
         ctx: &mut Context<'_>,
-        proofs: &Proofs,
+        saved_tree: &SavedTree,
         mut earlier: Option<u32>,
         bound: f64,
-        fork: &mut Fork,
+        split: &mut SavedSplit,
     ) -> Option<usize> {
         let own = earlier;
         loop {
-            let split = earlier.and_then(|node| Some((node, proofs.fork(node)?)));
-            let Some((node, split)) =
-                split.filter(|_| self.path.len() < MOST_DECISIONS && !ctx.token.is_over())
+            let earlier_split = earlier.and_then(|node| Some((node, saved_tree.split(node)?)));
+            let Some((node, earlier_split)) =
+                earlier_split.filter(|_| self.path.len() < MOST_DECISIONS && !ctx.token.is_over())
             else {
-                return self.end(ctx, proofs, earlier, (fork.id, bound));
+                return self.end(ctx, saved_tree, earlier, (split.id, bound));
             };
-            self.close_sides(ctx, proofs, (node, &split.closed), fork)?;
-            let (top, mut next) = (self.path.len(), split.rest);
+            self.close_sides(ctx, saved_tree, (node, &earlier_split.closed), split)?;
+            let (top, mut next) = (self.path.len(), earlier_split.rest);
             let relaxes = self.relaxes;
             // What is below a crowded node is not kept.
             self.relaxes &= own.is_none_or(|own| !self.crowded.contains(&own));
-            for &(decision, child) in &split.chain {
+            for &(decision, child) in &earlier_split.chain {
                 match Relation::of(ctx, &decision) {
                     Relation::Holds => {
                         next = Some(child);
@@ -191,10 +194,10 @@ impl Replay {
                     Relation::Fails => {}
                     Relation::Open => {
                         let id = ctx.tree.new_id();
-                        fork.chain.push((decision, id));
+                        split.chain.push((decision, id));
                         let (mark, length) = (ctx.node.domain.mark(), self.path.len());
                         if self.add(ctx, decision) {
-                            self.visit(ctx, proofs, Some(child), (id, bound));
+                            self.visit(ctx, saved_tree, Some(child), (id, bound));
                         } else {
                             self.closed = true;
                         }
@@ -207,15 +210,15 @@ impl Replay {
                     }
                 }
             }
-            if !fork.chain.is_empty() {
+            if !split.chain.is_empty() {
                 let id = ctx.tree.new_id();
-                fork.rest = Some(id);
-                self.visit(ctx, proofs, next, (id, bound));
+                split.rest = Some(id);
+                self.visit(ctx, saved_tree, next, (id, bound));
                 return Some(top);
             }
             self.relaxes = relaxes;
             if next.is_none() {
-                return self.end(ctx, proofs, None, (fork.id, bound));
+                return self.end(ctx, saved_tree, None, (split.id, bound));
             }
             earlier = next;
         }
@@ -226,17 +229,17 @@ impl Replay {
     fn end(
         &mut self,
         ctx: &mut Context<'_>,
-        proofs: &Proofs,
+        saved_tree: &SavedTree,
         earlier: Option<u32>,
         (id, mut bound): (u32, f64),
     ) -> Option<usize> {
         let mut multipliers = ctx.node.multipliers.clone();
         let before = earlier.map(End::Node);
-        let proof = before.and_then(|end| proofs.of(end));
-        match self.retry(ctx, proofs, (before, End::Node(id))) {
+        let saved = before.and_then(|end| saved_tree.of(end));
+        match self.retry(ctx, saved_tree, (before, End::Node(id))) {
             ProofTrial::Closed => return None,
             ProofTrial::Bound(proved) if proved > bound => {
-                (bound, multipliers) = (proved, proof.cloned());
+                (bound, multipliers) = (proved, saved.cloned());
             }
             _ => {}
         }
@@ -249,9 +252,9 @@ impl Replay {
     fn close_sides(
         &mut self,
         ctx: &mut Context<'_>,
-        proofs: &Proofs,
+        saved_tree: &SavedTree,
         (node, sides): (u32, &[Decision]),
-        fork: &mut Fork,
+        split: &mut SavedSplit,
     ) -> Option<()> {
         let mut left: Vec<Decision> = sides.to_vec();
         for relaxes in [false, true] {
@@ -268,8 +271,8 @@ impl Replay {
                 let mark = ctx.node.domain.mark();
                 ctx.node.domain.apply(side.column, side.is_upper, side.value);
                 let closes = propagate_since(ctx, mark).is_err() || {
-                    let (before, now) = (End::Side(node, side), End::Side(fork.id, side));
-                    let tried = self.retry(ctx, proofs, (Some(before), now));
+                    let (before, now) = (End::Side(node, side), End::Side(split.id, side));
+                    let tried = self.retry(ctx, saved_tree, (Some(before), now));
                     matches!(tried, ProofTrial::Closed)
                         || (relaxes && self.fractional[side.column] && self.relax(ctx, now))
                 };
@@ -280,7 +283,7 @@ impl Replay {
                     continue;
                 }
                 self.closed = true;
-                fork.closed.push(side);
+                split.closed.push(side);
                 if !self.add(ctx, opposite(side)) {
                     return None;
                 }
@@ -290,16 +293,16 @@ impl Replay {
         Some(())
     }
 
-    /// Tries the proof of an earlier end on the domain, and keeps it for the end as it is `now` if
-    /// it holds.
+    /// Tries the multipliers of an earlier end on the domain, and keeps them for the end `now` if
+    /// they hold.
     fn retry(
         &mut self,
         ctx: &mut Context<'_>,
-        proofs: &Proofs,
+        saved_tree: &SavedTree,
         (before, now): (Option<End>, End),
     ) -> ProofTrial {
-        let proof = before.and_then(|end| Some((end, proofs.of(end)?)));
-        let Some((before, multipliers)) = proof.filter(|_| !ctx.token.is_over()) else {
+        let saved = before.and_then(|end| Some((end, saved_tree.of(end)?)));
+        let Some((before, multipliers)) = saved.filter(|_| !ctx.token.is_over()) else {
             return ProofTrial::Nothing;
         };
         if self.known.contains(&before.key()) {
@@ -309,20 +312,20 @@ impl Replay {
         let Some(reduced) = reduce_node(ctx) else { return ProofTrial::Closed };
         let activity = ctx.clock.switch(Activity::Proof);
         let cutoff = ctx.tree.cutoff();
-        let tried = multipliers.prove(&reduced, cutoff, ctx.ladder.prover(), &mut self.picked);
+        let tried = multipliers.prove(&reduced, cutoff, ctx.cascade.prover(), &mut self.picked);
         ctx.clock.switch(activity);
-        ctx.ladder.reducer().reuse(reduced);
+        ctx.cascade.reducer().reuse(reduced);
         if let ProofTrial::Closed = tried {
             self.keep((before, now), multipliers);
         }
         tried
     }
 
-    /// Keeps a proof that has closed an end again.
+    /// Keeps multipliers that have closed an end again.
     fn keep(&mut self, (before, now): (End, End), multipliers: &Arc<ProofMultipliers>) {
         self.proved += 1;
         self.known.insert(before.key());
-        self.proofs.push(Proof::new(now, multipliers.clone()));
+        self.duals.push(SavedDuals::new(now, multipliers.clone()));
     }
 
     /// Whether the relaxation of the domain closes an end; keeps its multipliers if it does.
@@ -330,7 +333,7 @@ impl Replay {
         let Some(reduced) = reduce_node(ctx) else { return true };
         let mut projection = project_reduced(ctx, reduced);
         let (verdict, multipliers) = relax_and_keep(ctx, &mut projection, Purpose::Trial);
-        ctx.ladder.reducer().reuse_projection(projection);
+        ctx.cascade.reducer().reuse_projection(projection);
         let closes = match verdict {
             RelaxationVerdict::Refuted(_) => true,
             RelaxationVerdict::Relaxed { bound, .. } => {
@@ -338,10 +341,10 @@ impl Replay {
             }
             RelaxationVerdict::Stopped | RelaxationVerdict::Descent => false,
         };
-        ctx.ladder.reuse(verdict);
+        ctx.cascade.reuse(verdict);
         if closes {
             ctx.tree.count(|s| s.closed_by_trials += 1);
-            self.proofs.extend(multipliers.map(|multipliers| Proof::new(end, multipliers)));
+            self.duals.extend(multipliers.map(|multipliers| SavedDuals::new(end, multipliers)));
         }
         closes
     }

@@ -4,8 +4,8 @@
 //! A node is closed by multipliers: they prove a bound beyond the cutoff, or that nothing is
 //! feasible. Multipliers prove *some* bound on every program with the same rows, whatever its
 //! limits, bounds and costs are. So the next solve tries the multipliers that closed an end of the
-//! tree at the same end. Propagation and tightening may have changed that end since (see `replay`).
-//! The bound is proved as ever; where it falls short, the end is open.
+//! tree at the same end. Propagation and tightening may have changed that end since (see
+//! `tree_warm_start`). The bound is proved as ever; where it falls short, the end is open.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,8 +14,8 @@ use super::node::Decision;
 use crate::presolve::Reduced;
 use crate::relaxation::Prover;
 
-/// Most proofs that are kept of a solve, and most numbers in all of them (32 MB).
-const MOST_PROOFS: usize = 2000;
+/// Most dual solutions that are kept of a solve, and most numbers in all of them (32 MB).
+const MOST_DUALS: usize = 2000;
 const MOST_NUMBERS: usize = 4_000_000;
 
 /// Split nodes of a large tree.
@@ -53,23 +53,23 @@ impl End {
 
 /// Multipliers that closed an end.
 #[derive(Debug, Clone)]
-pub(crate) struct Proof {
+pub(crate) struct SavedDuals {
     end: End,
     multipliers: Arc<ProofMultipliers>,
 }
 
-impl Proof {
+impl SavedDuals {
     pub(super) fn new(end: End, multipliers: Arc<ProofMultipliers>) -> Self {
-        Proof { end, multipliers }
+        SavedDuals { end, multipliers }
     }
 }
 
-/// The result of trying an earlier proof on a node.
+/// The result of trying earlier multipliers on a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum ProofTrial {
-    /// It closes the node.
+    /// They close the node.
     Closed,
-    /// It proves a bound below the cutoff.
+    /// They prove a bound below the cutoff.
     Bound(f64),
     Nothing,
 }
@@ -110,7 +110,7 @@ fn pick(from: &[f64], places: &[usize], to: &mut Vec<f64>) {
 
 /// The split of a node, by the names of its children.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Fork {
+pub(crate) struct SavedSplit {
     pub(super) id: u32,
     /// Sides that were closed before the split.
     pub(super) closed: Vec<Decision>,
@@ -120,7 +120,7 @@ pub(crate) struct Fork {
     pub(super) rest: Option<u32>,
 }
 
-impl Fork {
+impl SavedSplit {
     /// Most nodes of a tree whose splits are kept for a later solve.
     pub(super) const MOST_NODES: u32 = 4000;
 
@@ -149,43 +149,43 @@ impl Fork {
 
 /// The tree of an earlier solve.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Proofs {
-    forks: BTreeMap<u32, Fork>,
+pub(crate) struct SavedTree {
+    splits: BTreeMap<u32, SavedSplit>,
     /// The multipliers that closed nodes and sides.
     ends: BTreeMap<EndKey, Arc<ProofMultipliers>>,
 }
 
-impl Proofs {
-    /// The tree that the proofs and splits of a solve describe.
-    pub(crate) fn new(proofs: &[Proof], forks: &[Fork]) -> Self {
-        let mut all = Proofs::default();
-        for Proof { end, multipliers } in proofs {
+impl SavedTree {
+    /// The tree that the saved multipliers and splits of a solve describe.
+    pub(crate) fn new(duals: &[SavedDuals], splits: &[SavedSplit]) -> Self {
+        let mut all = SavedTree::default();
+        for SavedDuals { end, multipliers } in duals {
             all.ends.insert(end.key(), multipliers.clone());
         }
-        for fork in forks {
-            let mut fork = fork.clone();
-            // A part that was open after a replay was split later.
-            if let Some(before) = all.forks.remove(&fork.id) {
-                fork.closed.splice(..0, before.closed);
+        for split in splits {
+            let mut split = split.clone();
+            // A part that was open after a warm start was split later.
+            if let Some(before) = all.splits.remove(&split.id) {
+                split.closed.splice(..0, before.closed);
             }
-            all.forks.insert(fork.id, fork);
+            all.splits.insert(split.id, split);
         }
         all
     }
 
     /// The split of a node; `None` if none was kept.
-    pub(super) fn fork(&self, node: u32) -> Option<&Fork> {
-        self.forks.get(&node)
+    pub(super) fn split(&self, node: u32) -> Option<&SavedSplit> {
+        self.splits.get(&node)
     }
 
     /// Whether any node was split.
-    pub(super) fn has_forks(&self) -> bool {
-        !self.forks.is_empty()
+    pub(super) fn has_splits(&self) -> bool {
+        !self.splits.is_empty()
     }
 
     /// Whether the tree is large enough for efforts that save nodes.
     pub(super) fn is_large(&self) -> bool {
-        self.forks.len() >= LARGE_TREE
+        self.splits.len() >= LARGE_TREE
     }
 
     /// The multipliers that closed an end; `None` if none were kept.
@@ -193,8 +193,8 @@ impl Proofs {
         self.ends.get(&end.key())
     }
 
-    /// Most proofs that are kept of a search over so many columns and rows.
-    pub(super) fn most(columns: usize, rows: usize) -> usize {
-        MOST_PROOFS.min(MOST_NUMBERS / (columns + rows).max(1))
+    /// Most dual solutions that are kept of a search over so many columns and rows.
+    pub(super) fn max_duals(columns: usize, rows: usize) -> usize {
+        MOST_DUALS.min(MOST_NUMBERS / (columns + rows).max(1))
     }
 }
