@@ -35,7 +35,7 @@ use std::error::Error;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use carom::model::mps;
 use carom::prelude::{
@@ -46,6 +46,9 @@ use torture::cones::case::ConicCase;
 use torture::cones::{generator, oracle, thin};
 use torture::families::{Family, Path};
 use torture::oracle::{Truth, Verdict};
+
+/// The time after which a solve counts as one that does not end.
+const LIMIT: Duration = Duration::from_secs(20);
 
 /// A family without cones, or one of those with them.
 #[derive(Debug, Clone, Copy)]
@@ -246,12 +249,15 @@ fn solve(
     counts: &Mutex<Counts>,
 ) {
     let Posed { name, model, .. } = posed;
-    let options = path.options();
+    let options = path.options().with_time_limit(LIMIT);
     let threads = options.threads.max(arguments.solver_threads);
     let mut solver = BranchAndBound::new(options.with_threads(threads));
     let mut control = Control::default().with_interrupt(interrupt);
     let (verdict, nodes) = match solver.solve_with(model, &mut control) {
         Ok(solution) if solution.termination() == Termination::Interrupted => return,
+        Ok(solution) if solution.termination() == Termination::TimeLimit => {
+            (Verdict::Stalled(format!("no end after {LIMIT:?}")), solution.statistics().nodes)
+        }
         Ok(solution) => ((posed.judge)(solver.options(), &solution), solution.statistics().nodes),
         Err(error) => (Verdict::Wrong(error.to_string()), 0),
     };

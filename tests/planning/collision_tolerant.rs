@@ -240,16 +240,16 @@ fn impacts_are_reported_with_their_physics() {
 #[test]
 fn end_conditions_pin_the_first_and_the_last_acceleration() {
     let program = Scenario::paper().program(3, Objective::Feasibility).unwrap();
-    let bounds = |variable| program.model().variable_ref(variable).unwrap().bounds();
-    let fixed = |variable, value: f64| {
-        let found = bounds(variable);
+    let bounds = |value: &Affine| program.model().range(value).unwrap();
+    let fixed = |own: &Affine, value: f64| {
+        let found = bounds(own);
         (found.lower, found.upper) == (value, value)
     };
-    assert!(fixed(program.acceleration[0], 0.0) && fixed(program.acceleration[3], 0.0));
-    assert_eq!(bounds(program.acceleration[2]).upper, 6.0);
-    assert!(fixed(program.position[0], 10.0) && fixed(program.position[3], 0.3));
+    assert!(fixed(&program.acceleration[0], 0.0) && fixed(&program.acceleration[3], 0.0));
+    assert_eq!(bounds(&program.acceleration[2]).upper, 6.0);
+    assert!(fixed(&program.position[0], 10.0) && fixed(&program.position[3], 0.3));
     // a(τ) is in no row.
-    let last = program.acceleration[3];
+    let last = program.acceleration[3].terms()[0].0;
     let rows = program.model().constraints().flat_map(|row| row.terms());
     let switched = program.model().indicators().flat_map(|indicator| indicator.terms());
     assert!(rows.chain(switched).all(|&(variable, _)| variable != last));
@@ -264,7 +264,7 @@ fn limits_that_exclude_zero_acceleration_hold() {
     for scenario in [pushed.clone().collision_free(), pushed] {
         let program = scenario.program(3, Objective::Feasibility).unwrap();
         for a in &program.acceleration {
-            let bounds = program.model().variable_ref(a).unwrap().bounds();
+            let bounds = program.model().range(a).unwrap();
             assert_eq!((bounds.lower, bounds.upper), (1.0, 2.0));
         }
         assert_eq!(ending(scenario.plan(3, Objective::Effort, &mut solver())), "infeasible");

@@ -226,14 +226,14 @@ fn extensions_that_bend_the_scenario_are_found() {
     let mut program = scenario.program(24, Objective::Effort).unwrap();
     // Stronger than the vehicle is.
     for a in program.acceleration.clone().iter().skip(1).take(23) {
-        program.model_mut().set_bounds(a, -20.0, 20.0).unwrap();
+        program.model_mut().set_bounds(a.terms()[0].0, -20.0, 20.0).unwrap();
     }
     let solution = solver().solve(program.model()).unwrap();
     let error = program.plan(&solution).unwrap_err();
     assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
     // Elsewhere than the goal.
-    let (x, last) = (program.position.clone(), 24);
-    program.model_mut().set_bounds(x[last], 0.0, 9.0).unwrap();
+    let last = program.position[24].terms()[0].0;
+    program.model_mut().set_bounds(last, 0.0, 9.0).unwrap();
     let solution = solver().solve(program.model()).unwrap();
     let error = program.plan(&solution).unwrap_err();
     assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");

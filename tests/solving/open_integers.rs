@@ -102,3 +102,19 @@ fn a_binary_that_divisibility_decides() {
     assert_eq!(solution.termination(), Termination::Optimal);
     assert_eq!(solution.objective(), Some(0.0));
 }
+
+/// Equalities that are solvable one by one, but not together, and equalities that other rules have
+/// divided: a tree over their integers has no end.
+#[test]
+fn hardly_any_tree_over_open_integers_ends_at_a_limit() {
+    let family = Family::OpenIntegers;
+    let is_open = |seed: &u64| {
+        let (model, _) = family.program(*seed).build();
+        let options = Path::Usual.options().with_node_limit(NODES);
+        let solution = BranchAndBound::new(options).solve(&model).expect("a solvable model");
+        solution.termination().is_limit()
+    };
+    let known = [91_000_266, 11_000_142, 11_000_435, 21_000_403, 21_000_592];
+    assert_eq!(known.iter().copied().filter(is_open).collect::<Vec<u64>>(), Vec::<u64>::new());
+    assert!((0..500).filter(is_open).count() <= 1);
+}

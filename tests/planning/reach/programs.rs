@@ -67,7 +67,7 @@ fn check(plan: &Plan) -> Result<TighteningReport, TestCaseError> {
         for (family, values) in
             [(&program.position, &plan.position), (&program.velocity, &plan.velocity)]
         {
-            let (range, value) = (bounds(family[t]), values[t]);
+            let (range, value) = (program.model().range(&family[t]).unwrap(), values[t]);
             prop_assert!(
                 range.lower - 1e-9 <= value && value <= range.upper + 1e-9,
                 "{value} outside {range:?} at {t}"

@@ -6,6 +6,7 @@
 
 mod cases;
 mod random;
+mod scenarios;
 
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{Restitution, ShortestOptions};

@@ -9,14 +9,19 @@
 //! equality is solved: an integer whose coefficient divides all others is substituted. Where there
 //! is none, the integers are combined as in Euclid's algorithm: for the one with the least
 //! coefficient `p` another one stands, `z = x_p + sum k_j x_j`, which leaves the others their
-//! remainders. At the end one open integer is left, and the equality tells its residue class.
+//! remainders, or nothing. At the end one open integer is left, which the others decide: the
+//! equality tells its residue class, and other equalities have its multiples instead of integers
+//! that nothing bounds. Other rules may have divided the equality, so it is multiplied first, until
+//! its numbers are whole again.
 
 use std::collections::BTreeMap;
 
 use super::cones::add_row;
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
+use super::units::scale_row;
 use super::working_program::{Sparse, WorkingProgram};
+use crate::presolve::parameters::FEW_ROUNDINGS;
 
 /// The longest equalities, and most rows of an integer that is replaced.
 const LONGEST_EQUALITY: usize = 12;
@@ -28,6 +33,9 @@ const MAX_OPEN_INTEGERS: usize = 64;
 
 /// The largest coefficient of an equality.
 const MAX_COEFFICIENT: f64 = 1e9;
+
+/// The largest multiple of its least coefficient by which an equality may have been divided.
+const MOST_MULTIPLE: u32 = 60;
 
 /// Passes over the rows that look for bounds.
 const BOUND_PASSES: usize = 10;
@@ -43,13 +51,68 @@ struct Recombined {
 
 pub(super) fn apply(work: &mut WorkingProgram) -> usize {
     let Some(mut is_open) = open_columns(work) else { return 0 };
+    for row in work.live_rows() {
+        mark_whole(work, row);
+    }
     let mut changes = 0;
     for row in work.live_rows() {
+        make_whole(work, row);
         while !work.is_late(work.rows[row].len()) && solve(work, &mut is_open, row) {
             changes += 1;
         }
+        close(work, &mut is_open, row);
     }
     changes
+}
+
+/// Marks a column as integral that an equality makes a multiple of an integer.
+fn mark_whole(work: &mut WorkingProgram, row: usize) {
+    let [first, second] = work.rows[row][..] else { return };
+    let (integer, other) = match [first, second].map(|(j, _)| work.integral[j]) {
+        [true, false] => (first, second),
+        [false, true] => (second, first),
+        _ => return,
+    };
+    let is_multiple = |a: f64| a % other.1 == 0.0;
+    if work.is_equality(row) && is_multiple(integer.1) && is_multiple(work.row_lower[row]) {
+        work.integral[other.0] = true;
+    }
+}
+
+/// Multiplies an equality by the number that makes its numbers whole, if there is a small one.
+fn make_whole(work: &mut WorkingProgram, row: usize) {
+    let terms = &work.rows[row];
+    let is_over_integers = terms.iter().all(|&(j, _)| work.integral[j]);
+    let least = terms.iter().map(|(_, a)| a.abs()).fold(f64::INFINITY, f64::min);
+    if !work.is_equality(row)
+        || !is_over_integers
+        || terms.is_empty()
+        || is_whole_equality(work, row)
+    {
+        return;
+    }
+    let right = work.row_lower[row];
+    let numbers = || terms.iter().map(|(_, a)| *a).chain([right]);
+    let is_near = |value: f64| (value - value.round()).abs() <= FEW_ROUNDINGS * value.abs();
+    let makes_whole = |factor: &f64| numbers().all(|a| is_near(a * factor));
+    let factors = (1..=MOST_MULTIPLE).map(|k| f64::from(k) / least);
+    let Some(factor) = { factors }.find(makes_whole) else { return };
+    scale_row(work, row, factor);
+    let whole = work.rows[row].iter().map(|&(j, a)| (j, a.round())).collect();
+    let right = work.row_lower[row].round();
+    work.set_row(row, whole);
+    (work.row_lower[row], work.row_upper[row]) = (right, right);
+}
+
+/// An equality with one open integer bounds it by the others.
+fn close(work: &WorkingProgram, is_open: &mut [bool], row: usize) {
+    if !work.row_alive[row] || !work.is_equality(row) {
+        return;
+    }
+    let mut open = work.rows[row].iter().map(|&(j, _)| j).filter(|&j| is_open[j]);
+    if let (Some(last), None) = (open.next(), open.next()) {
+        is_open[last] = false;
+    }
 }
 
 /// The integers that no rows and bounds of others bound on both sides; `None` if there are none or
@@ -154,8 +217,7 @@ fn solve(work: &mut WorkingProgram, is_open: &mut [bool], row: usize) -> bool {
     let quotients = open.iter().filter(|(j, _)| *j != column);
     let quotients = quotients.map(|&(j, a)| (j, (a / pivot).round()));
     let quotients: Sparse = quotients.filter(|(_, k)| *k != 0.0).collect();
-    let leaves_less = open.iter().any(|&(j, a)| j != column && !is_multiple(a));
-    if !leaves_less || quotients.is_empty() {
+    if quotients.is_empty() {
         return false;
     }
     recombine(work, column, quotients);

@@ -50,13 +50,18 @@ pub(super) fn apply(work: &mut WorkingProgram) {
         let terms: f64 = work.rows[row].iter().map(reach).sum();
         let limit = finite_size(work.row_lower[row]).max(finite_size(work.row_upper[row]));
         if let Some(factor) = factor_of(terms + limit) {
-            work.rows[row].iter_mut().for_each(|(_, a)| *a *= factor);
-            work.row_lower[row] *= factor;
-            work.row_upper[row] *= factor;
-            work.row_noise[row] *= factor;
-            work.push(RowUnit { row, factor });
+            scale_row(work, row, factor);
         }
     }
+}
+
+/// Multiplies a row.
+pub(super) fn scale_row(work: &mut WorkingProgram, row: usize, factor: f64) {
+    work.rows[row].iter_mut().for_each(|(_, a)| *a *= factor);
+    work.row_lower[row] *= factor;
+    work.row_upper[row] *= factor;
+    work.row_noise[row] *= factor;
+    work.push(RowUnit { row, factor });
 }
 
 fn scale_column(work: &mut WorkingProgram, column: usize, factor: f64) {
