@@ -13,8 +13,8 @@
 //! `g_j = 0`. The pair is corrected first: `x̂` on columns with curvature and `y` on active rows,
 //! again with twice the digits. The remaining `g_j` (about 1e-30) is charged over
 //! [`tolerance::FREE_RADIUS`] (or more if `x̂` is farther out), or over
-//! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective. A pair whose `g_j` is not slight
-//! there proves nothing: beside an objective of 1e16, a fall of 1e9 would be within the gap.
+//! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective. Where `g_j` is not slight, and what
+//! is charged is within the gap of a bound of 1e16, the pair proves nothing.
 
 use super::borderline::is_blurred;
 use super::correction::Correction;
@@ -38,6 +38,14 @@ const FAR_BOUND: f64 = 1e6;
 
 /// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
 const RADIUS_FACTOR: f64 = 4.0;
+
+/// The largest part of a bound by which the sum may fall within the radius, along columns without
+/// bounds, so that a gap hides it (no unit).
+const HIDDEN_FALL: f64 = 1e-3;
+
+/// The fraction of the largest terms of all gradients below which a gradient comes from multipliers
+/// that ought to be 0 (no unit).
+const TINY_GRADIENT: f64 = 1e-9;
 
 /// The largest number of rounds of correction; each gains about ten digits.
 const MAX_CORRECTIONS: usize = 8;
@@ -313,7 +321,8 @@ impl PrimalDualPair<'_> {
     /// The bound that the pair proves for points within the radius.
     fn bound(&self, gradient: &Gradient, radius: f64) -> f64 {
         let program = self.program;
-        let mut sum = ExtendedSum::default();
+        let (mut sum, mut fall) = (ExtendedSum::default(), 0.0);
+        let noise = TINY_GRADIENT * gradient.size.iter().copied().fold(0.0, f64::max);
         if self.objective {
             sum.add(program.offset.into(), 1.0.into());
             for j in 0..self.x.len() {
@@ -348,10 +357,9 @@ impl PrimalDualPair<'_> {
                 let slope = -(2.0 * g.high.abs() + error);
                 sum.add(slope.into(), lower.abs().max(upper.abs()).into());
             } else {
-                let is_open =
-                    if g.high > 0.0 { program.lower[j] } else { program.upper[j] }.is_infinite();
-                if is_open && !gradient.is_slight(j) {
-                    return f64::NEG_INFINITY;
+                let own = [program.lower[j], program.upper[j]][usize::from(g.high < 0.0)];
+                if own.is_infinite() && !gradient.is_slight(j) && g.high.abs() > noise {
+                    fall += g.high.abs() * radius;
                 }
                 let corner = if g.high > 0.0 { lower } else { upper };
                 sum.add(g, corner.into());
@@ -359,7 +367,9 @@ impl PrimalDualPair<'_> {
             }
         }
         let bound = (sum.value.high - EXTENDED_ROUNDING * sum.size).next_down();
-        if bound.is_nan() { f64::NEG_INFINITY } else { bound }
+        // There is a point beyond the radius, or a fall that the gap hides.
+        let hides_fall = fall > 0.0 && (!self.objective || fall <= HIDDEN_FALL * bound.abs());
+        if bound.is_nan() || hides_fall { f64::NEG_INFINITY } else { bound }
     }
 }
 
