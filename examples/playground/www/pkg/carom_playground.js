@@ -102,7 +102,8 @@ export function less_scene(task, free, tolerant) {
  *
  * # Arguments
  *
- * * `tell`: is called with news as JSON: the `side`, how many steps are `refuted`, and what is `found`.
+ * * `tell`: is called with news as JSON: the `side`, how many steps are `refuted`, and what is
+ *   `found`.
  * @param {string} task
  * @param {Function | null} [tell]
  * @returns {string}
