@@ -7,7 +7,6 @@ use super::statement::Scene;
 use super::units::SceneUnits;
 use crate::error::{Error, check_finite};
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::system::Measure;
 
 /// The samples of a plan of one body on a line over τ steps.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +21,7 @@ pub struct Samples<'a> {
     pub contact: &'a [bool],
 }
 
-/// Replays samples through a scene of one body and one obstacle on a line, in the scene's units.
+/// Replays samples through a scene of one body and one obstacle on a line, in the user's units.
 ///
 /// # Errors
 ///
@@ -31,16 +30,7 @@ pub fn replay_line(
     scene: &Scene,
     samples: &Samples<'_>,
 ) -> Result<(Vec<SceneHit>, SceneCertificate), Error> {
-    let units = SceneUnits::of(scene);
-    let [place, speed, push] = units.measures();
-    let inward = |measure: Measure, values: &[f64]| -> Vec<f64> {
-        values.iter().map(|&value| measure.inward(value)).collect()
-    };
-    let position = &inward(place, samples.position)[..];
-    let velocity = &inward(speed, samples.velocity)[..];
-    let acceleration = &inward(push, samples.acceleration)[..];
-    let own = Samples { position, velocity, acceleration, contact: samples.contact };
-    replay_line_in(&units, scene, &own)
+    replay_line_in(&SceneUnits::plain(), scene, samples)
 }
 
 /// As [`replay_line`], of samples in units. What is found is in those in which the scene is stated.
