@@ -13,8 +13,8 @@
 //! `g_j = 0`. The pair is corrected first: `x̂` on columns with curvature and `y` on active rows,
 //! again with twice the digits. The remaining `g_j` (about 1e-30) is charged over
 //! [`tolerance::FREE_RADIUS`] (or more if `x̂` is farther out), or over
-//! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective. Where `g_j` is not slight, and what
-//! is charged is within the gap of a bound of 1e16, the pair proves nothing.
+//! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective. Where `g_j` is not slight, and
+//! what is charged is within the gap of a bound of 1e16, the pair proves nothing.
 
 use super::borderline::is_blurred;
 use super::correction::Correction;
