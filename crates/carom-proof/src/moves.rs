@@ -17,7 +17,7 @@ use crate::text::{Refusal, Words, rejected};
 use std::cmp::Ordering;
 use std::collections::HashSet;
 
-/// What says whether columns may be moved.
+/// The facts that decide whether columns may be moved.
 #[derive(Debug)]
 pub(crate) struct Moves {
     /// Columns that take whole numbers at every point of S.

@@ -54,7 +54,7 @@ impl Program {
     }
 
     /// Replaces the rows: row, column and coefficient of each term, and the limits of each row.
-    /// Nothing where they cannot be allocated.
+    /// Returns `None` if they cannot be allocated.
     pub(crate) fn replace_rows(
         &mut self,
         terms: impl Iterator<Item = (usize, usize, f64)>,

@@ -4,7 +4,7 @@
 //! independently: [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) evaluates
 //! flows, guards and resets and says which transitions were possible, and
 //! [`HybridSystem::certify`](crate::hybrid::HybridSystem::certify) does the same for a given run.
-//! What happens inside a step, [scenes](crate::hybrid::scene) locate. Whether a plan is the run of
+//! [Scenes](crate::hybrid::scene) locate what happens inside a step. Whether a plan is the run of
 //! its inputs is decided in as many digits as that needs (`open_run.rs`), and its inputs are
 //! corrected by `track.rs`.
 

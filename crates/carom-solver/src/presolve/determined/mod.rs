@@ -4,7 +4,7 @@
 //! Every equation multiplies what is missed in the ones before: over seven steps of `x+ = 1000 x`,
 //! 1e-21 at the start becomes 1. No tolerance is small enough for that, so these columns are
 //! computed from the numbers of the rows, with some 32 digits and a bound of the error ([`Ball`]).
-//! What follows exactly from 0 stays 0.
+//! A column that follows exactly from 0 stays 0.
 //!
 //! Which columns are determined is a question about the pattern of the equations: those that no
 //! unmatched column reaches in a largest matching of equations and columns (Dulmage and Mendelsohn,
