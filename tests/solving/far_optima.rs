@@ -79,7 +79,7 @@ proptest! {
     /// optimum all the same.
     #[test]
     fn a_fall_without_end_is_no_optimum_beside_large_values(
-        exponent in 3_i32..13,
+        exponent in 3_i32..18,
         bends in any::<bool>(),
         costs in prop::array::uniform4(-3_i8..4),
         entries in prop::array::uniform8(-4_i8..5),

@@ -39,8 +39,8 @@ const FAR_BOUND: f64 = 1e6;
 /// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
 const RADIUS_FACTOR: f64 = 4.0;
 
-/// The largest part of a bound by which the sum may fall within the radius, along columns without
-/// bounds, so that a gap hides it (no unit).
+/// The largest part of the terms of a bound by which the sum may fall within the radius, along
+/// columns without bounds, so that a gap, or a point beyond the radius, hides it (no unit).
 const HIDDEN_FALL: f64 = 1e-3;
 
 /// The fraction of the largest terms of all gradients below which a gradient comes from multipliers
@@ -368,7 +368,7 @@ impl PrimalDualPair<'_> {
         }
         let bound = (sum.value.high - EXTENDED_ROUNDING * sum.size).next_down();
         // There is a point beyond the radius, or a fall that the gap hides.
-        let hides_fall = fall > 0.0 && (!self.objective || fall <= HIDDEN_FALL * bound.abs());
+        let hides_fall = fall > 0.0 && (!self.objective || fall <= HIDDEN_FALL * sum.size);
         if bound.is_nan() || hides_fall { f64::NEG_INFINITY } else { bound }
     }
 }
