@@ -129,16 +129,12 @@ impl Scenario {
     ///
     /// Those of [`Scenario::check`].
     pub fn reach_sets(&self) -> Result<ReachSets, Error> {
-        let (system, units) = (self.hybrid_system()?, self.units());
-        let (start, goal) = (self.start_state(), self.goal_states());
+        let system = self.hybrid_system()?;
         system.check()?;
-        start.check(&system, "the start")?;
-        goal.check(&system, "the goal")?;
+        let ends = [&self.start_state(), &self.goal_states()];
         let options = SetOptions { words: Arc::new(words()), ..SetOptions::default() };
-        let own = self.restated(&system, &units)?;
-        let (start, goal) = (own.coordinates.region(&start), own.coordinates.region(&goal));
-        let stated = (!units.is_plain()).then(|| Arc::new(system));
-        let sets = ReachSets::restated(stated, own, start, goal, options);
+        let coordinates = self.coordinates(&self.units());
+        let sets = ReachSets::in_coordinates(&system, coordinates, ends, options)?;
         match self.start.acceleration {
             Some(a) => sets.with_first_inputs(&[Interval::point(a)]),
             None => Ok(sets),

@@ -6,7 +6,7 @@ use crate::error::{Error, check_finite};
 use crate::hybrid::SystemRow;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::scene::{DamageRule, SceneUnits, region_where};
-use crate::hybrid::system::{Restated, check_digits};
+use crate::hybrid::system::{Coordinates, Restated, check_digits};
 use crate::hybrid::{
     Contact, ContactLaw, FreeSide, HybridSystem, ImpactEstimate, Region, Restitution, State,
     Waiting, Wall,
@@ -345,13 +345,18 @@ impl Scenario {
         SceneUnits::of(&self.scene_within(self.near()))
     }
 
+    /// The coordinates of the scenario's system in units.
+    pub(super) fn coordinates(&self, units: &SceneUnits) -> Coordinates {
+        units.coordinates(&self.scene_within(self.near()))
+    }
+
     /// A system of the scenario, in units.
     pub(super) fn restated(
         &self,
         system: &HybridSystem,
         units: &SceneUnits,
     ) -> Result<Restated, Error> {
-        let coordinates = units.coordinates(&self.scene_within(self.near()));
+        let coordinates = self.coordinates(units);
         Ok(Restated { system: coordinates.system(system)?, coordinates })
     }
 

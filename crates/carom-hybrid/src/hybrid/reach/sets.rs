@@ -96,13 +96,22 @@ impl ReachSets {
         let (start, goal) = (start.stated().of(system)?, goal.stated().of(system)?);
         system.check()?;
         options.check(system.states.len())?;
+        ReachSets::in_coordinates(system, Coordinates::of(system), [&start, &goal], options)
+    }
+
+    /// The sets of a checked system, computed in some coordinates.
+    pub(crate) fn in_coordinates(
+        system: &HybridSystem,
+        coordinates: Coordinates,
+        [start, goal]: [&Region; 2],
+        options: SetOptions,
+    ) -> Result<Self, Error> {
         start.check(system, "the start")?;
         goal.check(system, "the goal")?;
-        let restated = system.restated()?;
-        let (start, goal) =
-            (restated.coordinates.region(&start), restated.coordinates.region(&goal));
-        let stated = (!restated.coordinates.is_plain()).then(|| Arc::new(system.clone()));
-        Ok(ReachSets::restated(stated, restated, start, goal, options))
+        let (start, goal) = (coordinates.region(start), coordinates.region(goal));
+        let stated = (!coordinates.is_plain()).then(|| Arc::new(system.clone()));
+        let own = Restated { system: coordinates.system(system)?, coordinates };
+        Ok(ReachSets::restated(stated, own, start, goal, options))
     }
 
     /// The sets of a system in coordinates, with a start, a goal and options in them.
