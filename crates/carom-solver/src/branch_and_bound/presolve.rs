@@ -134,11 +134,13 @@ impl<'a> Presolution<'a> {
         own + self.lowered.rounding
     }
 
-    /// Whether presolve has changed the objective of a point by more than rounding explains.
+    /// Whether presolve has changed the objective of a point by more than rounding explains. The
+    /// point is compared before columns follow from others: they may be missed within the
+    /// tolerance, and the equations of an unstable system make that any number.
     pub(super) fn changes_objective(&self, values: &[f64]) -> bool {
         let Some(presolved) = &self.presolved else { return false };
         let (program, small) = (&self.lowered.program, &presolved.program);
-        let point = self.lowered_point(values);
+        let point = presolved.postsolve.point(values);
         let terms = program.linear.iter().zip(&point).map(|(c, x)| (c * x).abs());
         let size = terms.sum::<f64>() + program.offset.abs() + small.offset.abs();
         let (before, after) = (program.objective(&point), small.objective(values));
