@@ -55,18 +55,21 @@ pub(super) fn restore(
 }
 
 /// Lowers the bound by the part of the objective that presolve may have lost to rounding, unless
-/// that is negligible. The gap that was asked for may then be missed.
+/// that is negligible. The gap that was asked for may then be missed, as it may be where columns of
+/// the point followed from others.
 fn charge(solve: &Solve<'_>, rounding: f64, found: &mut SearchResult) -> Result<(), Error> {
-    if !found.bound.is_finite() || rounding <= LEAST_ROUNDING * found.bound.abs().max(1.0) {
+    if !found.bound.is_finite() {
         return Ok(());
     }
-    found.bound -= rounding;
+    let is_negligible = rounding <= LEAST_ROUNDING * found.bound.abs().max(1.0);
+    found.bound -= if is_negligible { 0.0 } else { rounding };
     if let (Termination::Optimal, Some(values)) = (found.termination, found.points.first()) {
         let (model, sign) = (solve.model, solve.model.sense().sign());
         let point = Point::new(model, values.clone())?;
         let value = sign * point.value(model.objective())?;
         let constant = sign * model.objective_constant();
-        if value - found.bound > solve.options.allowed_gap(value, constant) {
+        let spare = if is_negligible { LEAST_ROUNDING * value.abs().max(1.0) } else { 0.0 };
+        if value - found.bound > solve.options.allowed_gap(value, constant) + spare {
             found.termination = Termination::Stalled;
         }
     }
