@@ -5,7 +5,7 @@ use super::presolve::Presolution;
 use super::solve::{EarlierResults, Solve, SolveResult};
 use crate::error::Error;
 use crate::search::{Completion, Contradiction, SearchResult};
-use crate::solution::{Point, Termination};
+use crate::solution::Termination;
 
 /// Least rounding of a bound that is charged, relative to the bound (no unit).
 const LEAST_ROUNDING: f64 = 1e-10;
@@ -44,7 +44,9 @@ pub(super) fn restore(
         }
         other => other,
     };
-    charge(solve, presolved.rounding(), &mut found)?;
+    let program = &presolved.lowered.program;
+    let value = point.as_ref().map(|x| program.objective(&presolved.lowered_point(x)));
+    charge(solve, presolved.rounding(), value, &mut found);
     let own = presolved.presolved.as_ref().filter(|_| solve.options.proof_path().is_some());
     let columns = own.map(|own| own.postsolve.columns().to_vec());
     let lowered_point = point.as_deref().map(|x| match own {
@@ -57,21 +59,21 @@ pub(super) fn restore(
 /// Lowers the bound by the part of the objective that presolve may have lost to rounding, unless
 /// that is negligible. The gap that was asked for may then be missed, as it may be where columns of
 /// the point followed from others.
-fn charge(solve: &Solve<'_>, rounding: f64, found: &mut SearchResult) -> Result<(), Error> {
+///
+/// # Arguments
+///
+/// * `value`: that of the best point in the lowered program.
+fn charge(solve: &Solve<'_>, rounding: f64, value: Option<f64>, found: &mut SearchResult) {
     if !found.bound.is_finite() {
-        return Ok(());
+        return;
     }
     let is_negligible = rounding <= LEAST_ROUNDING * found.bound.abs().max(1.0);
     found.bound -= if is_negligible { 0.0 } else { rounding };
-    if let (Termination::Optimal, Some(values)) = (found.termination, found.points.first()) {
-        let (model, sign) = (solve.model, solve.model.sense().sign());
-        let point = Point::new(model, values.clone())?;
-        let value = sign * point.value(model.objective())?;
-        let constant = sign * model.objective_constant();
+    if let (Termination::Optimal, Some(value)) = (found.termination, value) {
+        let constant = solve.model.sense().sign() * solve.model.objective_constant();
         let spare = if is_negligible { LEAST_ROUNDING * value.abs().max(1.0) } else { 0.0 };
         if value - found.bound > solve.options.allowed_gap(value, constant) + spare {
             found.termination = Termination::Stalled;
         }
     }
-    Ok(())
 }
