@@ -70,17 +70,20 @@ impl Program {
         Some(())
     }
 
-    /// Replaces the objective: one linear coefficient a column, and the entries of the symmetric
-    /// matrix, of which equal places are added up; `None` if it cannot be allocated.
-    pub(crate) fn replace_objective(
+    /// Writes the objective in another way: one linear coefficient a column, the entries of the
+    /// symmetric matrix, of which equal places are added up, and the offset. The constant of the
+    /// model stays, because gaps are relative to what remains without it. `None` if the matrix
+    /// cannot be allocated.
+    pub(crate) fn rewrite_objective(
         &mut self,
         linear: Vec<f64>,
         products: &[(usize, usize, f64)],
+        offset: f64,
     ) -> Option<()> {
         let n = self.column_count();
         let entries: Vec<_> = products.iter().map(|&(i, j, p)| Triplet::new(i, j, p)).collect();
         self.quadratic = SparseColMat::try_new_from_triplets(n, n, &entries).ok()?;
-        (self.linear, self.offset, self.constant) = (linear, 0.0, 0.0);
+        (self.linear, self.offset) = (linear, offset);
         self.steepness = OnceLock::new();
         Some(())
     }

@@ -191,10 +191,8 @@ impl ProofWriter<'_, '_> {
         }
         let mut linear = vec![0.0; program.column_count()];
         terms.linear.iter().for_each(|&(j, a, b)| linear[j] += a * b);
-        let constant = program.constant;
-        program.replace_objective(linear, &entries)?;
-        program.offset = terms.constant.iter().map(|(a, b)| a * b).sum();
-        program.constant = constant;
+        let offset = terms.constant.iter().map(|(a, b)| a * b).sum();
+        program.rewrite_objective(linear, &entries, offset)?;
         Some((program, terms))
     }
 }

@@ -305,7 +305,6 @@ pub fn with_slopes(program: &Program, squares: &[Switched], slopes: &[f64]) -> O
         offset -= s * slanted * value;
     }
     let mut tighter = program.clone();
-    tighter.replace_objective(linear, &products)?;
-    tighter.offset = offset;
+    tighter.rewrite_objective(linear, &products, offset)?;
     Some(tighter)
 }
