@@ -322,8 +322,12 @@ impl PrimalDualPair<'_> {
     fn bound(&self, gradient: &Gradient, radius: f64) -> f64 {
         let program = self.program;
         let (mut sum, mut fall) = (ExtendedSum::default(), 0.0);
-        let noise = TINY_GRADIENT * gradient.size.iter().copied().fold(0.0, f64::max);
+        let mut noise = TINY_GRADIENT * gradient.size.iter().copied().fold(0.0, f64::max);
         if self.objective {
+            // An objective of 0 falls nowhere, and no terms of its own tell what noise is.
+            let is_zero =
+                program.linear.iter().all(|&q| q == 0.0) && program.quadratic.value.is_empty();
+            noise = if is_zero { f64::INFINITY } else { noise };
             sum.add(program.offset.into(), 1.0.into());
             for j in 0..self.x.len() {
                 let (rows, entries) = program.quadratic.vector(j);

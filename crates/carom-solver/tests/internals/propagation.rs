@@ -582,6 +582,24 @@ proptest! {
     }
 }
 
+/// Multipliers of an objective of 0 are noise: what they fall by within the radius hides nothing.
+#[test]
+fn noise_does_not_weaken_the_bound_of_an_objective_of_zero() {
+    let column = |lower, upper| Column { lower: Some(lower), upper, integral: false };
+    let case = Case {
+        columns: vec![column(0, Some(1)), column(0, None)],
+        rows: vec![Line { coefficients: vec![0, 1], lower: Some(1), upper: Some(1) }],
+        cost: vec![0, 0],
+        offset: -1,
+        squares: Vec::new(),
+        maximize: false,
+    };
+    for noise in [1e-10, -1.6e-10, -1e-14] {
+        let bound = Prover::default().lower_bound(&case.relaxation(), &[0.5, 1.0], &[noise]);
+        assert!((-1.0 - 1e-9..=-1.0).contains(&bound), "{bound} with {noise}");
+    }
+}
+
 // -- polishing --------------------------------------------------------------------------------
 
 /// The largest violation of rows and bounds.

@@ -102,9 +102,9 @@ impl<'a> Metric<'a> {
         }
         self.factor.solve(vector, first);
         let size = dot(vector, vector).sqrt();
-        if size > 0.0 {
-            vector.iter_mut().for_each(|v| *v /= size);
-        }
+        // A row without coefficients keeps its vector of zeros, which depends on any others.
+        let size = if size > 0.0 { size } else { 1.0 };
+        vector.iter_mut().for_each(|v| *v /= size);
         let image = Image { begin, size, shift: dot(vector, &self.shift) };
         self.images[k] = Some(image);
         image

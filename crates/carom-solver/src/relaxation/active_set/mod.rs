@@ -147,7 +147,7 @@ impl ActiveSetRun<'_> {
             }
             let [_, upper] = self.metric.limits(of);
             let up = self.metric.value(of, &self.x) > upper;
-            if let Err(direction) = self.set.exchange(&mut self.metric, &candidate, up) {
+            if let Err(direction) = self.set.exchange(&mut self.metric, candidate, up) {
                 self.ray = Some(self.certificate(&direction, of, up));
                 return RelaxationClaim::Infeasible;
             }

@@ -61,7 +61,9 @@ impl WorkingSet {
         self.factor.solve(&mut row, 0);
         let mut multiples = row.clone();
         self.factor.solve_transposed(&mut multiples);
-        let mut square = 1.0 - dot(&row, &row);
+        // The vector of an empty row is 0.
+        let length = if unit.iter().any(|&v| v != 0.0) { 1.0 } else { 0.0 };
+        let mut square = length - dot(&row, &row);
         if square < 1e-3 {
             // The difference has lost digits; the vector that is left has them.
             let mut left = unit;
@@ -127,7 +129,10 @@ impl WorkingSet {
     }
 
     /// Adds a limit that depends on the members: moves the multipliers along the direction that
-    /// keeps the point, up to the first multiplier that becomes zero.
+    /// keeps the point, up to the first multiplier that becomes zero. A member without which the
+    /// limit depends on the others all the same is passed over, because exchanging the two would
+    /// let go of a member for nothing: the objective would fall, and the method could go round in
+    /// a circle.
     ///
     /// # Errors
     ///
@@ -136,33 +141,47 @@ impl WorkingSet {
     pub(super) fn exchange(
         &mut self,
         metric: &mut Metric<'_>,
-        candidate: &EnteringLimit,
+        mut candidate: EnteringLimit,
         up: bool,
     ) -> Result<(), Vec<f64>> {
         let sign = if up { 1.0 } else { -1.0 };
-        let direction: Vec<f64> = candidate.multiples.iter().map(|t| -sign * t).collect();
-        let mut step = f64::INFINITY;
-        let mut blocking = None;
-        for (k, (member, &along)) in self.members.iter().zip(&direction).enumerate() {
-            if member.side.refuses(along) && along.abs() > MULTIPLIER_ROUNDING {
-                let reach = (member.multiplier / -along).max(0.0);
-                if reach < step {
-                    (step, blocking) = (reach, Some(k));
+        let mut passed_over = Vec::new();
+        loop {
+            let mut direction: Vec<f64> = candidate.multiples.iter().map(|t| -sign * t).collect();
+            let (mut step, mut blocking) = (f64::INFINITY, None);
+            for (k, (member, &along)) in self.members.iter().zip(&direction).enumerate() {
+                if member.side.refuses(along)
+                    && along.abs() > MULTIPLIER_ROUNDING
+                    && !passed_over.contains(&member.of)
+                {
+                    let reach = (member.multiplier / -along).max(0.0);
+                    if reach < step {
+                        (step, blocking) = (reach, Some(k));
+                    }
                 }
             }
-        }
-        let Some(k) = blocking else { return Err(direction) };
-        for (member, along) in self.members.iter_mut().zip(direction) {
-            let moved = member.multiplier + step * along;
-            member.multiplier = if member.side.refuses(moved) { 0.0 } else { moved };
-        }
-        self.remove(k);
-        let again = self.candidate(metric, candidate.of, candidate.side);
-        if again.is_dependent() {
+            let Some(k) = blocking else { return Err(direction) };
+            let leaving = self.members[k];
+            self.remove(k);
+            let entering = self.candidate(metric, candidate.of, candidate.side);
+            if entering.is_dependent() {
+                let back = self.candidate(metric, leaving.of, leaving.side);
+                if back.is_dependent() {
+                    return Ok(());
+                }
+                self.add(metric, &back, leaving.multiplier);
+                passed_over.push(leaving.of);
+                candidate = self.candidate(metric, candidate.of, candidate.side);
+                continue;
+            }
+            direction.remove(k);
+            for (member, along) in self.members.iter_mut().zip(direction) {
+                let moved = member.multiplier + step * along;
+                member.multiplier = if member.side.refuses(moved) { 0.0 } else { moved };
+            }
+            self.add(metric, &entering, sign * step);
             return Ok(());
         }
-        self.add(metric, &again, sign * step);
-        Ok(())
     }
 
     /// `u` of the multipliers.

@@ -135,7 +135,7 @@ fn try_all(program: &Program, rest: &mut Program, columns: &[usize], best: &mut 
             return;
         }
         for j in (0..x.len()).filter(|&j| open[j]) {
-            if x[j] > rest.upper[j] + TOLERANCE {
+            if x[j] > rest.upper[j] + TOLERANCE || x[j] < rest.lower[j] - TOLERANCE {
                 return;
             }
             (rest.lower[j], rest.upper[j]) = (x[j], x[j]);

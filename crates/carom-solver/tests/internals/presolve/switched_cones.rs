@@ -124,10 +124,34 @@ fn build(case: &Case) -> (Program, Vec<usize>, Vec<usize>, Vec<usize>) {
     (program, binaries.iter().map(|b| b.index()).collect(), entries, heads)
 }
 
+/// Sets columns that follow from whole ones by equalities, one after the other, and tells which
+/// they are.
+fn follow(program: &Program, x: &mut [f64]) -> Vec<bool> {
+    let mut known = program.integral.clone();
+    let equalities: Vec<usize> = (0..program.row_count())
+        .filter(|&i| program.row_lower[i] == program.row_upper[i])
+        .collect();
+    for _ in 0..equalities.len() {
+        for &row in &equalities {
+            let (columns, values) = program.row(row);
+            let terms = || columns.iter().zip(values);
+            let mut unknown = terms().filter(|(j, _)| !known[**j]);
+            if let (Some((&j, a)), None) = (unknown.next(), unknown.next()) {
+                let others: f64 = terms().filter(|(i, _)| **i != j).map(|(&i, a)| a * x[i]).sum();
+                x[j] = (program.row_upper[row] - others) / a;
+                known[j] = true;
+            }
+        }
+    }
+    known
+}
+
 /// Sets the columns between binaries and entries, further heads and parts so as to leave as much
 /// room as there is.
 pub(super) fn complete(program: &Program, x: &mut [f64], open: &[bool]) {
-    for j in (0..program.column_count()).filter(|&j| open[j]) {
+    let known = follow(program, x);
+    let is_open = |j: usize| open[j] && !known[j];
+    for j in (0..program.column_count()).filter(|&j| is_open(j)) {
         let is_part = |cone: &&Cone| cone.shape == ConeShape::Rotated && cone.columns[0] == j;
         if program.cones.iter().any(|cone| is_part(&cone)) {
             continue;
@@ -146,7 +170,7 @@ pub(super) fn complete(program: &Program, x: &mut [f64], open: &[bool]) {
     }
     for cone in program.cones.iter().filter(|cone| cone.shape == ConeShape::Rotated) {
         let [part, head, ref tail @ ..] = cone.columns[..] else { continue };
-        if open[part] {
+        if is_open(part) {
             let square: f64 = tail.iter().map(|&j| x[j] * x[j]).sum();
             x[part] = if square == 0.0 { 0.0 } else { square / x[head].max(1e-300) };
         }
