@@ -1,6 +1,5 @@
 #![doc = include_str!("../../docs/hybrid.md")]
 
-mod affine;
 pub mod contact;
 pub mod damage;
 pub(crate) mod exponential;
@@ -20,6 +19,7 @@ pub(crate) mod rows;
 pub mod scene;
 pub mod shortest_horizon;
 pub mod simulate;
+pub(crate) mod step;
 pub(crate) mod system;
 mod terminal;
 pub mod wall;

@@ -2,7 +2,7 @@
 
 use super::Step;
 use super::piece::Piece;
-use crate::hybrid::affine::{self, AffineForm, excess};
+use crate::hybrid::step::{self, AffineForm, Combinations, ConditionMaps, Moment, StepCondition};
 use crate::hybrid::system::HybridSystem;
 
 /// The most joint transitions that are looked at.
@@ -23,23 +23,14 @@ pub(super) struct JointPiece {
 
 /// All joint transitions of a step; `None` if there are too many.
 pub(super) fn joint_transitions(system: &HybridSystem, step: &Step) -> Option<Vec<JointPiece>> {
-    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
-    for choice in &system.choices {
-        let count = choice.transitions.len();
-        if all.len() * count > MOST_JOINT_PIECES {
-            return None;
-        }
-        let longer = |taken: &Vec<usize>| -> Vec<Vec<usize>> {
-            (0..count).map(|j| [&taken[..], &[j]].concat()).collect()
-        };
-        all = all.iter().flat_map(longer).collect();
-    }
+    let counts = system.choices.iter().map(|choice| choice.transitions.len());
+    let all = Combinations::at_most(MOST_JOINT_PIECES, counts)?;
     let width = step.units.size();
-    let common = system.flow.as_ref().map(affine::flow);
+    let common = system.flow.as_ref().map(step::flow);
     let of = |taken: Vec<usize>| {
         let piece = joined(step.pieces.iter().zip(&taken).map(|(own, &j)| &own[j]));
         let parts = step.dynamics.iter().zip(&taken).map(|(own, &j)| &own[j].next[..]);
-        let next = affine::sum(common.as_deref(), &parts.collect::<Vec<&[AffineForm]>>());
+        let next = step::sum(common.as_deref(), &parts.collect::<Vec<&[AffineForm]>>());
         let mut inside = piece.clone();
         for (next, (_, domain)) in next.iter().zip(&system.states) {
             for (sign, end) in [(1.0, domain.upper), (-1.0, -domain.lower)] {
@@ -48,13 +39,12 @@ pub(super) fn joint_transitions(system: &HybridSystem, step: &Step) -> Option<Ve
                 inside.cut(&step.units, &beyond, false);
             }
         }
-        for limit in system.limits.iter().filter(|limit| !limit.is_joint(next.len())) {
-            let Some(AffineForm { factors, constant }) = excess(limit, width, step.number + 1)
-            else {
-                continue;
-            };
-            let after = affine::combine(factors, &next, width, constant);
-            inside.cut(&step.units, &after, true);
+        for limit in system.limits_of(false) {
+            let after = StepCondition { moment: Moment::Prediction, ..limit };
+            let after = after.maps(&next, width, step.number + 1);
+            if let Some(ConditionMaps::HalfSpace(map)) = after {
+                inside.cut(&step.units, &map, true);
+            }
         }
         let modes = system.choices.iter().zip(&taken).filter_map(|(choice, &j)| {
             let (from, _) = choice.transitions[j].modes.as_ref()?;
@@ -62,7 +52,7 @@ pub(super) fn joint_transitions(system: &HybridSystem, step: &Step) -> Option<Ve
         });
         JointPiece { modes: modes.collect(), taken, piece, inside }
     };
-    Some(all.into_iter().map(of).collect())
+    Some(all.map(of).collect())
 }
 
 /// The intersection of pieces.

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 
 pub use flaw::{Flaw, Witness};
 
-use super::affine::{self, Dynamics};
+use super::step::{self, Dynamics};
 use super::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::error::Error;
 use crate::interval::Interval;
@@ -124,7 +124,7 @@ impl Step {
                 // All numbers if the choice does not limit an input.
                 let own = |k| system.input_range(choice, transition, k, number);
                 let inputs = (0..system.inputs.len()).map(|k| own(k).unwrap_or(Interval::REALS));
-                affine::dynamics(system, transition, &[], inputs.collect(), number)
+                step::dynamics(system, transition, &[], inputs.collect(), number)
             };
             choice.transitions.iter().map(of).collect()
         };

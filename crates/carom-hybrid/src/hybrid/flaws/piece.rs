@@ -1,6 +1,6 @@
 //! Where transitions are possible: polyhedra of states and inputs in a step, in a unit box.
 
-use crate::hybrid::affine::{AffineForm, Dynamics, excess};
+use crate::hybrid::step::{AffineForm, ConditionMaps, Dynamics};
 use crate::hybrid::system::HybridSystem;
 use crate::interval::Interval;
 
@@ -117,8 +117,11 @@ impl Piece {
 /// The limits of the system at a step; the box itself is left out.
 pub(super) fn base(system: &HybridSystem, units: &Units, step: usize) -> Piece {
     let mut piece = Piece::default();
-    let limits = system.limits.iter().filter_map(|limit| excess(limit, units.size(), step));
-    limits.for_each(|map| piece.cut(units, &map, false));
+    for limit in system.conditions() {
+        if let Some(ConditionMaps::HalfSpace(map)) = limit.maps(&[], units.size(), step) {
+            piece.cut(units, &map, false);
+        }
+    }
     piece
 }
 

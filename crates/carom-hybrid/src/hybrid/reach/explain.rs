@@ -10,7 +10,8 @@ use super::step::predecessors;
 use super::tube::Tube;
 use super::words::{Words, number};
 use crate::error::Error;
-use crate::hybrid::system::{Halfspace, HybridSystem, Measure, NormLimit, Transition};
+use crate::hybrid::step::ConditionSet;
+use crate::hybrid::system::{Halfspace, HybridSystem, Measure, NormLimit};
 use crate::interval::Interval;
 use crate::solver::{Interrupt, StopToken};
 
@@ -235,34 +236,33 @@ impl ReachSets {
                 return Measure { origin: 0.0 - own.origin, scale: own.scale };
             }
         }
-        let guards = |t: &Transition| [&t.guards[..], &t.prediction_guards].concat();
-        let guards = system.transitions().flat_map(guards);
-        if let Some(own) = system.limits.iter().cloned().chain(guards).find(|h| h.name == name) {
-            let scale = 1.0 / coordinates.weight([&own.normal[..]]);
-            return Measure { origin: coordinates.shifted(&own.normal, 0.0), scale };
+        let all = || system.all_conditions().map(|own| own.set).filter(|own| own.name() == name);
+        let is_norm = |own: &ConditionSet| matches!(own, ConditionSet::Norm(_));
+        let Some(own) = all().find(|own| !is_norm(own)).or_else(|| all().next()) else {
+            return Measure::PLAIN;
+        };
+        let scale = 1.0 / coordinates.weight(own.factors());
+        match own {
+            ConditionSet::HalfSpace(own) => {
+                Measure { origin: coordinates.shifted(&own.normal, 0.0), scale }
+            }
+            ConditionSet::Norm(_) => Measure::unit(scale),
         }
-        let norm = system.all_norms().find(|norm| norm.name == name);
-        norm.map_or(Measure::PLAIN, |norm| {
-            Measure::unit(1.0 / coordinates.weight(norm.parts().map(|part| &part.factors[..])))
-        })
     }
 
     /// Whether a transition has a guard of a name that is a limit which the user has set.
     fn is_rule(&self, number: usize, name: &str) -> bool {
         let transition = self.system().transitions().nth(number);
         transition.is_some_and(|transition| {
-            let guards = transition.guards.iter().chain(&transition.prediction_guards);
-            guards.into_iter().any(|guard| guard.is_limit && guard.name == name)
+            let mut own = transition.conditions().filter(|own| own.name() == name);
+            own.any(|own| own.is_limit())
         })
     }
 
     /// Whether a transition has a guard of a name.
     fn has_guard(&self, number: usize, name: &str) -> bool {
         let transition = self.system().transitions().nth(number);
-        transition.is_some_and(|transition| {
-            let guards = transition.guards.iter().chain(&transition.prediction_guards);
-            guards.into_iter().any(|guard| guard.name == name)
-        })
+        transition.is_some_and(|own| own.conditions().any(|own| own.name() == name))
     }
 
     fn findings(&self, tube: &Tube, sample: usize) -> (usize, Vec<Finding>) {

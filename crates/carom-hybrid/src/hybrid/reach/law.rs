@@ -5,7 +5,7 @@ use faer::Mat;
 
 use super::joint_transitions::JointTransition;
 use super::rounding::EPSILON;
-use crate::hybrid::affine::{self, AffineForm, Dynamics};
+use crate::hybrid::step::{self, AffineForm, Dynamics};
 use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Reset, Transition, Uncertain};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
@@ -95,7 +95,7 @@ impl Context<'_> {
 
         let mut law = match (members.as_slice(), system.choices.len()) {
             ([only], 1) => Law {
-                flow: affine::flow(&only.flow),
+                flow: step::flow(&only.flow),
                 before,
                 after: guards(&only.prediction_guards),
                 reset: self.reset(only),
@@ -113,7 +113,7 @@ impl Context<'_> {
             let first = self.relaxed[..c].iter().map(|c| c.transitions.len()).sum::<usize>();
             for (k, transition) in choice.transitions.iter().enumerate() {
                 let number = self.relaxed_numbers[first + k];
-                law.predictions.push((number, Prediction::Own(affine::flow(&transition.flow))));
+                law.predictions.push((number, Prediction::Own(step::flow(&transition.flow))));
             }
         }
         if self.is_disturbed && !system.disturbance.is_empty() {
@@ -133,14 +133,14 @@ impl Context<'_> {
     fn uncertain(&self, transition: &Transition, inputs: &[Interval]) -> Vec<Interval> {
         let states = self.system.states.iter().map(|(_, domain)| *domain);
         let start: Vec<Interval> = states.chain(inputs.iter().copied()).collect();
-        let flow = affine::flow(&transition.flow);
+        let flow = step::flow(&transition.flow);
         let n = self.system.states.len();
         let mut all = vec![Interval::point(0.0); n];
         for Uncertain { range, effect: Reset { matrix, offset } } in &transition.uncertain {
             for (i, all) in all.iter_mut().enumerate() {
                 let offset = offset.get(self.step).and_then(|offset| offset.get(i)).copied();
                 let factors = (0..n).map(|j| matrix[(i, j)]);
-                let map = affine::combine(factors, &flow, start.len(), offset.unwrap_or(0.0));
+                let map = step::combine(factors, &flow, start.len(), offset.unwrap_or(0.0));
                 let of = map.over(&start);
                 *all = *all + (of * range.lower).hull(of * range.upper);
             }
@@ -195,9 +195,9 @@ impl Context<'_> {
     ) -> Law {
         let system = self.system;
         let n = system.states.len();
-        let common = affine::flow(system.flow.as_ref().unwrap_or(&members[0].flow));
+        let common = step::flow(system.flow.as_ref().unwrap_or(&members[0].flow));
         let share = |t: &&Transition| {
-            let own = affine::flow(&t.flow);
+            let own = step::flow(&t.flow);
             own.iter().zip(&common).all(|(own, common)| own.factors == common.factors)
         };
         let is_shared = members.iter().all(share);
@@ -268,7 +268,7 @@ impl Context<'_> {
         let width = common[0].factors.len();
         let mut sizes = vec![AffineForm::constant(width, 0.0); common.len()];
         for (&number, transition) in taken.members.iter().zip(members) {
-            let own = affine::flow(&transition.flow);
+            let own = step::flow(&transition.flow);
             let Dynamics { next, guards, .. } = self.dynamics(transition);
             for guard in guards {
                 let number = guard.number.checked_sub(transition.guards.len());
@@ -291,7 +291,7 @@ impl Context<'_> {
     }
 
     fn dynamics(&self, transition: &Transition) -> Dynamics {
-        affine::dynamics(self.system, transition, &[], Vec::new(), self.step)
+        step::dynamics(self.system, transition, &[], Vec::new(), self.step)
     }
 
     /// A guard on a flow's result as a guard on states and inputs, which is `map <= 0` up to
@@ -329,7 +329,7 @@ impl Context<'_> {
         };
         let domains = self.system.states.iter().map(|(_, domain)| domain);
         let ranges: Vec<Interval> = domains.chain(inputs).map(wide).collect();
-        let common = self.system.flow.as_ref().map(affine::flow);
+        let common = self.system.flow.as_ref().map(step::flow);
         let of = |transition: &Transition| -> Vec<Interval> {
             let mut next = self.dynamics(transition).next;
             for (next, common) in next.iter_mut().zip(common.iter().flatten()) {

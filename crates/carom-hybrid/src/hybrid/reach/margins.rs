@@ -6,8 +6,8 @@
 //! such runs: their starts, inputs and resets are exact, and conditions and bounds are widened
 //! once, by how far a plan may be from its run.
 
-use crate::hybrid::affine::AffineForm;
 use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::step::AffineForm;
 use crate::hybrid::system::HybridSystem;
 use crate::interval::Interval;
 use crate::tolerance::{MAX_STEPS, allowed_drift, margin_scale};

@@ -9,10 +9,10 @@
 use super::error::RobustError;
 use super::feedback::Feedback;
 use crate::error::Error;
-use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::simulate::Condition;
-use crate::hybrid::system::{HybridSystem, NormLimit, Transition};
+use crate::hybrid::step::{self, AffineForm, ConditionMaps, StepCondition};
+use crate::hybrid::system::{HybridSystem, Transition};
 use crate::interval::Interval;
 use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 
@@ -232,19 +232,35 @@ impl Flight<'_> {
         &mut self,
         step: usize,
         condition: Condition,
-        limit: &NormLimit,
-        flow: Option<&[AffineForm]>,
+        maps: (&[AffineForm], &AffineForm),
         start: &[f64],
     ) -> Result<(), Error> {
-        let maps = limit.maps(flow, self.width(), step);
-        let values: Vec<Interval> = maps.iter().map(|map| self.over(map, start)).collect();
-        let Some((bound, entries)) = values.split_last() else { return Ok(()) };
+        let entries: Vec<Interval> = maps.0.iter().map(|map| self.over(map, start)).collect();
+        let bound = self.over(maps.1, start);
         let squares = entries
             .iter()
             .fold(point(0.0), |sum, entry| sum + point(entry.magnitude()) * entry.magnitude());
         let length = squares.upper.sqrt().next_up();
         let value = (point(length) + -point(bound.lower)).upper;
         self.check_nonpositive(step, condition, value, length)
+    }
+
+    /// A condition of the system or of a transition.
+    fn condition(
+        &mut self,
+        step: usize,
+        condition: Condition,
+        own: StepCondition<'_>,
+        predicted: &[AffineForm],
+        start: &[f64],
+    ) -> Result<(), Error> {
+        match own.maps(predicted, self.width(), step) {
+            None => Ok(()),
+            Some(ConditionMaps::HalfSpace(map)) => self.excess(step, condition, &map, start),
+            Some(ConditionMaps::Norm { entries, bound }) => {
+                self.norm(step, condition, (&entries, &bound), start)
+            }
+        }
     }
 
     /// The conditions of a sample, and the box of its states.
@@ -264,15 +280,8 @@ impl Flight<'_> {
         self.certificate.states.push(errors);
         let mut start = state.to_vec();
         start.resize(width, 0.0);
-        for limit in system.limits.iter().filter(|limit| !limit.is_joint(n)) {
-            let condition = Condition::Limit { name: limit.name.clone() };
-            if let Some(map) = affine::excess(limit, width, sample) {
-                self.excess(sample, condition, &map, &start)?;
-            }
-        }
-        for limit in system.norms.iter().filter(|limit| !limit.is_joint(n)) {
-            let condition = Condition::Limit { name: limit.name.clone() };
-            self.norm(sample, condition, limit, None, &start)?;
+        for limit in system.limits_of(false) {
+            self.condition(sample, Condition::limit(limit), limit, &[], &start)?;
         }
         Ok(())
     }
@@ -285,15 +294,8 @@ impl Flight<'_> {
         taken: &[&Transition],
     ) -> Result<(), Error> {
         let (system, width, n) = (self.system, self.width(), self.inverse.len());
-        for limit in system.limits.iter().filter(|limit| limit.is_joint(n)) {
-            let condition = Condition::Limit { name: limit.name.clone() };
-            if let Some(map) = affine::excess(limit, width, step) {
-                self.excess(step, condition, &map, start)?;
-            }
-        }
-        for limit in system.norms.iter().filter(|limit| limit.is_joint(n)) {
-            let condition = Condition::Limit { name: limit.name.clone() };
-            self.norm(step, condition, limit, None, start)?;
+        for limit in system.limits_of(true) {
+            self.condition(step, Condition::limit(limit), limit, &[], start)?;
         }
         for (u, (name, _)) in system.inputs.iter().enumerate() {
             let range = system.input_range_of(taken, u, step);
@@ -306,29 +308,9 @@ impl Flight<'_> {
             self.excess(step, condition, &map, start)?;
         }
         for transition in taken {
-            let flow = affine::flow(&transition.flow);
-            for guard in &transition.guards {
-                let condition = Condition::Guard { name: guard.name.clone() };
-                if let Some(map) = affine::excess(guard, width, step) {
-                    self.excess(step, condition, &map, start)?;
-                }
-            }
-            for guard in &transition.prediction_guards {
-                let condition = Condition::PredictionGuard { name: guard.name.clone() };
-                let limit = guard.limit_at(step);
-                let factors = guard.normal.iter().copied();
-                if limit.is_finite() {
-                    let map = affine::combine(factors, &flow, width, -limit);
-                    self.excess(step, condition, &map, start)?;
-                }
-            }
-            for limit in &transition.norms {
-                let condition = Condition::Guard { name: limit.name.clone() };
-                self.norm(step, condition, limit, None, start)?;
-            }
-            for limit in &transition.prediction_norms {
-                let condition = Condition::PredictionGuard { name: limit.name.clone() };
-                self.norm(step, condition, limit, Some(&flow), start)?;
+            let flow = step::flow(&transition.flow);
+            for own in transition.conditions() {
+                self.condition(step, Condition::guard(own), own, &flow, start)?;
             }
         }
         Ok(())
@@ -340,11 +322,11 @@ impl Flight<'_> {
         let (n, width) = (next.len(), self.width());
         let dynamics: Vec<Vec<AffineForm>> = taken
             .iter()
-            .map(|own| affine::dynamics(self.system, own, &[], Vec::new(), step).next)
+            .map(|own| step::dynamics(self.system, own, &[], Vec::new(), step).next)
             .collect();
-        let common = self.system.flow.as_ref().map(affine::flow);
+        let common = self.system.flow.as_ref().map(step::flow);
         let parts: Vec<&[AffineForm]> = dynamics.iter().map(Vec::as_slice).collect();
-        let maps = affine::sum(common.as_deref(), &parts);
+        let maps = step::sum(common.as_deref(), &parts);
         // In the states' own directions: the closed loop, and what does not depend on the error.
         let mut closed: Intervals = maps.iter().map(|map| self.factors(map)).collect();
         let added: Vec<Interval> = (0..n)
@@ -366,14 +348,14 @@ impl Flight<'_> {
         }
         let mut spread = vec![point(0.0); n];
         for own in taken {
-            let flow = affine::flow(&own.flow);
+            let flow = step::flow(&own.flow);
             for parameter in &own.uncertain {
                 let range = parameter.range * self.scale;
                 let effect = |i: usize| {
                     let offset = parameter.effect.offset.get(step);
                     let offset = offset.and_then(|offset| offset.get(i)).copied().unwrap_or(0.0);
                     let factors = (0..n).map(|j| parameter.effect.matrix[(i, j)]);
-                    affine::combine(factors, &flow, width, offset)
+                    step::combine(factors, &flow, width, offset)
                 };
                 let effect: Vec<AffineForm> = (0..n).map(effect).collect();
                 for (spread, value) in spread.iter_mut().zip(self.along_directions(&effect, start))

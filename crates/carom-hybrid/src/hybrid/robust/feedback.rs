@@ -4,9 +4,9 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 
 use crate::error::{Error, ErrorKind, check_finite};
-use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::Matrix;
+use crate::hybrid::step::{self, AffineForm};
 use crate::hybrid::system::{Coordinates, HybridSystem, Restated, Transition, Uncertain};
 use crate::hybrid::terminal::Lqr;
 
@@ -190,7 +190,7 @@ impl Feedback {
     pub(super) fn errors(&self, maps: &[AffineForm], width: usize) -> Vec<AffineForm> {
         let row = |k: usize| {
             let factors = (0..maps.len()).map(|i| self.inverse[(k, i)]);
-            affine::combine(factors, maps, width, 0.0)
+            step::combine(factors, maps, width, 0.0)
         };
         (0..maps.len()).map(row).collect()
     }
@@ -214,7 +214,7 @@ impl Feedback {
             by = system.states.iter().map(|(_, range)| 0.005 * range.width()).collect();
         }
         let by = self.spread(&by);
-        let next = self.errors(&affine::flow(flow), n + m);
+        let next = self.errors(&step::flow(flow), n + m);
         let next: Vec<Vec<f64>> = next.iter().map(|map| self.closed(map)).collect();
         let size = |factors: &[f64], radius: &[f64]| -> f64 {
             factors.iter().zip(radius).map(|(a, r)| a.abs() * r).sum()

@@ -10,8 +10,8 @@ use super::error::RobustError;
 use super::tube::ErrorTube;
 use super::words::{GROWTH, for_every};
 use crate::error::Error;
-use crate::hybrid::affine::AffineForm;
 use crate::hybrid::program::HybridProgram;
+use crate::hybrid::step::AffineForm;
 use crate::interval::Interval;
 use crate::model::{
     Affine, AnyStatement, Consequent, Logic, Model, Name, Row, Statement, StoredConic, StoredRow,

@@ -11,9 +11,9 @@ use std::collections::BTreeSet;
 use super::feedback::{Feedback, disturbance};
 use super::words::GROWTH;
 use crate::error::Error;
-use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::rows::{SystemVariables, expression};
-use crate::hybrid::system::{NormEntry, NormLimit, Transition};
+use crate::hybrid::step::{self, AffineForm, ConditionMaps, StepCondition};
+use crate::hybrid::system::Transition;
 use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Family, Literal, Logic, Model, Row, norm};
 
@@ -119,7 +119,7 @@ impl<'a> ErrorTube<'a> {
         let by_choice: Vec<_> =
             (0..system.choices.len()).map(|c| self.own.dynamics(c, step)).collect();
         let common = match system.flow.as_ref() {
-            Some(flow) => affine::flow(flow),
+            Some(flow) => step::flow(flow),
             None => by_choice[0][0].next.clone(),
         };
         let closed = |maps: &[AffineForm]| -> Vec<Vec<f64>> {
@@ -194,14 +194,14 @@ impl<'a> ErrorTube<'a> {
 
     /// The unknown part of a transition's effect, by entry of the next error.
     fn spreads(&self, transition: &Transition, step: usize) -> Vec<Vec<Spread>> {
-        let (n, flow) = (self.radius.len(), affine::flow(&transition.flow));
+        let (n, flow) = (self.radius.len(), step::flow(&transition.flow));
         let width = n + self.own.computed().inputs.len();
         let mut by_entry: Vec<Vec<Spread>> = (0..n).map(|_| Vec::new()).collect();
         for own in transition.uncertain.iter().filter(|own| own.range.magnitude() > 0.0) {
             let map = |i: usize| {
                 let offset = own.effect.offset.get(step).and_then(|offset| offset.get(i)).copied();
                 let factors = (0..n).map(|j| own.effect.matrix[(i, j)]);
-                affine::combine(factors, &flow, width, offset.unwrap_or(0.0))
+                step::combine(factors, &flow, width, offset.unwrap_or(0.0))
             };
             let maps: Vec<AffineForm> = (0..n).map(map).collect();
             let errors = self.feedback.errors(&maps, width);
@@ -217,21 +217,14 @@ impl<'a> ErrorTube<'a> {
     /// The tightened conditions of a sample.
     fn sample(&self, model: &mut Model, sample: usize) -> Result<(), Error> {
         let system = self.own.computed();
-        let (n, width) = (self.radius.len(), self.radius.len() + system.inputs.len());
+        let width = self.radius.len() + system.inputs.len();
         for (i, (_, domain)) in system.states.iter().enumerate() {
             let mut map = AffineForm::constant(width, 0.0);
             map.factors[i] = 1.0;
             self.within(model, &format!("tube_domain_{i}"), sample, None, &map, *domain)?;
         }
-        let limits = system.limits.iter().filter(|limit| !limit.is_joint(n)).enumerate();
-        for (k, limit) in limits {
-            if let Some(map) = affine::excess(limit, width, sample) {
-                self.add_row(model, &format!("tube_limit_{k}"), sample, None, &map)?;
-            }
-        }
-        let norms = system.norms.iter().filter(|limit| !limit.is_joint(n)).enumerate();
-        for (k, limit) in norms {
-            self.norm(model, &format!("tube_norm_{k}"), sample, None, limit, None)?;
+        for (k, limit) in system.limits_of(false).enumerate() {
+            self.condition(model, &format!("tube_limit_{k}"), sample, None, limit, &[])?;
         }
         Ok(())
     }
@@ -240,19 +233,12 @@ impl<'a> ErrorTube<'a> {
     fn step(&self, model: &mut Model, step: usize) -> Result<(), Error> {
         let system = self.own.computed();
         let (n, width) = (self.radius.len(), self.radius.len() + system.inputs.len());
-        let limits = system.limits.iter().filter(|limit| limit.is_joint(n)).enumerate();
-        for (k, limit) in limits {
-            if let Some(map) = affine::excess(limit, width, step) {
-                self.add_row(model, &format!("tube_joint_limit_{k}"), step, None, &map)?;
-            }
-        }
-        let norms = system.norms.iter().filter(|limit| limit.is_joint(n)).enumerate();
-        for (k, limit) in norms {
-            self.norm(model, &format!("tube_joint_norm_{k}"), step, None, limit, None)?;
+        for (k, limit) in system.limits_of(true).enumerate() {
+            self.condition(model, &format!("tube_joint_limit_{k}"), step, None, limit, &[])?;
         }
         for (c, choice) in system.choices.iter().enumerate() {
-            for (j, own) in self.own.dynamics(c, step).iter().enumerate() {
-                let (transition, when) = (&choice.transitions[j], self.own.literal(c, j, step));
+            for (j, transition) in choice.transitions.iter().enumerate() {
+                let when = self.own.literal(c, j, step);
                 let name = |word: &str, k: usize| format!("tube_{word}_{c}_{j}_{k}");
                 for u in 0..system.inputs.len() {
                     let Some(range) = system.input_range(choice, transition, u, step) else {
@@ -262,19 +248,37 @@ impl<'a> ErrorTube<'a> {
                     map.factors[n + u] = 1.0;
                     self.within(model, &name("input", u), step, when, &map, range)?;
                 }
-                for guard in &own.guards {
-                    self.add_row(model, &name("guard", guard.number), step, when, &guard.map)?;
-                }
-                let norms = transition.norms.iter().map(|limit| (limit, None));
-                let flow = affine::flow(&transition.flow);
-                let predicted =
-                    transition.prediction_norms.iter().map(|limit| (limit, Some(&flow[..])));
-                for (k, (limit, flow)) in norms.chain(predicted).enumerate() {
-                    self.norm(model, &name("guard_norm", k), step, when, limit, flow)?;
+                let flow = step::flow(&transition.flow);
+                for own in transition.conditions() {
+                    self.condition(model, &name("guard", own.number), step, when, own, &flow)?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// A condition for every error.
+    ///
+    /// # Arguments
+    ///
+    /// * `predicted`: the predicted states, for conditions on them.
+    fn condition(
+        &self,
+        model: &mut Model,
+        name: &str,
+        sample: usize,
+        when: Option<Literal>,
+        condition: StepCondition<'_>,
+        predicted: &[AffineForm],
+    ) -> Result<(), Error> {
+        let width = self.radius.len() + self.own.computed().inputs.len();
+        match condition.maps(predicted, width, sample) {
+            None => Ok(()),
+            Some(ConditionMaps::HalfSpace(map)) => self.add_row(model, name, sample, when, &map),
+            Some(ConditionMaps::Norm { entries, bound }) => {
+                self.norm(model, name, sample, when, &entries, &bound)
+            }
+        }
     }
 
     /// Adds `map <= 0` for every error.
@@ -311,21 +315,19 @@ impl<'a> ErrorTube<'a> {
         self.add_row(model, &format!("{name}_least"), sample, when, &below)
     }
 
-    /// A limit of a length for every error: of the start of a step, or of what a flow predicts. The
-    /// sum of the entries' widths is at least the length of any error.
+    /// A limit of a length for every error. The sum of the entries' widths is at least the length
+    /// of any error.
     fn norm(
         &self,
         model: &mut Model,
         name: &str,
         sample: usize,
         when: Option<Literal>,
-        limit: &NormLimit,
-        flow: Option<&[AffineForm]>,
+        entries: &[AffineForm],
+        bound: &AffineForm,
     ) -> Result<(), Error> {
-        let width = self.radius.len() + self.own.computed().inputs.len();
-        let maps = limit.maps(flow, width, sample);
-        let Some((bound, entries)) = maps.split_last() else { return Ok(()) };
-        let taken: Affine = maps.iter().map(|map| self.width_of(map, sample)).sum();
+        let maps = entries.iter().chain([bound]);
+        let taken: Affine = maps.map(|map| self.width_of(map, sample)).sum();
         if taken.terms().is_empty() {
             return Ok(());
         }
@@ -335,29 +337,6 @@ impl<'a> ErrorTube<'a> {
             None => model.add((name, sample), row).map(drop),
             Some(literal) => model.add((name, sample), literal.implies(row)).map(drop),
         }
-    }
-}
-
-impl NormLimit {
-    /// The entries and then the bound at a step as maps of states and inputs, or of what a flow
-    /// predicts.
-    pub(super) fn maps(
-        &self,
-        flow: Option<&[AffineForm]>,
-        width: usize,
-        step: usize,
-    ) -> Vec<AffineForm> {
-        let of = |part: &NormEntry| match flow {
-            None => {
-                let mut factors = part.factors.clone();
-                factors.resize(width, 0.0);
-                AffineForm { factors, constant: part.constant_at(step) }
-            }
-            Some(flow) => {
-                affine::combine(part.factors.iter().copied(), flow, width, part.constant_at(step))
-            }
-        };
-        self.parts().map(of).collect()
     }
 }
 

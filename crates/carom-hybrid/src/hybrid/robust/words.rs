@@ -110,21 +110,16 @@ impl ErrorTube<'_> {
         }
         let limit = |name: &str| format!("the limit `{name}`");
         for (word, is_joint) in [("", false), ("joint_", true)] {
-            let limits = system.limits.iter().filter(|own| own.is_joint(n) == is_joint);
-            for (k, own) in limits.enumerate() {
-                say(format!("tube_{word}limit_{k}"), &limit(&own.name), "");
-            }
-            let norms = system.norms.iter().filter(|own| own.is_joint(n) == is_joint);
-            for (k, own) in norms.enumerate() {
-                say(format!("tube_{word}norm_{k}"), &limit(&own.name), "");
+            for (k, own) in system.limits_of(is_joint).enumerate() {
+                say(format!("tube_{word}limit_{k}"), &limit(own.name()), "");
             }
         }
         let meetings = meetings(system);
         for (c, choice) in system.choices.iter().enumerate() {
             for (j, own) in choice.transitions.iter().enumerate() {
                 let of = |name: &str| format!("the limit `{name}` of `{}`", own.name);
-                let guards = own.guards.iter().chain(&own.prediction_guards);
-                for (g, guard) in guards.enumerate() {
+                for guard in own.conditions() {
+                    let g = guard.number;
                     let mut more = String::new();
                     for met in meetings.iter().filter(|met| met.choice == c) {
                         let [from, to, leaves, enters] = met.names;
@@ -134,11 +129,7 @@ impl ErrorTube<'_> {
                             more = format!(" (no tube comes from `{from}`: it ends at `{leaves}`)");
                         }
                     }
-                    say(format!("tube_guard_{c}_{j}_{g}"), &of(&guard.name), &more);
-                }
-                let norms = own.norms.iter().chain(&own.prediction_norms);
-                for (k, norm) in norms.enumerate() {
-                    say(format!("tube_guard_norm_{c}_{j}_{k}"), &of(&norm.name), "");
+                    say(format!("tube_guard_{c}_{j}_{g}"), &of(guard.name()), &more);
                 }
             }
         }

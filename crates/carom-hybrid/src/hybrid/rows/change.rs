@@ -6,7 +6,7 @@
 
 use super::bound;
 use super::switch::Region;
-use crate::hybrid::affine::{AffineForm, Dynamics};
+use crate::hybrid::step::{AffineForm, Dynamics};
 use crate::hybrid::system::Transition;
 
 /// Two changes whose numbers differ by at most this fraction are proportional (no unit).

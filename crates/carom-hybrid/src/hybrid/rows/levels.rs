@@ -1,6 +1,6 @@
 //! Inputs that take some values only, as integers and rows.
 
-use super::modes::constant;
+use super::constant_rows::constant;
 use super::names::Names;
 use super::program::SystemVariables;
 use crate::error::Error;

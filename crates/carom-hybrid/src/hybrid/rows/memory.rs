@@ -1,7 +1,7 @@
 //! The memory with which a run begins, as rows: its modes, what is left of dwell times, the events
 //! so far.
 
-use super::modes;
+use super::constant_rows::constant;
 use super::program::SystemVariables;
 use crate::hybrid::memory::Memory;
 use crate::interval::Interval;
@@ -149,7 +149,7 @@ impl SystemVariables {
 
     /// A row that says the same, and has a variable.
     pub(crate) fn of_memory(&self, row: Row) -> Option<Row> {
-        match modes::constant(&row) {
+        match constant(&row) {
             None => Some(row),
             Some(true) => None,
             Some(false) => Some(self.infeasible_row_at(0)),

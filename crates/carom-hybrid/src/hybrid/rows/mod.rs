@@ -6,21 +6,21 @@
 //! | handles by name and step | `rows/program.rs` |
 //! | runs that are read back | `rows/run.rs` |
 //! | extreme points near a run | `rows/extreme.rs` |
-//! | transitions as affine functions | `affine.rs`, beside this folder |
+//! | transitions as affine functions | `step`, beside this folder |
 //! | what transitions change about the next state | `rows/change.rs` |
 //! | which rows hold in every transition, which are left out | `rows/switch.rs` |
 //! | bounds of linear functions without a solver | `rows/bound.rs` |
 //! | the statements of a step | `rows/statements.rs` |
 //! | inputs that take some values only | `rows/levels.rs` |
-//! | lengths that are constant | `rows/lengths.rs` |
+//! | rows that are constant | `rows/constant_rows.rs` |
 //! | modes with memory, dwell times | `rows/modes.rs` |
 //! | the memory with which a run begins | `rows/memory.rs` |
 //! | names | `rows/names.rs` |
 
 mod bound;
 mod change;
+mod constant_rows;
 mod extreme;
-mod lengths;
 mod levels;
 mod memory;
 mod modes;

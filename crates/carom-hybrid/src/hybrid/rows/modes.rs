@@ -1,5 +1,6 @@
 //! Modes with memory: how transitions link the modes of neighbouring samples, and dwell times.
 
+use super::constant_rows::constant;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::switch::infeasible_row;
@@ -89,13 +90,6 @@ pub(super) fn add(
         model.add((families[at].3.as_str(), step), row)?;
     }
     Ok(families.into_iter().map(|(.., family)| family).collect())
-}
-
-/// Whether a row without variables holds; `None` if it has variables.
-pub(super) fn constant(row: &Row) -> Option<bool> {
-    let value = row.expression().offset();
-    let holds = row.lower() <= value && value <= row.upper();
-    row.expression().terms().is_empty().then_some(holds)
 }
 
 impl SystemVariables {

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::change::Changes;
 use super::levels::Levels;
 use crate::error::Error;
-use crate::hybrid::affine::{self, AffineForm, Dynamics};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::HorizonVariables;
+use crate::hybrid::step::{self, AffineForm, Dynamics};
 use crate::hybrid::system::{Coordinates, HybridSystem, Measure};
 use crate::model::{Affine, Family, Literal, Variable};
 
@@ -279,7 +279,7 @@ impl SystemVariables {
         let n = self.system.states.len();
         let reference = &choice.transitions[program.changes.reference];
         let own = program.changes.groups[group];
-        let outputs = affine::output_names(&choice.transitions);
+        let outputs = step::output_names(&choice.transitions);
         let value = |transition: &crate::hybrid::system::Transition| -> Option<(Vec<f64>, f64)> {
             if own >= n {
                 let name = outputs.get(own - n)?;
@@ -309,8 +309,8 @@ impl SystemVariables {
     /// The transitions of a choice at a step, without the ranges of the inputs.
     pub(crate) fn dynamics(&self, choice: usize, step: usize) -> Vec<Dynamics> {
         let transitions = &self.system.choices[choice].transitions;
-        let outputs = affine::output_names(transitions);
-        let dynamics = |t| affine::dynamics(&self.system, t, &outputs, Vec::new(), step);
+        let outputs = step::output_names(transitions);
+        let dynamics = |t| step::dynamics(&self.system, t, &outputs, Vec::new(), step);
         transitions.iter().map(dynamics).collect()
     }
 

@@ -3,16 +3,16 @@
 use std::collections::BTreeSet;
 
 use super::change::{Part, quantity};
-use super::lengths::nontrivial;
+use super::constant_rows::nontrivial;
 use super::names::Names;
 use super::program::{ChoiceProgram, SystemVariables};
 use super::switch::{Label, Switch, SwitchRow};
 use super::write::expression;
 use crate::error::Error;
-use crate::hybrid::affine::{self, Dynamics};
-use crate::hybrid::system::Choice;
+use crate::hybrid::step::{self, ConditionSet, Dynamics, Moment, StepCondition};
+use crate::hybrid::system::{Choice, SystemRow};
 use crate::interval::Interval;
-use crate::model::{Affine, ConicRow, Either, Literal, Method, Model, Row, Term};
+use crate::model::{Affine, Either, Literal, Method, Model, Row, Term};
 
 /// The least factor with which a change may be stated by the next state, because the error of the
 /// state is divided by it (no unit).
@@ -32,7 +32,7 @@ pub(super) struct ChoiceStep<'a> {
 }
 
 /// A statement's family, the row, and whether it describes the system.
-type Named = (String, Row, bool);
+type Named = (String, SystemRow, bool);
 
 /// The inequalities of a change that a row states: at least, at most, or both.
 #[derive(Clone, Copy, PartialEq)]
@@ -72,7 +72,7 @@ impl ChoiceStep<'_> {
         }
         if count == 1 {
             for (family, row, describes) in self.norms(0, names) {
-                model.add((family.as_str(), self.step), row)?;
+                row.add_to(model, (family.as_str(), self.step), None)?;
                 note(background, family, describes);
             }
         }
@@ -87,18 +87,13 @@ impl ChoiceStep<'_> {
             let mut term = Term::default();
             for (family, row, describes) in self.statements(j, model, names)? {
                 if implications || !describes {
-                    model.add((family.as_str(), self.step), literal.implies(row))?;
+                    row.add_to(model, (family.as_str(), self.step), Some(*literal))?;
                     note(background, family, describes);
                 } else {
-                    term = term.and(row);
-                }
-            }
-            for (family, row, describes) in self.norms(j, names) {
-                if implications || !describes {
-                    model.add((family.as_str(), self.step), literal.implies(row))?;
-                    note(background, family, describes);
-                } else {
-                    term = term.and(row);
+                    term = match row {
+                        SystemRow::Row(row) => term.and(row),
+                        SystemRow::Conic(row) => term.and(row),
+                    };
                 }
             }
             terms.push(term);
@@ -158,7 +153,7 @@ impl ChoiceStep<'_> {
         let quantity = self.variables().changes.groups[group];
         match states.get(quantity) {
             Some((state, _)) => state,
-            None => affine::output_names(&self.choice().transitions)
+            None => step::output_names(&self.choice().transitions)
                 .get(quantity - states.len())
                 .copied()
                 .unwrap_or_default(),
@@ -180,8 +175,7 @@ impl ChoiceStep<'_> {
                 }
             }
             Label::Guard { number, .. } => {
-                let mut guards = transition.guards.iter().chain(&transition.prediction_guards);
-                parts.extend(guards.nth(number).map(|guard| guard.name.as_str()));
+                parts.extend(transition.conditions().nth(number).map(StepCondition::name));
             }
             Label::Range { input, upper } => {
                 parts.extend([if upper { "most" } else { "least" }, &system.inputs[input].0]);
@@ -195,7 +189,7 @@ impl ChoiceStep<'_> {
         names.keyed((self.number, from, Some(label), common), &parts)
     }
 
-    /// The rows of a transition that do not hold in every transition.
+    /// The rows of a transition that do not hold in every transition, and then its norms.
     fn statements(
         &self,
         transition: usize,
@@ -214,7 +208,7 @@ impl ChoiceStep<'_> {
             let family = self.family(names, transition, row.label, false);
             let Label::Change { group, upper } = row.label else {
                 let left = self.by_next(transition, row).unwrap_or_else(|| self.expression(row));
-                named.push((family, left.le(row.limit), describes(row.label)));
+                named.push((family, left.le(row.limit).into(), describes(row.label)));
                 continue;
             };
             let both = Label::Change { group, upper: true };
@@ -225,28 +219,22 @@ impl ChoiceStep<'_> {
             } else {
                 Halves::Lower
             };
-            named.push((family, self.tightest(transition, group, halves, model)?, true));
+            named.push((family, self.tightest(transition, group, halves, model)?.into(), true));
         }
+        named.extend(self.norms(transition, names));
         Ok(named)
     }
 
     /// The norm limits of a transition, on the start of the step and then on the prediction.
-    fn norms(&self, transition: usize, names: &mut Names) -> Vec<(String, ConicRow, bool)> {
+    fn norms(&self, transition: usize, names: &mut Names) -> Vec<Named> {
         let system = &self.program.system;
         let own = &self.choice().transitions[transition];
         let of = if self.is_alone() { "" } else { &self.choice().name };
         let width = system.states.len() + system.inputs.len();
-        let flow = affine::flow(&own.flow);
-        let at_start = |factors: &[f64], constant: f64| {
-            expression(
-                self.program,
-                &affine::AffineForm { factors: factors.to_vec(), constant },
-                self.step,
-            )
-        };
-        let predicted = |factors: &[f64], constant: f64| {
+        let flow = step::flow(&own.flow);
+        let stated = |moment: Moment, factors: &[f64], constant: f64| {
             let used = || factors.iter().enumerate().filter(|(_, factor)| **factor != 0.0);
-            if used().all(|(i, _)| self.as_predicted[i]) {
+            if moment == Moment::Prediction && used().all(|(i, _)| self.as_predicted[i]) {
                 let mut sum = Affine::constant(constant);
                 for (i, factor) in used() {
                     if let Some(next) = self.program.states[i].get(self.step + 1) {
@@ -255,18 +243,15 @@ impl ChoiceStep<'_> {
                 }
                 return sum;
             }
-            let factors = factors.iter().copied();
-            let map = affine::combine(factors, &flow, width, constant);
-            expression(self.program, &map, self.step)
+            expression(self.program, &moment.map(factors, constant, &flow, width), self.step)
         };
         let mut rows = Vec::new();
-        for (k, norm) in own.norms.iter().chain(&own.prediction_norms).enumerate() {
-            let row = match k < own.norms.len() {
-                true => norm.row(self.step, at_start),
-                false => norm.row(self.step, predicted),
-            };
-            let Some(row) = nontrivial(self.program, row, self.step) else { continue };
-            let label = Label::Guard { number: usize::MAX - k, is_limit: norm.is_limit };
+        for condition in own.conditions() {
+            let ConditionSet::Norm(norm) = condition.set else { continue };
+            let row = norm
+                .row(self.step, |factors, constant| stated(condition.moment, factors, constant));
+            let Some(row) = nontrivial(self.program, row.into(), self.step) else { continue };
+            let label = Label::Guard { number: condition.number, is_limit: norm.is_limit };
             let key = (self.number, transition, Some(label), false);
             let family = names.keyed(key, &[of, &own.name, &norm.name]);
             rows.push((family, row, !norm.is_limit));
@@ -333,15 +318,19 @@ impl ChoiceStep<'_> {
     fn by_next(&self, from: usize, row: &SwitchRow) -> Option<Affine> {
         let Label::Guard { number, .. } = row.label else { return None };
         let transition = &self.choice().transitions[from];
-        let number = number.checked_sub(transition.guards.len())?;
-        let normal = &transition.prediction_guards.get(number)?.normal;
+        let condition = transition.conditions().nth(number)?;
+        let (Moment::Prediction, ConditionSet::HalfSpace(own)) = (condition.moment, condition.set)
+        else {
+            return None;
+        };
+        let normal = &own.normal;
         let used = || normal.iter().enumerate().filter(|(_, n)| **n != 0.0);
         if row.w.iter().any(|&w| w != 0.0) || !used().all(|(i, _)| self.as_predicted[i]) {
             return None;
         }
-        let flow = affine::flow(&transition.flow);
+        let flow = step::flow(&transition.flow);
         let factors = normal.iter().copied();
-        let predicted = affine::combine(factors, &flow, row.z.len(), 0.0);
+        let predicted = step::combine(factors, &flow, row.z.len(), 0.0);
         // The row may be another one where the prediction is constant.
         if predicted.is_constant() || predicted.factors != row.z {
             return None;
@@ -356,7 +345,7 @@ impl ChoiceStep<'_> {
 
     /// The left side of a row.
     fn expression(&self, row: &SwitchRow) -> Affine {
-        let z = affine::AffineForm { factors: row.z.clone(), constant: 0.0 };
+        let z = step::AffineForm { factors: row.z.clone(), constant: 0.0 };
         let mut sum = expression(self.program, &z, self.step);
         for (factor, family) in row.w.iter().zip(&self.variables().groups) {
             if let Some(variable) = family.get(self.step).filter(|_| *factor != 0.0) {

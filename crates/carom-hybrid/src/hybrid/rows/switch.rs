@@ -9,7 +9,7 @@
 
 use super::bound::{self, LinearRow, size, upper_bound};
 use super::change::Changes;
-use crate::hybrid::affine::{AffineForm, Dynamics};
+use crate::hybrid::step::{AffineForm, Dynamics};
 use crate::interval::Interval;
 
 /// How much a row that holds everywhere may be violated by rounding, relative to its terms (no

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
-use super::lengths::nontrivial;
+use super::constant_rows::{constant, nontrivial};
 use super::levels;
 use super::modes;
 use super::names::Names;
@@ -12,8 +12,8 @@ use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
 use super::switch::{Region, Switch, row_at_most, switch};
 use crate::error::Error;
-use crate::hybrid::affine::{self, AffineForm, Dynamics};
 use crate::hybrid::horizon::Horizon;
+use crate::hybrid::step::{self, AffineForm, ConditionMaps, Dynamics, StepCondition};
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem};
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Method, Model, Variable, VariableKind};
@@ -37,13 +37,16 @@ fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
 /// The rows that hold at the start of a step in any case: the limits of the system.
 fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
     let width = system.states.len() + system.inputs.len();
-    let limits = system.limits.iter().filter(|limit| !limit.is_limit);
-    let row = |limit| Some(row_at_most(&affine::excess(limit, width, step)?, 0.0));
+    let limits = system.conditions().filter(|limit| !limit.is_limit());
+    let row = |limit: StepCondition<'_>| match limit.maps(&[], width, step)? {
+        ConditionMaps::HalfSpace(map) => Some(row_at_most(&map, 0.0)),
+        ConditionMaps::Norm { .. } => None,
+    };
     limits.filter_map(row).collect()
 }
 
 fn formulate(system: &HybridSystem, choice: &Choice, count: usize) -> Formulation {
-    let outputs = affine::output_names(&choice.transitions);
+    let outputs = step::output_names(&choice.transitions);
     let domains: Vec<Interval> = system.states.iter().map(|(_, domain)| *domain).collect();
     let alone = system.choices.len() == 1;
     let mut steps = Vec::with_capacity(count);
@@ -56,7 +59,7 @@ fn formulate(system: &HybridSystem, choice: &Choice, count: usize) -> Formulatio
                 let both = own.intersection(*all);
                 if both.is_empty() { own } else { both }
             });
-            affine::dynamics(system, transition, &outputs, inputs.collect(), t)
+            step::dynamics(system, transition, &outputs, inputs.collect(), t)
         };
         let own: Vec<Dynamics> = choice.transitions.iter().map(dynamics).collect();
         let region = |own: &Dynamics| Region::new(own, &domains, &known, alone);
@@ -176,7 +179,7 @@ fn variables(
         let taken = one_of(model, names, &transitions, on, steps, &[of])?;
         let modes = one_of(model, names, &choice.modes(), 1, steps + 1, &[&choice.name, "is"])?;
         let mut groups = Vec::new();
-        let outputs = affine::output_names(&choice.transitions);
+        let outputs = step::output_names(&choice.transitions);
         for (g, &quantity) in own.changes.groups.iter().enumerate() {
             let name = match system.states.get(quantity) {
                 Some((state, _)) => names.family(&[of, "change", state]),
@@ -258,7 +261,7 @@ fn outputs(program: &mut SystemVariables, formulations: &[Formulation]) {
     let mut by_choice = Vec::new();
     for (c, choice) in program.system.choices.iter().enumerate() {
         let mut of_choice = Vec::new();
-        for (o, name) in affine::output_names(&choice.transitions).into_iter().enumerate() {
+        for (o, name) in step::output_names(&choice.transitions).into_iter().enumerate() {
             let value = |t: usize| {
                 let own = &at(&formulations[c].steps, t).0;
                 let changes = &program.choices[c].changes;
@@ -287,8 +290,8 @@ fn outputs(program: &mut SystemVariables, formulations: &[Formulation]) {
 /// next state is what is predicted.
 fn as_predicted(system: &HybridSystem) -> Vec<bool> {
     let flow = system.flow.as_ref().or(system.transitions().next().map(|t| &t.flow));
-    let Some(flow) = flow.map(affine::flow) else { return Vec::new() };
-    let shared = system.transitions().all(|t| affine::flow(&t.flow) == flow);
+    let Some(flow) = flow.map(step::flow) else { return Vec::new() };
+    let shared = system.transitions().all(|t| step::flow(&t.flow) == flow);
     let keeps = |t: &crate::hybrid::system::Transition, i: usize| match &t.reset {
         None => true,
         Some(reset) => {
@@ -317,39 +320,19 @@ impl Writer<'_> {
     /// The limits of the system: at every sample, or, if they are joint, at every step.
     fn limits(&mut self) -> Result<(), Error> {
         let (n, steps) = (self.system.states.len(), self.program.horizon.steps());
-        for limit in &self.system.limits {
-            let family = self.names.family(&[&limit.name]);
-            let last = if limit.is_joint(n) { steps } else { steps + 1 };
+        let width = n + self.system.inputs.len();
+        for limit in self.system.conditions() {
+            let family = self.names.family(&[limit.name()]);
+            let last = if limit.set.is_joint(n) { steps } else { steps + 1 };
             let mut any = false;
             for t in 0..last {
-                let width = n + self.system.inputs.len();
-                let Some(excess) = affine::excess(limit, width, t) else { continue };
-                let mut row = expression(self.program, &excess, t).le(0.0);
-                match modes::constant(&row) {
-                    None => {}
-                    Some(true) => continue,
-                    Some(false) => row = self.program.infeasible_row_at(t),
-                }
-                self.model.add((family.as_str(), t), row)?;
-                any = true;
-            }
-            if any && !limit.is_limit {
-                self.background.insert(family);
-            }
-        }
-        for limit in &self.system.norms {
-            let family = self.names.family(&[&limit.name]);
-            let last = if limit.is_joint(n) { steps } else { steps + 1 };
-            let mut any = false;
-            for t in 0..last {
-                let row = limit.row(t, |factors, constant| {
-                    expression(self.program, &AffineForm { factors: factors.to_vec(), constant }, t)
-                });
+                let Some(maps) = limit.maps(&[], width, t) else { continue };
+                let row = maps.row(|map| expression(self.program, map, t));
                 let Some(row) = nontrivial(self.program, row, t) else { continue };
-                self.model.add((family.as_str(), t), row)?;
+                row.add_to(self.model, (family.as_str(), t), None)?;
                 any = true;
             }
-            if any && !limit.is_limit {
+            if any && !limit.is_limit() {
                 self.background.insert(family);
             }
         }
@@ -407,7 +390,7 @@ impl Writer<'_> {
         let mut choices = choices.map(|(own, formulation)| (own, &at(&formulation.steps, step).0));
         let mut sum = Affine::zero();
         let has_several = self.formulations.len() > 1;
-        let flow = self.system.flow.as_ref().filter(|_| has_several).map(affine::flow);
+        let flow = self.system.flow.as_ref().filter(|_| has_several).map(step::flow);
         let mut common = flow.map_or(AffineForm::constant(width, 0.0), |flow| flow[state].clone());
         let base = has_several.then(|| common.clone());
         choices.by_ref().for_each(|(choice, own)| {
@@ -432,7 +415,7 @@ impl Writer<'_> {
         let steps = 0..self.program.horizon.steps();
         let total: Affine = steps.map(|t| self.program.count_events(t)).sum();
         let mut row = total.le(most as f64);
-        match modes::constant(&row) {
+        match constant(&row) {
             None => {}
             Some(true) => return Ok(()),
             Some(false) => row = self.program.infeasible_row_at(0),

@@ -2,6 +2,7 @@
 
 use super::Waiting;
 use crate::error::Error;
+use crate::hybrid::step::Combinations;
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Region, Restated};
 use crate::hybrid::terminal::{Limit, Stay};
 
@@ -164,22 +165,9 @@ fn transitions_within<'a>(choice: &'a Choice, mode: Option<&str>) -> Vec<&'a str
 }
 
 /// All ways to take one entry of each list; `None` if there are too many.
-fn product<T: Copy>(lists: &[Vec<T>]) -> Option<Vec<Vec<T>>> {
-    let mut all = vec![Vec::new()];
-    for list in lists {
-        if all.len() * list.len() > MOST {
-            return None;
-        }
-        let longer = all.iter().flat_map(|taken: &Vec<T>| {
-            list.iter().map(move |&entry| {
-                let mut taken = taken.clone();
-                taken.push(entry);
-                taken
-            })
-        });
-        all = longer.collect();
-    }
-    Some(all)
+fn product<T: Copy>(lists: &[Vec<T>]) -> Option<impl Iterator<Item = Vec<T>>> {
+    let all = Combinations::at_most(MOST, lists.iter().map(Vec::len))?;
+    Some(all.map(move |taken| taken.iter().zip(lists).map(|(&k, list)| list[k]).collect()))
 }
 
 fn describe(system: &HybridSystem, names: &[&str], input: &[f64]) -> String {

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use crate::hybrid::system::{Coordinates, Halfspace, Measure, NormLimit, power_of_two};
+use crate::hybrid::step::{ConditionSet, Moment, StepCondition};
+use crate::hybrid::system::{Coordinates, Measure, power_of_two};
 use crate::interval::Interval;
 use crate::sum::Sum;
 use crate::tolerance::margin_scale;
@@ -57,6 +58,22 @@ pub enum Condition {
     },
     /// The run has not too many events; the slack is a number of events.
     MostEvents,
+}
+
+impl Condition {
+    /// A limit of the system.
+    pub(in crate::hybrid) fn limit(own: StepCondition<'_>) -> Self {
+        Condition::Limit { name: own.name().to_owned() }
+    }
+
+    /// A condition of a transition.
+    pub(in crate::hybrid) fn guard(own: StepCondition<'_>) -> Self {
+        let name = own.name().to_owned();
+        match own.moment {
+            Moment::Start => Condition::Guard { name },
+            Moment::Prediction => Condition::PredictionGuard { name },
+        }
+    }
 }
 
 impl fmt::Display for Condition {
@@ -162,39 +179,35 @@ impl Slack {
         Slack { condition, slack, scale, rounding: ROUNDED_TERMS * f64::EPSILON * far }
     }
 
-    /// Of a half-space at a point of states, or of states and then inputs. `None` if nothing is
-    /// limited at the step.
-    pub(super) fn of_halfspace(
-        condition: impl FnOnce(String) -> Condition,
-        halfspace: &Halfspace,
+    /// Of a set at a point of states, or of states and then inputs. `None` if nothing is limited
+    /// at the step.
+    pub(super) fn of_set(
+        condition: Condition,
+        set: ConditionSet<'_>,
         coordinates: &Coordinates,
         point: &[f64],
         step: usize,
     ) -> Option<Self> {
-        let limit = halfspace.limit_at(step);
-        if limit == f64::INFINITY {
-            return None;
+        match set {
+            ConditionSet::HalfSpace(own) => {
+                let limit = own.limit_at(step);
+                if limit == f64::INFINITY {
+                    return None;
+                }
+                let mut slack = Sum::new(limit);
+                for (&factor, &value) in own.normal.iter().zip(point) {
+                    slack.add_product(-factor, value);
+                }
+                let parts = std::iter::once((&own.normal[..], -limit));
+                let sizes = TermSizes::of(coordinates, parts, point);
+                Some(sizes.slack(condition, slack.value()))
+            }
+            ConditionSet::Norm(own) => {
+                let parts = own.parts().map(|part| (&part.factors[..], part.constant_at(step)));
+                let sizes = TermSizes::of(coordinates, parts, point);
+                Some(sizes.slack(condition, own.slack(point, step)))
+            }
         }
-        let mut slack = Sum::new(limit);
-        for (&factor, &value) in halfspace.normal.iter().zip(point) {
-            slack.add_product(-factor, value);
-        }
-        let parts = std::iter::once((&halfspace.normal[..], -limit));
-        let sizes = TermSizes::of(coordinates, parts, point);
-        Some(sizes.slack(condition(halfspace.name.clone()), slack.value()))
-    }
-
-    /// Of a norm at a point of states, or of states and then inputs.
-    pub(super) fn of_norm(
-        condition: impl FnOnce(String) -> Condition,
-        norm: &NormLimit,
-        coordinates: &Coordinates,
-        point: &[f64],
-        step: usize,
-    ) -> Self {
-        let slack = norm.slack(point, step);
-        let parts = norm.parts().map(|part| (&part.factors[..], part.constant_at(step)));
-        TermSizes::of(coordinates, parts, point).slack(condition(norm.name.clone()), slack)
     }
 
     /// The slack in units of the scale, by which conditions are compared.

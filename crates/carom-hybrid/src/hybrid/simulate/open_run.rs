@@ -8,8 +8,8 @@
 use super::digits::{Digits, RoundedFloat, RunNumber};
 use super::error::RunError;
 use super::plan::PlannedRun;
-use crate::hybrid::affine::{self, AffineForm};
 use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::step::{self, AffineForm};
 use crate::hybrid::system::{HybridSystem, Measure, Transition};
 use crate::interval::Interval;
 use crate::tolerance::allowed_drift;
@@ -216,11 +216,11 @@ impl PlannedRun<'_> {
 
     /// The next state as functions of the state and the input at a step.
     pub(super) fn maps(&self, step: usize) -> Vec<AffineForm> {
-        let of = |own: &&Transition| affine::dynamics(self.system, own, &[], Vec::new(), step).next;
+        let of = |own: &&Transition| step::dynamics(self.system, own, &[], Vec::new(), step).next;
         let parts: Vec<Vec<AffineForm>> = self.transitions(step).iter().map(of).collect();
         let parts: Vec<&[AffineForm]> = parts.iter().map(Vec::as_slice).collect();
-        let common = self.system.flow.as_ref().map(affine::flow);
-        affine::sum(common.as_deref(), &parts)
+        let common = self.system.flow.as_ref().map(step::flow);
+        step::sum(common.as_deref(), &parts)
     }
 
     /// By how much each sample misses where the one before leads with an input, by step and state.

@@ -3,6 +3,7 @@
 use super::condition::{Condition, Slack};
 use super::memory::events;
 use crate::error::Error;
+use crate::hybrid::step::{Moment, StepCondition};
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Transition};
 use crate::sum::Sum;
 
@@ -33,21 +34,15 @@ pub(super) fn sample_conditions(
     step: usize,
     state: &[f64],
 ) -> Vec<Slack> {
-    let n = system.states.len();
     let named = system.states.iter().zip(state).enumerate();
     let domains = named.map(|(i, ((name, domain), &value))| {
         let condition = Condition::Domain { state: name.clone() };
         Slack::of_range(condition, *domain, value, coordinates.state(i))
     });
-    let limits = system.limits.iter().filter(|limit| !limit.is_joint(n));
-    let limits = limits.filter_map(|limit| {
-        Slack::of_halfspace(|name| Condition::Limit { name }, limit, coordinates, state, step)
-    });
-    let norms = system.norms.iter().filter(|norm| !norm.is_joint(n));
-    let norms = norms.map(|norm| {
-        Slack::of_norm(|name| Condition::Limit { name }, norm, coordinates, state, step)
-    });
-    domains.chain(limits).chain(norms).collect()
+    let limits = system
+        .limits_of(false)
+        .filter_map(|own| Slack::of_set(Condition::limit(own), own.set, coordinates, state, step));
+    domains.chain(limits).collect()
 }
 
 impl StepStart<'_> {
@@ -58,28 +53,12 @@ impl StepStart<'_> {
 
     /// The limits on states and inputs together.
     pub(super) fn joint_limits(&self) -> Vec<Slack> {
-        let (n, point) = (self.system.states.len(), self.joint());
-        let limits = self.system.limits.iter().filter(|limit| limit.is_joint(n));
-        let slack = |limit| {
-            Slack::of_halfspace(
-                |name| Condition::Limit { name },
-                limit,
-                self.coordinates,
-                &point,
-                self.step,
-            )
+        let point = self.joint();
+        let limits = self.system.limits_of(true);
+        let slack = |own: StepCondition<'_>| {
+            Slack::of_set(Condition::limit(own), own.set, self.coordinates, &point, self.step)
         };
-        let norms = self.system.norms.iter().filter(|norm| norm.is_joint(n));
-        let norms = norms.map(|norm| {
-            Slack::of_norm(
-                |name| Condition::Limit { name },
-                norm,
-                self.coordinates,
-                &point,
-                self.step,
-            )
-        });
-        limits.filter_map(slack).chain(norms).collect()
+        limits.filter_map(slack).collect()
     }
 
     /// Where a transition leads, and the conditions of its own: guards and input ranges.
@@ -90,18 +69,9 @@ impl StepStart<'_> {
     ) -> Result<(Flown, Vec<Slack>), Error> {
         let prediction = transition.flow.step(self.state, self.input)?;
         let joint = self.joint();
-        let guards = transition.guards.iter().filter_map(|guard| {
-            Slack::of_halfspace(
-                |name| Condition::Guard { name },
-                guard,
-                self.coordinates,
-                &joint,
-                self.step,
-            )
-        });
-        let predicted = transition.prediction_guards.iter().filter_map(|guard| {
-            let condition = |name| Condition::PredictionGuard { name };
-            Slack::of_halfspace(condition, guard, self.coordinates, &prediction, self.step)
+        let guards = transition.conditions().filter_map(|own| {
+            let point = if own.moment == Moment::Start { &joint } else { &prediction };
+            Slack::of_set(Condition::guard(own), own.set, self.coordinates, point, self.step)
         });
         let own = self.system.inputs.iter().zip(self.input).enumerate();
         let ranges = own.filter_map(|(k, ((name, _), &value))| {
@@ -115,21 +85,7 @@ impl StepStart<'_> {
             }
             Some(slack)
         });
-        let norms = transition.norms.iter().map(|norm| {
-            Slack::of_norm(
-                |name| Condition::Guard { name },
-                norm,
-                self.coordinates,
-                &joint,
-                self.step,
-            )
-        });
-        let predicted_norms = transition.prediction_norms.iter().map(|norm| {
-            let condition = |name| Condition::PredictionGuard { name };
-            Slack::of_norm(condition, norm, self.coordinates, &prediction, self.step)
-        });
-        let norms = norms.chain(predicted_norms);
-        let slacks = guards.chain(predicted).chain(ranges).chain(norms).collect();
+        let slacks = guards.chain(ranges).collect();
         let outputs = transition.outputs.iter().map(|output| {
             let from = if output.is_at_start { &joint } else { &prediction };
             let mut sum = Sum::new(output.constant.get(self.step).copied().unwrap_or(0.0));

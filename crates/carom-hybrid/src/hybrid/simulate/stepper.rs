@@ -7,6 +7,7 @@ use super::simulation::{Candidate, DeadEnd, SimulatedStep};
 use super::step::{Flown, StepStart};
 use crate::error::Error;
 use crate::hybrid::memory::Memory;
+use crate::hybrid::step::Combinations;
 use crate::hybrid::system::{Choice, Transition};
 use crate::tolerance::margin_scale;
 
@@ -169,16 +170,13 @@ impl<'a> Stepper<'a> {
     ) -> Result<PossibleMoves, Error> {
         let tolerance = self.options.tolerance;
         let mut all = PossibleMoves { moves: 0, best: None, rival: None };
-        let mut digits = vec![0; ways.len()];
-        let mut tried = 0;
-        while alone.iter().all(|list| !list.is_empty()) {
+        let lists = alone.iter().map(Vec::len);
+        for (tried, digits) in Combinations::new(lists).enumerate() {
             if tried == MOST_TRIED {
                 all.best = all.best.filter(|_| all.moves > 0);
                 return Ok(all);
             }
-            tried += 1;
-            let picked: Vec<usize> =
-                digits.iter().zip(alone).filter_map(|(&d, list)| list.get(d)).copied().collect();
+            let picked: Vec<usize> = digits.iter().zip(alone).map(|(&d, list)| list[d]).collect();
             let found = self.evaluate(ways, &picked)?;
             let holds = found.tightest.as_ref().is_none_or(|slack| slack.holds(tolerance));
             for (&k, ways) in picked.iter().zip(ways.iter_mut()) {
@@ -202,11 +200,6 @@ impl<'a> Stepper<'a> {
                 all.rival = Some(found.picked);
             }
             all.moves += usize::from(holds);
-            let Some(last) = (0..digits.len()).rfind(|&c| digits[c] + 1 < alone[c].len()) else {
-                break;
-            };
-            digits[last] += 1;
-            digits[last + 1..].fill(0);
         }
         Ok(all)
     }

@@ -70,16 +70,12 @@ impl HybridSystem {
         let range = |(name, range): &(String, Schedule<Interval>)| {
             range.varies().then(|| format!("the range of the input `{name}`"))
         };
-        let limit =
-            |limit: &Halfspace| limit.limit.varies().then(|| format!("the limit `{}`", limit.name));
+        let mut limits = self.conditions().filter(|own| own.set.varies());
+        let limit = || limits.next().map(|own| format!("the limit `{}`", own.name()));
         let transition = |(choice, t): (&Choice, &Transition)| {
-            let guard = t.guards.iter().chain(&t.prediction_guards);
-            let mut guard = guard.filter(|guard| guard.limit.varies());
-            let mut norm = t.norms.iter().chain(&t.prediction_norms).filter(|norm| norm.varies());
-            let guard = guard.next().map(|guard| &guard.name);
-            let guard = guard.or_else(|| norm.next().map(|norm| &norm.name));
+            let guard = t.conditions().find(|own| own.set.varies());
             let what = match (guard, t.by_step()) {
-                (Some(guard), _) => format!("the guard `{guard}`"),
+                (Some(guard), _) => format!("the guard `{}`", guard.name()),
                 (None, Some(what)) => what,
                 (None, None) => return None,
             };
@@ -93,11 +89,7 @@ impl HybridSystem {
         let mut series = self.handles.series().filter(|(_, values)| values.varies());
         let series = series.next().map(|(name, _)| format!("the series `{name}`"));
         let own = self.inputs.iter().find_map(range).or(series);
-        let mut norms = self.norms.iter().filter(|norm| norm.varies());
-        let norm = || norms.next().map(|norm| format!("the limit `{}`", norm.name));
-        own.or_else(|| self.limits.iter().find_map(limit))
-            .or_else(norm)
-            .or_else(|| transitions.find_map(transition))
+        own.or_else(limit).or_else(|| transitions.find_map(transition))
     }
 }
 

@@ -8,6 +8,7 @@ use super::transition::{Reset, Transition};
 use super::{Choice, HybridSystem};
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::hybrid::linear::{LinearSystem, check_time_step};
+use crate::hybrid::step::{ConditionSet, Moment, StepCondition};
 use crate::interval::Interval;
 use crate::model::is_name;
 use crate::tolerance::INFINITE;
@@ -57,8 +58,7 @@ impl HybridSystem {
             values.check(input, &known.1)?;
         }
         let (n, m) = (self.states.len(), self.inputs.len());
-        self.limits.iter().try_for_each(|limit| check_halfspace(limit, n, m))?;
-        self.norms.iter().try_for_each(|limit| check_norm(limit, n, m))?;
+        self.conditions().try_for_each(|own| check_condition(own, n, m))?;
         if !self.disturbance.is_empty() {
             check_length("the list of disturbances", self.disturbance.len(), n)?;
             let named = self.states.iter().zip(&self.disturbance);
@@ -98,12 +98,8 @@ impl HybridSystem {
         for &(c, j) in &self.predicting {
             let Some(choice) = self.choices.get(c) else { continue };
             let Some(transition) = choice.transitions.get(j) else { continue };
-            let rows = transition.prediction_guards.iter();
-            let rows = rows.map(|guard| (&guard.name, vec![&guard.normal]));
-            let norms = transition.prediction_norms.iter();
-            let norms =
-                norms.map(|norm| (&norm.name, norm.parts().map(|part| &part.factors).collect()));
-            for (name, factors) in rows.chain(norms) {
+            for own in transition.conditions().filter(|own| own.moment == Moment::Prediction) {
+                let (name, factors) = (own.name(), own.set.factors());
                 let uses = |i: usize| factors.iter().any(|own| own[i] != 0.0);
                 let beside = (0..self.choices.len()).filter(|&other| other != c);
                 let mut pairs = beside.flat_map(|k| (0..self.states.len()).map(move |i| (k, i)));
@@ -151,10 +147,7 @@ impl HybridSystem {
     fn check_transition(&self, transition: &Transition) -> Result<(), Error> {
         let (n, m) = (self.states.len(), self.inputs.len());
         check_flow(&transition.name, &transition.flow, n, m)?;
-        transition.guards.iter().try_for_each(|guard| check_halfspace(guard, n, m))?;
-        transition.prediction_guards.iter().try_for_each(|guard| check_halfspace(guard, n, 0))?;
-        transition.norms.iter().try_for_each(|guard| check_norm(guard, n, m))?;
-        transition.prediction_norms.iter().try_for_each(|guard| check_norm(guard, n, 0))?;
+        transition.conditions().try_for_each(|own| check_condition(own, n, m))?;
         for (input, range) in &transition.inputs {
             if self.inputs.iter().all(|(name, _)| name != input) {
                 return Err(Error::unknown_name(input, "input of the system"));
@@ -266,6 +259,15 @@ fn check_flow(name: &str, flow: &LinearSystem, states: usize, inputs: usize) -> 
         row.chain([c[i]])
     });
     check_numbers(name, "an entry of the flow", entries)
+}
+
+/// Factors are as many as states, or, at the start of a step, as states and inputs.
+fn check_condition(own: StepCondition<'_>, states: usize, inputs: usize) -> Result<(), Error> {
+    let inputs = if own.moment == Moment::Start { inputs } else { 0 };
+    match own.set {
+        ConditionSet::HalfSpace(own) => check_halfspace(own, states, inputs),
+        ConditionSet::Norm(own) => check_norm(own, states, inputs),
+    }
 }
 
 /// The normal has an entry per state, or one per state and input.

@@ -8,6 +8,7 @@ use super::region::Region;
 use super::schedule::Schedule;
 use super::system_row::SystemRow;
 use crate::error::{Error, ErrorKind, check_finite};
+use crate::hybrid::step::Moment;
 use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Row, Variable};
 
@@ -45,15 +46,6 @@ impl Coefficients {
             false => self.states.clone(),
         }
     }
-}
-
-/// When a half-space holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Moment {
-    /// At the start of a step.
-    Start,
-    /// On the prediction.
-    Prediction,
 }
 
 impl HybridSystem {

@@ -3,12 +3,12 @@
 #[cfg(doc)]
 use super::TransitionMut;
 use super::check::check_name;
-use super::coefficients::Moment;
 use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
 use super::system_row::SystemRow;
 use super::{HybridSystem, Schedule};
 use crate::error::{Error, ErrorKind, check_finite};
+use crate::hybrid::step::Moment;
 use crate::interval::Interval;
 use crate::model::{Affine, Variable};
 

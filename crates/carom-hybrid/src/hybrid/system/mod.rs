@@ -245,10 +245,7 @@ impl HybridSystem {
         let ranges = self.inputs.iter().chain(self.transitions().flat_map(|t| &t.inputs));
         let ranges = ranges.filter_map(|(_, range)| range.get(step));
         let mut values: Vec<f64> = ranges.flat_map(|r| [r.lower, r.upper]).collect();
-        let guards = self.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
-        values.extend(self.limits.iter().chain(guards).map(|h| h.limit_at(step)));
-        let norms = self.all_norms().flat_map(NormLimit::parts);
-        values.extend(norms.map(|part| part.constant_at(step)));
+        values.extend(self.all_conditions().flat_map(|own| own.set.values_at(step)));
         let resets = self.transitions().flat_map(Transition::resets);
         values.extend(resets.filter_map(|r| r.offset.get(step)).flatten());
         let outputs = self.transitions().flat_map(|t| &t.outputs);
@@ -259,13 +256,11 @@ impl HybridSystem {
     /// The step from which on nothing depends on the step.
     pub(crate) fn settles(&self) -> usize {
         let ranges = self.inputs.iter().chain(self.transitions().flat_map(|t| &t.inputs));
-        let guards = self.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
         let resets = self.transitions().flat_map(Transition::resets);
         let ranges = ranges.map(|(_, range)| range.settles());
-        let limits = self.limits.iter().chain(guards).map(|h| h.limit.settles());
+        let limits = self.all_conditions().map(|own| own.set.settles());
         let outputs = self.transitions().flat_map(|t| &t.outputs);
         let limits = limits.chain(outputs.map(|output| output.constant.settles()));
-        let limits = limits.chain(self.all_norms().map(NormLimit::settles));
         ranges.chain(limits).chain(resets.map(|r| r.offset.settles())).max().unwrap_or(0)
     }
 }

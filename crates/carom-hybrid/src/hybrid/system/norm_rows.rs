@@ -1,10 +1,11 @@
 //! Rows of norms and squares of a system's handles, as norm limits.
 
 use super::HybridSystem;
-use super::coefficients::{Coefficients, Moment};
+use super::coefficients::Coefficients;
 use super::handles::Meaning;
 use super::norm_limit::{NormEntry, NormLimit};
 use crate::error::{Error, ErrorKind};
+use crate::hybrid::step::Moment;
 use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Model, Name, Variable};
 

@@ -1,6 +1,7 @@
 //! Rows of a system's handles: affine ones, and those of norms and squares.
 
-use crate::model::{ConicRow, Row};
+use crate::error::Error;
+use crate::model::{ConicRow, Literal, Model, Name, Row};
 
 /// A row of a system's handles: a [`Row`], or the [`ConicRow`] of a norm or a square.
 ///
@@ -13,6 +14,23 @@ pub enum SystemRow {
     Row(Row),
     /// A row of a norm or of squares, which is a second-order cone.
     Conic(ConicRow),
+}
+
+impl SystemRow {
+    /// Adds the row to a model, under a condition if there is one.
+    pub(crate) fn add_to(
+        self,
+        model: &mut Model,
+        name: impl Into<Name>,
+        when: Option<Literal>,
+    ) -> Result<(), Error> {
+        match (self, when) {
+            (SystemRow::Row(row), None) => model.add(name, row).map(drop),
+            (SystemRow::Row(row), Some(when)) => model.add(name, when.implies(row)).map(drop),
+            (SystemRow::Conic(row), None) => model.add(name, row).map(drop),
+            (SystemRow::Conic(row), Some(when)) => model.add(name, when.implies(row)).map(drop),
+        }
+    }
 }
 
 impl From<Row> for SystemRow {

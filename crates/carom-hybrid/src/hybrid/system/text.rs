@@ -10,6 +10,7 @@ use super::norm_limit::{NormEntry, NormLimit};
 use super::schedule::Schedule;
 use super::transition::Transition;
 use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::step::{ConditionSet, Moment, StepCondition};
 use crate::interval::Interval;
 
 /// The whole statement, a line per item: domains, ranges, limits, then each choice with its
@@ -51,11 +52,8 @@ impl Display for HybridSystem {
                 }
             }
         }
-        for limit in &self.limits {
-            writeln!(f, "always {}", names.halfspace(limit, ""))?;
-        }
-        for limit in &self.norms {
-            writeln!(f, "always {}", names.norm(limit, ""))?;
+        for limit in self.conditions() {
+            writeln!(f, "always {}", names.condition(limit, ""))?;
         }
         if let Some(most) = self.most_events {
             writeln!(f, "at most {most} events")?;
@@ -150,6 +148,13 @@ impl<'a> Names<'a> {
         text
     }
 
+    fn condition(&self, condition: StepCondition<'_>, mark: &str) -> String {
+        match condition.set {
+            ConditionSet::HalfSpace(own) => self.halfspace(own, mark),
+            ConditionSet::Norm(own) => self.norm(own, mark),
+        }
+    }
+
     fn halfspace(&self, halfspace: &Halfspace, mark: &str) -> String {
         let limit = ByStep(&halfspace.limit, f64::to_string);
         let sum = self.sum(&halfspace.normal, mark, 0.0);
@@ -212,21 +217,16 @@ impl<'a> Names<'a> {
         }
         writeln!(f, "{}", if transition.is_event { " (event)" } else { "" })?;
         let mark = if transition.reset.is_some() { "'" } else { "+" };
-        for guard in &transition.guards {
-            writeln!(f, "    if {}", self.halfspace(guard, ""))?;
-        }
-        for guard in &transition.norms {
-            writeln!(f, "    if {}", self.norm(guard, ""))?;
+        let of = |moment| transition.conditions().filter(move |own| own.moment == moment);
+        for guard in of(Moment::Start) {
+            writeln!(f, "    if {}", self.condition(guard, ""))?;
         }
         for (input, range) in &transition.inputs {
             writeln!(f, "    {input} in {}", ByStep(range, Range::text))?;
         }
         self.flow(f, &transition.flow, mark)?;
-        for guard in &transition.prediction_guards {
-            writeln!(f, "    if {}", self.halfspace(guard, mark))?;
-        }
-        for guard in &transition.prediction_norms {
-            writeln!(f, "    if {}", self.norm(guard, mark))?;
+        for guard in of(Moment::Prediction) {
+            writeln!(f, "    if {}", self.condition(guard, mark))?;
         }
         if let Some(reset) = &transition.reset {
             for (i, name) in self.states.iter().enumerate().take(reset.matrix.nrows()) {

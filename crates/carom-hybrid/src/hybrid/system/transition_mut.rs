@@ -2,7 +2,6 @@
 
 use super::HybridSystem;
 use super::check::check_name;
-use super::coefficients::Moment;
 use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
 use super::schedule::Schedule;
@@ -10,6 +9,7 @@ use super::system_row::SystemRow;
 use super::transition::{Transition, TransitionOutput};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::step::Moment;
 use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Row, Variable};
 

@@ -4,8 +4,8 @@ use faer::Mat;
 
 use super::error::TerminalError;
 use crate::error::{Error, check_length};
-use crate::hybrid::affine::{self, AffineForm, Dynamics, excess};
 use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::step::{self, AffineForm, ConditionMaps, Dynamics, StepCondition};
 use crate::hybrid::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::interval::Interval;
 
@@ -18,9 +18,18 @@ pub(crate) struct Limit {
 }
 
 impl Limit {
-    /// The row `map <= 0`.
-    fn new(name: &str, map: AffineForm) -> Self {
-        Limit { name: name.to_owned(), factors: map.factors, limit: -map.constant }
+    /// A condition at a step; `None` if it limits nothing there.
+    fn of(
+        condition: StepCondition<'_>,
+        predicted: &[AffineForm],
+        width: usize,
+        step: usize,
+    ) -> Option<Self> {
+        let ConditionMaps::HalfSpace(map) = condition.maps(predicted, width, step)? else {
+            return None;
+        };
+        let name = condition.name().to_owned();
+        Some(Limit { name, factors: map.factors, limit: -map.constant })
     }
 }
 
@@ -52,21 +61,17 @@ impl Stay {
         for (choice, transition) in system.choices.iter().zip(&taken) {
             check_lasts(system, choice, transition)?;
         }
-        let limits = system.limits.iter();
-        let mut limits: Vec<Limit> = limits
-            .filter_map(|limit| Some(Limit::new(&limit.name, excess(limit, n + m, step)?)))
-            .collect();
-        let dynamics = |t: &&Transition| affine::dynamics(system, t, &[], Vec::new(), step);
+        let mut limits: Vec<Limit> = Vec::new();
+        limits.extend(system.conditions().filter_map(|own| Limit::of(own, &[], n + m, step)));
+        let dynamics = |t: &&Transition| step::dynamics(system, t, &[], Vec::new(), step);
         let dynamics: Vec<Dynamics> = taken.iter().map(dynamics).collect();
-        for (transition, own) in taken.iter().zip(&dynamics) {
-            let names = transition.guards.iter().chain(&transition.prediction_guards);
-            let names: Vec<&String> = names.map(|guard| &guard.name).collect();
-            let guards = own.guards.iter();
-            limits.extend(guards.map(|guard| Limit::new(names[guard.number], guard.map.clone())));
+        for transition in &taken {
+            let (flow, own) = (step::flow(&transition.flow), transition.conditions());
+            limits.extend(own.filter_map(|own| Limit::of(own, &flow, n + m, step)));
         }
-        let common = system.flow.as_ref().map(affine::flow);
+        let common = system.flow.as_ref().map(step::flow);
         let parts: Vec<&[AffineForm]> = dynamics.iter().map(|own| &own.next[..]).collect();
-        let next = affine::sum(common.as_deref(), &parts);
+        let next = step::sum(common.as_deref(), &parts);
         let map = LinearSystem::new(
             Mat::from_fn(n, n, |i, j| next[i].factors[j]),
             Mat::from_fn(n, m, |i, j| next[i].factors[n + j]),
