@@ -10,8 +10,8 @@ use super::step::predecessors;
 use super::tube::Tube;
 use super::words::{Words, number};
 use crate::error::Error;
-use crate::hybrid::step::ConditionSet;
-use crate::hybrid::system::{Halfspace, HybridSystem, Measure, NormLimit};
+use crate::hybrid::step::{ConditionSet, StepCondition};
+use crate::hybrid::system::{HybridSystem, Measure};
 use crate::interval::Interval;
 use crate::solver::{Interrupt, StopToken};
 
@@ -344,48 +344,24 @@ impl ReachSets {
                 changes.push((text, changed));
             }
         }
-        let mut drop_each =
-            |count: usize, list: &dyn Fn(&mut HybridSystem) -> &mut Vec<Halfspace>| {
-                for k in 0..count {
-                    let mut changed = system.clone();
-                    let dropped = list(&mut changed).remove(k);
-                    if dropped.is_limit {
-                        let limit = list(&mut stated.clone())[k].limit_at(0);
-                        let text = format!("without {} ({})", dropped.name, number(limit));
-                        changes.push((text, changed));
-                    }
-                }
-            };
-        drop_each(system.limits.len(), &|system| &mut system.limits);
-        for (c, choice) in system.choices.iter().enumerate() {
-            for (m, transition) in choice.transitions.iter().enumerate() {
-                drop_each(transition.guards.len(), &|system| {
-                    &mut system.choices[c].transitions[m].guards
-                });
-                drop_each(transition.prediction_guards.len(), &|system| {
-                    &mut system.choices[c].transitions[m].prediction_guards
-                });
+        let text = |own: StepCondition<'_>| match own.set {
+            ConditionSet::HalfSpace(own) => {
+                format!("without {} ({})", own.name, number(own.limit_at(0)))
             }
+            ConditionSet::Norm(own) => format!("without {}", own.name),
+        };
+        for own in stated.conditions().filter(|own| own.is_limit()) {
+            let mut changed = system.clone();
+            changed.remove_condition(own.number);
+            changes.push((text(own), changed));
         }
-        let mut drop_norm =
-            |count: usize, list: &dyn Fn(&mut HybridSystem) -> &mut Vec<NormLimit>| {
-                for k in 0..count {
-                    let mut changed = system.clone();
-                    let dropped = list(&mut changed).remove(k);
-                    if dropped.is_limit {
-                        changes.push((format!("without {}", dropped.name), changed));
-                    }
-                }
-            };
-        drop_norm(system.norms.len(), &|system| &mut system.norms);
-        for (c, choice) in system.choices.iter().enumerate() {
+        for (c, choice) in stated.choices.iter().enumerate() {
             for (m, transition) in choice.transitions.iter().enumerate() {
-                drop_norm(transition.norms.len(), &|system| {
-                    &mut system.choices[c].transitions[m].norms
-                });
-                drop_norm(transition.prediction_norms.len(), &|system| {
-                    &mut system.choices[c].transitions[m].prediction_norms
-                });
+                for own in transition.conditions().filter(|own| own.is_limit()) {
+                    let mut changed = system.clone();
+                    changed.choices[c].transitions[m].remove_condition(own.number);
+                    changes.push((text(own), changed));
+                }
             }
         }
         let mut remedies = Vec::new();

@@ -1,10 +1,11 @@
 //! The largest value of a linear function over a box and a few half-spaces, without a solver.
 //!
-//! For multipliers `μ >= 0` of the rows `a_k z <= b_k`, the maximum of `(c - Σ μ_k a_k) z` over the
+//! For multipliers `μ >= 0` of the rows `a_k z - b_k <= 0`, the maximum of `(c - Σ μ_k a_k) z` over the
 //! box plus `Σ μ_k b_k` is an upper bound. It is convex and piecewise linear in each multiplier, so
 //! one multiplier at a time is set to its best value by walking the breakpoints. With one row, the
 //! bound is the maximum; with several, it is valid but not always the least.
 
+use crate::hybrid::step::AffineForm;
 use crate::interval::Interval;
 
 /// How often all multipliers are improved.
@@ -16,13 +17,6 @@ const ROUNDING: f64 = 1e-15;
 /// Numbers below this fraction of the terms that they are sums of are 0 (no unit).
 const NOISE: f64 = 1e-14;
 
-/// A row `factors . z <= limit`.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct LinearRow {
-    pub(super) factors: Vec<f64>,
-    pub(super) limit: f64,
-}
-
 /// An upper bound of a linear function.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct UpperBound {
@@ -33,7 +27,7 @@ pub(super) struct UpperBound {
     pub(super) weight: f64,
 }
 
-/// An upper bound of `factors . z + constant` over the box and the rows.
+/// An upper bound of `factors . z + constant` over the box and the rows, which are at most 0.
 ///
 /// The multipliers are improved in turns, from several starts, because a single one may end where
 /// no multiplier alone improves the bound.
@@ -45,7 +39,7 @@ pub(super) fn upper_bound(
     factors: &[f64],
     constant: f64,
     domain: &[Interval],
-    rows: &[LinearRow],
+    rows: &[AffineForm],
     target: f64,
 ) -> UpperBound {
     let mut best = Multipliers::new(factors, constant, domain, rows).bound();
@@ -84,7 +78,7 @@ struct Multipliers<'a> {
     factors: &'a [f64],
     constant: f64,
     domain: &'a [Interval],
-    rows: &'a [LinearRow],
+    rows: &'a [AffineForm],
     weights: Vec<f64>,
     /// The factors less the weighted rows.
     rest: Vec<f64>,
@@ -95,7 +89,7 @@ impl<'a> Multipliers<'a> {
         factors: &'a [f64],
         constant: f64,
         domain: &'a [Interval],
-        rows: &'a [LinearRow],
+        rows: &'a [AffineForm],
     ) -> Self {
         let (weights, rest) = (vec![0.0; rows.len()], factors.to_vec());
         Multipliers { factors, constant, domain, rows, weights, rest }
@@ -103,10 +97,10 @@ impl<'a> Multipliers<'a> {
 
     fn bound(&self) -> UpperBound {
         let used = || self.rows.iter().zip(&self.weights).filter(|(_, weight)| **weight > 0.0);
-        let fixed: f64 = used().map(|(row, weight)| row.limit * weight).sum();
+        let fixed: f64 = used().map(|(row, weight)| -row.constant * weight).sum();
         let parts = self.rest.iter().zip(self.domain).filter(|(r, _)| **r != 0.0);
         let free: f64 = parts.map(|(r, range)| (r * range.lower).max(r * range.upper)).sum();
-        let scale = |row: &LinearRow| size(&row.factors, self.domain) + row.limit.abs();
+        let scale = |row: &AffineForm| size(&row.factors, self.domain) + row.constant.abs();
         let magnitude = size(self.factors, self.domain)
             + self.constant.abs()
             + used().map(|(row, weight)| weight * scale(row)).sum::<f64>();
@@ -144,12 +138,12 @@ pub(super) fn size(factors: &[f64], domain: &[Interval]) -> f64 {
 
 /// The multiplier of a row that makes the bound least, if the others stay; `None` if the bound has
 /// no least value, because the row excludes the whole box.
-fn best_weight(rest: &[f64], weight: f64, domain: &[Interval], row: &LinearRow) -> Option<f64> {
+fn best_weight(rest: &[f64], weight: f64, domain: &[Interval], row: &AffineForm) -> Option<f64> {
     // Without this row, the factors are `rest + weight * a`; with the multiplier μ, they are 0 in
     // an entry at `μ = weight + rest / a`.
-    let mut slope = row.limit;
+    let mut slope = -row.constant;
     let mut turns: Vec<(f64, f64)> = Vec::new();
-    let mut size = row.limit.abs();
+    let mut size = row.constant.abs();
     for ((&r, &a), range) in rest.iter().zip(&row.factors).zip(domain) {
         if a == 0.0 {
             continue;
@@ -182,7 +176,7 @@ pub(super) fn range(
     factors: &[f64],
     constant: f64,
     domain: &[Interval],
-    rows: &[LinearRow],
+    rows: &[AffineForm],
 ) -> Interval {
     if factors.iter().all(|&a| a == 0.0) {
         return Interval::point(constant);

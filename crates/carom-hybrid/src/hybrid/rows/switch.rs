@@ -7,7 +7,7 @@
 //! Half-spaces that are limits are never left out because of others and never used to leave others
 //! out, so that an explanation can drop them.
 
-use super::bound::{self, LinearRow, size, upper_bound};
+use super::bound::{self, size, upper_bound};
 use super::change::Changes;
 use crate::hybrid::step::{AffineForm, Dynamics};
 use crate::interval::Interval;
@@ -25,7 +25,8 @@ const WEIGHT: f64 = 2.0;
 pub(super) struct Region {
     /// Ranges of the states and the inputs.
     pub(super) domain: Vec<Interval>,
-    pub(super) rows: Vec<LinearRow>,
+    /// Forms that are at most 0.
+    pub(super) rows: Vec<AffineForm>,
 }
 
 impl Region {
@@ -39,17 +40,17 @@ impl Region {
     pub(super) fn new(
         dynamics: &Dynamics,
         domains: &[Interval],
-        known: &[LinearRow],
+        known: &[AffineForm],
         alone: bool,
     ) -> Self {
         let domain = [domains, &dynamics.inputs].concat();
         let mut rows = known.to_vec();
         let guards = dynamics.guards.iter().filter(|guard| !guard.is_limit);
-        rows.extend(guards.map(|guard| row_at_most(&guard.map, 0.0)));
+        rows.extend(guards.map(|guard| guard.map.clone()));
         if alone {
             for (next, range) in dynamics.next.iter().zip(domains) {
-                rows.push(row_at_most(next, range.upper));
-                rows.push(row_at_most(&next.scaled(-1.0), -range.lower));
+                rows.push(next.above(range.upper));
+                rows.push(next.scaled(-1.0).above(-range.lower));
             }
         }
         let (nothing, none) = (vec![0.0; domain.len()], f64::NEG_INFINITY);
@@ -58,11 +59,6 @@ impl Region {
         }
         Region { domain, rows }
     }
-}
-
-/// `map <= limit`.
-pub(super) fn row_at_most(map: &AffineForm, limit: f64) -> LinearRow {
-    LinearRow { factors: map.factors.clone(), limit: limit - map.constant }
 }
 
 /// The coefficient and the limit with which a variable of this range satisfies no row.
@@ -111,8 +107,8 @@ struct Analysis<'a> {
     stated: Vec<Vec<AffineForm>>,
     /// Ranges of states and inputs in any transition, and then of the groups' variables.
     domain: Vec<Interval>,
-    /// Rows that hold in any transition, in these variables.
-    known: Vec<LinearRow>,
+    /// Forms in these variables that are at most 0 in any transition.
+    known: Vec<AffineForm>,
     width: usize,
 }
 
@@ -127,7 +123,7 @@ pub(super) fn switch(
     changes: &Changes,
     regions: &[Region],
     ranges: &[Interval],
-    known: &[LinearRow],
+    known: &[AffineForm],
 ) -> Switch {
     let groups = changes.groups.len();
     let maps: Vec<Vec<AffineForm>> = (0..groups).map(|g| changes.group(step, g)).collect();
@@ -142,7 +138,7 @@ pub(super) fn switch(
     let hull = |spans: &Vec<Interval>| spans.iter().copied().reduce(|a, b| a.hull(b));
     let bounds = spans.iter().map(|spans| hull(spans).unwrap_or(Interval::point(0.0)));
     let bounds: Vec<Interval> = bounds.collect();
-    let wide = |row: &LinearRow| {
+    let wide = |row: &AffineForm| {
         let mut row = row.clone();
         row.factors.resize(ranges.len() + groups, 0.0);
         row
@@ -202,7 +198,7 @@ impl Analysis<'_> {
         }
         let none = || vec![0.0; groups];
         for guard in &own.guards {
-            let LinearRow { factors: mut z, mut limit } = row_at_most(&guard.map, 0.0);
+            let (mut z, mut limit) = (guard.map.factors.clone(), -guard.map.constant);
             if guard.map.is_constant() {
                 if guard.map.constant <= 0.0 {
                     continue;
@@ -301,31 +297,31 @@ impl Analysis<'_> {
             return;
         }
         if !is_limit(row.label) {
-            self.known.push(LinearRow { factors, limit: row.limit });
+            self.known.push(AffineForm { factors, constant: -row.limit });
         }
         common.push((from, row));
     }
 
     /// The rows that hold in a transition besides its own, in states and inputs alone: the rows
     /// that hold everywhere, and the bounds of the changes.
-    fn given(&self, transition: usize) -> Vec<LinearRow> {
-        let split = |row: &LinearRow| {
+    fn given(&self, transition: usize) -> Vec<AffineForm> {
+        let split = |row: &AffineForm| {
             let (z, w) = row.factors.split_at(self.width);
             let label = Label::Change { group: 0, upper: true };
-            let row = SwitchRow { label, z: z.to_vec(), w: w.to_vec(), limit: row.limit };
-            row_at_most(&self.within(&self.stated, transition, &row).0, 0.0)
+            let row = SwitchRow { label, z: z.to_vec(), w: w.to_vec(), limit: -row.constant };
+            self.within(&self.stated, transition, &row).0
         };
         let bounds =
             self.stated.iter().zip(&self.domain[self.width..]).flat_map(|(maps, range)| {
                 let map = &maps[transition];
-                [row_at_most(map, range.upper), row_at_most(&map.scaled(-1.0), -range.lower)]
+                [map.above(range.upper), map.scaled(-1.0).above(-range.lower)]
             });
         let rows = self.known.iter().map(split).chain(bounds);
         rows.filter(|row| row.factors.iter().any(|&a| a != 0.0)).collect()
     }
 
     /// Whether a transition's guard or range follows from what holds anyway.
-    fn is_implied(&self, row: &SwitchRow, given: &[LinearRow]) -> bool {
+    fn is_implied(&self, row: &SwitchRow, given: &[AffineForm]) -> bool {
         if let Label::Change { .. } | Label::Guard { is_limit: true, .. } = row.label {
             return false;
         }

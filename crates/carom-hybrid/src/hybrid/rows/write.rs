@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
 use super::constant_rows::{constant, nontrivial};
 use super::levels;
@@ -10,7 +9,7 @@ use super::modes;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
-use super::switch::{Region, Switch, row_at_most, switch};
+use super::switch::{Region, Switch, switch};
 use crate::error::Error;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::step::{self, AffineForm, ConditionMaps, Dynamics, StepCondition};
@@ -34,12 +33,12 @@ fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
     (0..system.inputs.len()).map(range).collect()
 }
 
-/// The rows that hold at the start of a step in any case: the limits of the system.
-fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
+/// The forms that are at most 0 at the start of a step in any case: the limits of the system.
+fn known(system: &HybridSystem, step: usize) -> Vec<AffineForm> {
     let width = system.states.len() + system.inputs.len();
     let limits = system.conditions().filter(|limit| !limit.is_limit());
     let row = |limit: StepCondition<'_>| match limit.maps(&[], width, step)? {
-        ConditionMaps::HalfSpace(map) => Some(row_at_most(&map, 0.0)),
+        ConditionMaps::HalfSpace(map) => Some(map),
         ConditionMaps::Norm { .. } => None,
     };
     limits.filter_map(row).collect()

@@ -2,9 +2,9 @@
 
 use super::Waiting;
 use crate::error::Error;
-use crate::hybrid::step::Combinations;
+use crate::hybrid::step::{AffineForm, Combinations};
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Region, Restated};
-use crate::hybrid::terminal::{Limit, Stay};
+use crate::hybrid::terminal::Stay;
 
 /// How far a held state may drift in a step relative to its domain, and how far a limit may be
 /// missed relative to its magnitude: rounding, far below what programs tolerate.
@@ -132,12 +132,13 @@ impl HybridSystem {
             let slack = ROUNDING * range.magnitude().max(1.0);
             range.lower - slack <= x && x <= range.upper + slack
         };
-        let holds = |limit: &Limit| {
-            let terms = limit.factors.iter().zip(state.iter().chain(input)).map(|(a, x)| a * x);
-            let (sum, size) = terms.fold((0.0, limit.limit.abs().max(1.0)), |(sum, size), term| {
-                (sum + term, size + f64::abs(term))
-            });
-            sum <= limit.limit + ROUNDING * size
+        let holds = |(_, form): &(String, AffineForm)| {
+            let terms = form.factors.iter().zip(state.iter().chain(input)).map(|(a, x)| a * x);
+            let (sum, size) = terms
+                .fold((0.0, form.constant.abs().max(1.0)), |(sum, size), term| {
+                    (sum + term, size + f64::abs(term))
+                });
+            sum <= -form.constant + ROUNDING * size
         };
         self.states.iter().zip(state).all(|((_, domain), &x)| within(domain, x))
             && stay.ranges.iter().zip(input).all(|(range, &u)| within(range, u))

@@ -34,6 +34,11 @@ impl AffineForm {
         difference
     }
 
+    /// By how much it is above a limit.
+    pub(crate) fn above(&self, limit: f64) -> AffineForm {
+        AffineForm { constant: self.constant - limit, ..self.clone() }
+    }
+
     pub(crate) fn scaled(&self, factor: f64) -> AffineForm {
         let factors = self.factors.iter().map(|a| factor * a).collect();
         AffineForm { factors, constant: factor * self.constant }

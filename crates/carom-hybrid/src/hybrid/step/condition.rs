@@ -183,6 +183,16 @@ fn numbered<'a>(
     sets.enumerate().map(|(number, (moment, set))| StepCondition { number, moment, set })
 }
 
+/// Removes an entry of a list, or counts on to the next list; whether it removed one.
+fn remove<T>(number: &mut usize, list: &mut Vec<T>) -> bool {
+    if *number < list.len() {
+        list.remove(*number);
+        return true;
+    }
+    *number -= list.len();
+    false
+}
+
 impl Transition {
     /// Its conditions: half-spaces, and then norms; of the start of the step, and then of the
     /// prediction.
@@ -199,6 +209,15 @@ impl Transition {
         let (start, prediction) = (of(Moment::Start), of(Moment::Prediction));
         numbered(start.0.chain(prediction.0).chain(start.1).chain(prediction.1))
     }
+
+    /// Leaves out a condition by its number.
+    pub(crate) fn remove_condition(&mut self, mut number: usize) {
+        let k = &mut number;
+        let _ = remove(k, &mut self.guards)
+            || remove(k, &mut self.prediction_guards)
+            || remove(k, &mut self.norms)
+            || remove(k, &mut self.prediction_norms);
+    }
 }
 
 impl HybridSystem {
@@ -208,6 +227,12 @@ impl HybridSystem {
         let halfspaces = self.limits.iter().map(ConditionSet::HalfSpace);
         let all = halfspaces.chain(self.norms.iter().map(ConditionSet::Norm));
         numbered(all.map(|set| (Moment::Start, set)))
+    }
+
+    /// Leaves out a limit by its number.
+    pub(crate) fn remove_condition(&mut self, mut number: usize) {
+        let k = &mut number;
+        let _ = remove(k, &mut self.limits) || remove(k, &mut self.norms);
     }
 
     /// Its limits, and the conditions of all transitions.

@@ -10,4 +10,4 @@ pub use error::TerminalError;
 pub use lqr::Lqr;
 pub use set::{TerminalOptions, TerminalSet};
 
-pub(crate) use stay::{Limit, Stay};
+pub(crate) use stay::Stay;

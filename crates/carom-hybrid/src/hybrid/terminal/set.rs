@@ -10,8 +10,9 @@ use faer::Mat;
 use super::error::TerminalError;
 use super::lqr::{Lqr, spectral_radius};
 use super::polyhedron::Polyhedron;
-use super::stay::{Limit, Stay, unit};
+use super::stay::{Stay, unit};
 use crate::error::{Error, ErrorKind, check_length};
+use crate::hybrid::step::AffineForm;
 use crate::hybrid::system::{Halfspace, HybridSystem, Region, Restated};
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -276,16 +277,14 @@ fn base_facets(
     let ranges = system.inputs.iter().zip(&stay.ranges).map(|((name, _), r)| ("range", name, r));
     for (i, (what, name, range)) in domains.chain(ranges).enumerate() {
         for (sign, limit) in [(1.0, range.upper), (-1.0, -range.lower)] {
-            limits.push(Limit {
-                name: format!("the {what} of {name}"),
-                factors: single(i, sign),
-                limit,
-            });
+            let form = AffineForm { factors: single(i, sign), constant: -limit };
+            limits.push((format!("the {what} of {name}"), form));
         }
     }
     limits.extend_from_slice(&stay.limits);
     let mut facets = Vec::new();
-    for Limit { name, factors, limit } in limits {
+    for (name, AffineForm { factors, constant }) in limits {
+        let limit = -constant;
         let fed = |j: usize| (0..m).map(|i| factors[n + i] * gain[(i, j)]).sum::<f64>();
         let normal: Vec<f64> = (0..n).map(|j| units[j] * (factors[j] + fed(j))).collect();
         let at = factors.iter().zip(target.iter().chain(input));

@@ -9,38 +9,15 @@ use crate::hybrid::step::{self, AffineForm, ConditionMaps, Dynamics, StepConditi
 use crate::hybrid::system::{Approximation, Choice, HybridSystem, Transition};
 use crate::interval::Interval;
 
-/// A row `factors . (x, u) <= limit`.
-#[derive(Debug, Clone)]
-pub(crate) struct Limit {
-    pub(crate) name: String,
-    pub(crate) factors: Vec<f64>,
-    pub(crate) limit: f64,
-}
-
-impl Limit {
-    /// A condition at a step; `None` if it limits nothing there.
-    fn of(
-        condition: StepCondition<'_>,
-        predicted: &[AffineForm],
-        width: usize,
-        step: usize,
-    ) -> Option<Self> {
-        let ConditionMaps::HalfSpace(map) = condition.maps(predicted, width, step)? else {
-            return None;
-        };
-        let name = condition.name().to_owned();
-        Some(Limit { name, factors: map.factors, limit: -map.constant })
-    }
-}
-
 /// One transition per choice, repeated for ever from the step at which nothing depends on the step
 /// any more.
 #[derive(Debug, Clone)]
 pub(crate) struct Stay {
     /// The map from a state and an input to the next state.
     pub(crate) map: LinearSystem,
-    /// Limits and guards; neither the domains nor the ranges.
-    pub(crate) limits: Vec<Limit>,
+    /// Limits and guards, by their names: forms that are at most 0. Neither the domains nor the
+    /// ranges.
+    pub(crate) limits: Vec<(String, AffineForm)>,
     /// Ranges of the inputs.
     pub(crate) ranges: Vec<Interval>,
     /// The modes in which the choices stay.
@@ -61,13 +38,19 @@ impl Stay {
         for (choice, transition) in system.choices.iter().zip(&taken) {
             check_lasts(system, choice, transition)?;
         }
-        let mut limits: Vec<Limit> = Vec::new();
-        limits.extend(system.conditions().filter_map(|own| Limit::of(own, &[], n + m, step)));
+        let form = |own: StepCondition<'_>, predicted: &[AffineForm]| {
+            let ConditionMaps::HalfSpace(map) = own.maps(predicted, n + m, step)? else {
+                return None;
+            };
+            Some((own.name().to_owned(), map))
+        };
+        let mut limits: Vec<(String, AffineForm)> = Vec::new();
+        limits.extend(system.conditions().filter_map(|own| form(own, &[])));
         let dynamics = |t: &&Transition| step::dynamics(system, t, &[], Vec::new(), step);
         let dynamics: Vec<Dynamics> = taken.iter().map(dynamics).collect();
         for transition in &taken {
             let (flow, own) = (step::flow(&transition.flow), transition.conditions());
-            limits.extend(own.filter_map(|own| Limit::of(own, &flow, n + m, step)));
+            limits.extend(own.filter_map(|own| form(own, &flow)));
         }
         let common = system.flow.as_ref().map(step::flow);
         let parts: Vec<&[AffineForm]> = dynamics.iter().map(|own| &own.next[..]).collect();
