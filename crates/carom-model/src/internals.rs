@@ -83,6 +83,10 @@ pub mod tolerance {
     pub use crate::tolerance::*;
 }
 
+pub mod union_find {
+    pub use crate::union_find::UnionFind;
+}
+
 #[cfg(feature = "serde")]
 pub mod serde_numbers {
     pub use crate::serde_numbers::*;

@@ -20,5 +20,6 @@ pub mod solution;
 pub mod solver;
 mod sum;
 pub mod tolerance;
+mod union_find;
 
 pub use error::{Error, ErrorKind};

@@ -23,5 +23,5 @@ pub use carom_model;
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
     error, interval, model, mutations, number, semidefinite, setters, solution, solver, sum,
-    tolerance,
+    tolerance, union_find,
 };

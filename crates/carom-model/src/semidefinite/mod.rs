@@ -24,6 +24,7 @@ mod scaled;
 mod shift;
 mod sparse;
 
+use crate::union_find::UnionFind;
 use block::MatrixBlock;
 pub use direction::Direction;
 pub use shift::{least_multiple, with_squares};
@@ -67,16 +68,13 @@ pub fn blocks(products: &[Product]) -> Vec<BlockProducts> {
     let rank = |v: usize| variables.binary_search(&v).unwrap_or_default();
     let used: Vec<Product> = nonzero().map(|&(a, b, q)| (rank(a), rank(b), q)).collect();
     let size = variables.len();
-    let mut parent: Vec<usize> = (0..size).collect();
-    for &(a, b, _) in &used {
-        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-        parent[a.max(b)] = a.min(b);
-    }
+    let mut sets = UnionFind::new(size);
+    used.iter().for_each(|&(a, b, _)| sets.join(a, b));
     // By variable: its block and its place in it. The first one of a block is its root.
     let (mut block, mut place) = (vec![0; size], vec![0; size]);
     let mut parts: Vec<BlockProducts> = Vec::new();
     for j in 0..size {
-        let root = root(&mut parent, j);
+        let root = sets.root(j);
         if root == j {
             block[j] = parts.len();
             parts.push((Vec::new(), Vec::new()));
@@ -90,12 +88,4 @@ pub fn blocks(products: &[Product]) -> Vec<BlockProducts> {
         parts[block[a]].1.push((place[a], place[b], q));
     }
     parts
-}
-
-fn root(parent: &mut [usize], mut node: usize) -> usize {
-    while parent[node] != node {
-        parent[node] = parent[parent[node]];
-        node = parent[node];
-    }
-    node
 }

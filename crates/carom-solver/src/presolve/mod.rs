@@ -28,7 +28,6 @@ mod reduced_cone;
 pub(crate) mod root;
 mod switched_cones;
 mod tightening;
-mod union_find;
 mod worklist;
 
 pub use big_m_tightening::tighten_big_ms;
@@ -54,5 +53,4 @@ pub use reduced::{Compressed, Reduced};
 pub(crate) use reduced_cone::FIXED;
 pub(crate) use reduced_cone::{ConeEntry, ReducedCone};
 pub use switched_cones::tighten_switched_cones;
-pub(crate) use union_find::UnionFind;
 pub use worklist::Worklist;

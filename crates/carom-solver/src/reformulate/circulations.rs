@@ -15,8 +15,8 @@ use super::implied_bounds::{MAX_IMPLIED_BOUND, loosened};
 use super::linear_program::Maximizer;
 use crate::interval::{Interval, add_up};
 use crate::model::{ConstraintRef, Model, Variable, VariableKind};
-use crate::presolve::UnionFind;
 use crate::tolerance;
+use crate::union_find::UnionFind;
 
 /// A node of a network: a row that needs its flows, as `sum of flows in - sum of flows out`.
 struct NetworkNode {

@@ -17,6 +17,7 @@ use super::template::Template;
 use crate::hybrid::system::{Coordinates, HybridSystem, MODE, Region};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
+use crate::union_find::UnionFind;
 
 /// A block of connected states, which share one set.
 #[derive(Debug, Clone)]
@@ -238,41 +239,31 @@ pub(super) fn push(gains: &Matrix, constant: &[f64], inputs: &[Interval], margin
 /// sets.
 fn groups(system: &HybridSystem, laws: &[Law]) -> Vec<Vec<usize>> {
     let n = system.states.len();
-    let mut parent: Vec<usize> = (0..n).collect();
-    fn root(parent: &[usize], mut k: usize) -> usize {
-        while parent[k] != k {
-            k = parent[k];
-        }
-        k
-    }
-    let mut link = |i: usize, j: usize| {
-        let (i, j) = (root(&parent, i), root(&parent, j));
-        parent[i.max(j)] = i.min(j);
-    };
-    let mut link_matrix = |matrix: &Mat<f64>| {
+    let mut sets = UnionFind::new(n);
+    let link_matrix = |sets: &mut UnionFind, matrix: &Mat<f64>| {
         for i in 0..n {
             for j in 0..n {
                 if matrix[(i, j)] != 0.0 {
-                    link(i, j);
+                    sets.join(i, j);
                 }
             }
         }
     };
     for law in laws {
-        link_matrix(&Mat::from_fn(n, n, |i, j| law.flow[i].factors[j]));
+        link_matrix(&mut sets, &Mat::from_fn(n, n, |i, j| law.flow[i].factors[j]));
         if let Some((matrix, _)) = &law.reset {
-            link_matrix(matrix);
+            link_matrix(&mut sets, matrix);
         }
     }
     let guards = laws.iter().flat_map(|law| law.before.iter().chain(&law.after));
     let limits = system.limits.iter().map(|limit| limit.parts(n).0);
     for normal in limits.chain(guards.map(|guard| guard.states.as_slice())) {
         let touched: Vec<usize> = (0..n).filter(|&i| normal[i] != 0.0).collect();
-        touched.windows(2).for_each(|pair| link(pair[0], pair[1]));
+        touched.windows(2).for_each(|pair| sets.join(pair[0], pair[1]));
     }
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); n];
     for state in 0..n {
-        groups[root(&parent, state)].push(state);
+        groups[sets.root(state)].push(state);
     }
     groups.retain(|group| !group.is_empty());
     groups

@@ -11,8 +11,8 @@ use std::sync::OnceLock;
 
 use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
 
-use crate::presolve::UnionFind;
 use crate::program::Program;
+use crate::union_find::UnionFind;
 
 /// A part of a program, with an offset of 0.
 #[derive(Debug, Clone)]

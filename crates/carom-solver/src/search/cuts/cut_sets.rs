@@ -18,6 +18,7 @@ use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::solver::StopToken;
+use crate::union_find::UnionFind;
 
 /// A continuous column of two rows.
 struct FlowArc {
@@ -113,7 +114,7 @@ impl SetSearch<'_> {
         let mut parts = Parts::new(self.point);
         let mut memory = Vec::new();
         for arc in arcs {
-            let [a, b] = arc.ends.map(|row| parts.root(row));
+            let [a, b] = arc.ends.map(|row| parts.rows.root(row));
             if a == b {
                 continue;
             }
@@ -124,7 +125,7 @@ impl SetSearch<'_> {
             }
             if sum.terms.len() <= CUTS.set_entries {
                 self.round(&sum);
-                parts.sums[a] = Some(sum);
+                parts.sums[a.min(b)] = Some(sum);
             }
         }
     }
@@ -138,30 +139,21 @@ impl SetSearch<'_> {
 
 /// Rows contracted to parts, each with a sum of its rows.
 struct Parts {
-    /// By row, a row that is nearer to the root of its part.
-    parent: Vec<usize>,
+    rows: UnionFind,
     /// By root; `None` for a sum with too many entries.
     sums: Vec<Option<Aggregate>>,
 }
 
 impl Parts {
     fn new(point: &SeparatedPoint<'_>) -> Self {
-        let rows = 0..point.program.row_count();
-        let sums = rows.clone().map(|row| single(point, row)).collect();
-        Parts { parent: rows.collect(), sums }
+        let count = point.program.row_count();
+        let sums = (0..count).map(|row| single(point, row)).collect();
+        Parts { rows: UnionFind::new(count), sums }
     }
 
-    fn root(&mut self, mut row: usize) -> usize {
-        while self.parent[row] != row {
-            self.parent[row] = self.parent[self.parent[row]];
-            row = self.parent[row];
-        }
-        row
-    }
-
-    /// Joins the part of one root to that of another, and hands their sums out.
+    /// Joins the parts of two roots, and hands their sums out.
     fn join(&mut self, a: usize, b: usize) -> [Option<Aggregate>; 2] {
-        self.parent[b] = a;
+        self.rows.join(a, b);
         [a, b].map(|row| self.sums[row].take())
     }
 }

@@ -2,18 +2,18 @@
 
 /// A partition of numbers into sets, each with its smallest number as the root.
 #[derive(Debug, Clone)]
-pub(crate) struct UnionFind {
+pub struct UnionFind {
     parent: Vec<usize>,
 }
 
 impl UnionFind {
     /// So many sets of one number each.
-    pub(crate) fn new(count: usize) -> Self {
+    pub fn new(count: usize) -> Self {
         UnionFind { parent: (0..count).collect() }
     }
 
     /// The root of a number's set.
-    pub(crate) fn root(&mut self, mut k: usize) -> usize {
+    pub fn root(&mut self, mut k: usize) -> usize {
         while self.parent[k] != k {
             self.parent[k] = self.parent[self.parent[k]];
             k = self.parent[k];
@@ -22,7 +22,7 @@ impl UnionFind {
     }
 
     /// Joins the sets of two numbers.
-    pub(crate) fn join(&mut self, a: usize, b: usize) {
+    pub fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b)] = a.min(b);
     }
