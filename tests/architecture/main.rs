@@ -23,6 +23,7 @@ const GROUND: [&str; 13] = [
     "serde_numbers",
     "interval",
     "sum",
+    "union_find",
     "semidefinite",
     "model",
     "solution",

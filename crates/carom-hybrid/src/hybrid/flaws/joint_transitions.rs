@@ -2,7 +2,9 @@
 
 use super::Step;
 use super::piece::Piece;
-use crate::hybrid::step::{self, AffineForm, Combinations, ConditionMaps, Moment, StepCondition};
+use crate::hybrid::step::{
+    self, AffineForm, CartesianProduct, ConditionMaps, Moment, StepCondition,
+};
 use crate::hybrid::system::HybridSystem;
 
 /// The most joint transitions that are looked at.
@@ -24,7 +26,7 @@ pub(super) struct JointPiece {
 /// All joint transitions of a step; `None` if there are too many.
 pub(super) fn joint_transitions(system: &HybridSystem, step: &Step) -> Option<Vec<JointPiece>> {
     let counts = system.choices.iter().map(|choice| choice.transitions.len());
-    let all = Combinations::at_most(MOST_JOINT_PIECES, counts)?;
+    let all = CartesianProduct::at_most(MOST_JOINT_PIECES, counts)?;
     let width = step.units.size();
     let common = system.flow.as_ref().map(step::flow);
     let of = |taken: Vec<usize>| {

@@ -2,7 +2,7 @@
 //!
 //! It follows the plan's transitions with boxes of errors, computed with outward rounding, and
 //! checks every condition of the system over them. It takes the plan's numbers and transitions and
-//! none of the program's half widths; transitions as affine functions (`affine.rs`) are those of
+//! none of the program's half widths; transitions as affine functions (`step`) are those of
 //! the rows. No sample is drawn. Domains, guards and ranges hold to the tolerances of nominal
 //! certificates.
 

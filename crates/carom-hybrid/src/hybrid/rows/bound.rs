@@ -1,9 +1,10 @@
 //! The largest value of a linear function over a box and a few half-spaces, without a solver.
 //!
-//! For multipliers `μ >= 0` of the rows `a_k z - b_k <= 0`, the maximum of `(c - Σ μ_k a_k) z` over the
+//! For multipliers `μ >= 0` of the rows `a_k z <= b_k`, the maximum of `(c - Σ μ_k a_k) z` over the
 //! box plus `Σ μ_k b_k` is an upper bound. It is convex and piecewise linear in each multiplier, so
 //! one multiplier at a time is set to its best value by walking the breakpoints. With one row, the
-//! bound is the maximum; with several, it is valid but not always the least.
+//! bound is the maximum; with several, it is valid but not always the least. Rows are forms
+//! `a_k z - b_k` that are at most 0.
 
 use crate::hybrid::step::AffineForm;
 use crate::interval::Interval;

@@ -2,7 +2,7 @@
 
 use super::Waiting;
 use crate::error::Error;
-use crate::hybrid::step::{AffineForm, Combinations};
+use crate::hybrid::step::{AffineForm, CartesianProduct};
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Region, Restated};
 use crate::hybrid::terminal::Stay;
 
@@ -167,7 +167,7 @@ fn transitions_within<'a>(choice: &'a Choice, mode: Option<&str>) -> Vec<&'a str
 
 /// All ways to take one entry of each list; `None` if there are too many.
 fn product<T: Copy>(lists: &[Vec<T>]) -> Option<impl Iterator<Item = Vec<T>>> {
-    let all = Combinations::at_most(MOST, lists.iter().map(Vec::len))?;
+    let all = CartesianProduct::at_most(MOST, lists.iter().map(Vec::len))?;
     Some(all.map(move |taken| taken.iter().zip(lists).map(|(&k, list)| list[k]).collect()))
 }
 

@@ -62,12 +62,12 @@ pub enum Condition {
 
 impl Condition {
     /// A limit of the system.
-    pub(in crate::hybrid) fn limit(own: StepCondition<'_>) -> Self {
+    pub(crate) fn limit(own: StepCondition<'_>) -> Self {
         Condition::Limit { name: own.name().to_owned() }
     }
 
     /// A condition of a transition.
-    pub(in crate::hybrid) fn guard(own: StepCondition<'_>) -> Self {
+    pub(crate) fn guard(own: StepCondition<'_>) -> Self {
         let name = own.name().to_owned();
         match own.moment {
             Moment::Start => Condition::Guard { name },

@@ -7,7 +7,7 @@ use super::simulation::{Candidate, DeadEnd, SimulatedStep};
 use super::step::{Flown, StepStart};
 use crate::error::Error;
 use crate::hybrid::memory::Memory;
-use crate::hybrid::step::Combinations;
+use crate::hybrid::step::CartesianProduct;
 use crate::hybrid::system::{Choice, Transition};
 use crate::tolerance::margin_scale;
 
@@ -171,7 +171,7 @@ impl<'a> Stepper<'a> {
         let tolerance = self.options.tolerance;
         let mut all = PossibleMoves { moves: 0, best: None, rival: None };
         let lists = alone.iter().map(Vec::len);
-        for (tried, digits) in Combinations::new(lists).enumerate() {
+        for (tried, digits) in CartesianProduct::new(lists).enumerate() {
             if tried == MOST_TRIED {
                 all.best = all.best.filter(|_| all.moves > 0);
                 return Ok(all);

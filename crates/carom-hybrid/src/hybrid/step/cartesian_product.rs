@@ -3,24 +3,24 @@
 /// All ways to take one position of each of several lists, the last list first. There is one way
 /// to take nothing of no list.
 #[derive(Debug, Clone)]
-pub(crate) struct Combinations {
+pub(crate) struct CartesianProduct {
     counts: Vec<usize>,
     next: Option<Vec<usize>>,
 }
 
-impl Combinations {
+impl CartesianProduct {
     /// # Arguments
     ///
     /// * `counts`: the lengths of the lists.
     pub(crate) fn new(counts: impl IntoIterator<Item = usize>) -> Self {
         let counts: Vec<usize> = counts.into_iter().collect();
         let next = counts.iter().all(|&count| count > 0).then(|| vec![0; counts.len()]);
-        Combinations { counts, next }
+        CartesianProduct { counts, next }
     }
 
     /// As [`new`](Self::new); `None` if there are more than so many.
     pub(crate) fn at_most(most: usize, counts: impl IntoIterator<Item = usize>) -> Option<Self> {
-        let own = Combinations::new(counts);
+        let own = CartesianProduct::new(counts);
         let count = own
             .counts
             .iter()
@@ -29,7 +29,7 @@ impl Combinations {
     }
 }
 
-impl Iterator for Combinations {
+impl Iterator for CartesianProduct {
     type Item = Vec<usize>;
 
     fn next(&mut self) -> Option<Vec<usize>> {
