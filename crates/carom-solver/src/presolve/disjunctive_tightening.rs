@@ -21,13 +21,13 @@ use crate::program::Program;
 use crate::solver::StopToken;
 
 /// The largest number of trials. A trial propagates the rows that it reaches.
-const MAX_CASE_TRIALS: usize = 4000;
+pub(crate) const MAX_CASE_TRIALS: usize = 4000;
 
 /// The largest number of rounds over all disjunctions.
 const MAX_CASE_ROUNDS: usize = 4;
 
 /// The numbers of cases of the disjunctions that are tried.
-const CASE_COUNTS: RangeInclusive<usize> = 2..=12;
+pub(crate) const CASE_COUNTS: RangeInclusive<usize> = 2..=12;
 
 /// The largest number of passes that tighten a row.
 const MAX_ROW_PASSES: usize = 30;
@@ -156,7 +156,8 @@ fn gain(
                 domain.apply(j, false, 1.0);
                 let case = propagator.propagate_since(program, domain, mark);
                 if case.is_ok() {
-                    write_changes(domain, mark, &mut changed);
+                    let sides = domain.changed_since(mark);
+                    write_changes(sides, |j| domain.bounds(j), &mut changed);
                 }
                 domain.undo_to(mark);
                 if case.is_err() {
@@ -183,7 +184,7 @@ fn gain(
 }
 
 /// Becomes the hull of the bounds in two cases, for the columns that changed in both.
-fn narrow_to_hull(shared: &mut Vec<ColumnBounds>, other: &[ColumnBounds]) {
+pub(crate) fn narrow_to_hull(shared: &mut Vec<ColumnBounds>, other: &[ColumnBounds]) {
     let mut other = other.iter().peekable();
     shared.retain_mut(|a| {
         while other.next_if(|b| b.column < a.column).is_some() {}

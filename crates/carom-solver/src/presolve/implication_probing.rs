@@ -52,7 +52,7 @@ pub fn probe_implications(
             domain.apply(j, value == 0, value as f64);
             possible[value] = propagator.propagate_since(program, domain, mark).is_ok();
             if possible[value] {
-                write_changes(domain, mark, side);
+                write_changes(domain.changed_since(mark), |j| domain.bounds(j), side);
             }
             domain.undo_to(mark);
         }
@@ -81,20 +81,23 @@ pub fn probe_implications(
 }
 
 /// Bounds of a column in one branch.
-pub(super) struct ColumnBounds {
-    pub(super) column: usize,
-    pub(super) bounds: [f64; 2],
+pub(crate) struct ColumnBounds {
+    pub(crate) column: usize,
+    pub(crate) bounds: [f64; 2],
 }
 
 fn is_open(program: &Program, domain: &Domain, j: usize) -> bool {
     program.integral[j] && domain.bounds(j) == [0.0, 1.0]
 }
 
-/// Writes the columns that changed since a mark, sorted, with their bounds.
-pub(super) fn write_changes(domain: &Domain, mark: usize, changes: &mut Vec<ColumnBounds>) {
-    let columns = domain.changed_since(mark).map(|(j, _)| j);
+/// Writes the columns whose sides have changed, sorted, with their bounds.
+pub(crate) fn write_changes(
+    sides: impl Iterator<Item = (usize, bool)>,
+    bounds: impl Fn(usize) -> [f64; 2],
+    changes: &mut Vec<ColumnBounds>,
+) {
     changes.clear();
-    changes.extend(columns.map(|column| ColumnBounds { column, bounds: domain.bounds(column) }));
+    changes.extend(sides.map(|(column, _)| ColumnBounds { column, bounds: bounds(column) }));
     changes.sort_unstable_by_key(|change| change.column);
     changes.dedup_by_key(|change| change.column);
 }

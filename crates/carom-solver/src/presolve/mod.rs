@@ -36,9 +36,12 @@ pub use coefficients::tighten_coefficients;
 pub use conditional_cones::tighten_conditional_cones;
 pub(crate) use determined::DeterminedColumns;
 pub use disjunctive_tightening::tighten_by_disjunctions;
-pub(crate) use disjunctive_tightening::{covering_rows, tighten_rows};
+pub(crate) use disjunctive_tightening::{
+    CASE_COUNTS, MAX_CASE_TRIALS, covering_rows, narrow_to_hull, tighten_rows,
+};
 pub use domain::Domain;
 pub use implication_probing::probe_implications;
+pub(crate) use implication_probing::{ColumnBounds, write_changes};
 pub use implications::ImplicationGraph;
 pub use probing::probe;
 pub(crate) use probing::{ProbingRecord, Trials, probe_again};
