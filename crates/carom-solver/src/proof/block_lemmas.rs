@@ -7,8 +7,6 @@
 
 use std::rc::Rc;
 
-use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
-
 use super::claim::Claim;
 use super::guide::Guide;
 use super::relaxed::FactRefutation;
@@ -53,12 +51,10 @@ fn parts_of(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Vec<Program
 /// A program without entries that link no blocks: those of rows that cannot fail, and of columns
 /// that are fixed and in no cone.
 fn unlinked(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Option<Program> {
-    let (m, n) = (program.row_count(), program.column_count());
-    let mut is_fixed: Vec<bool> = (0..n).map(|j| range(j)[0] == range(j)[1]).collect();
-    program.cones.iter().flat_map(|cone| &cone.columns).for_each(|&j| is_fixed[j] = false);
+    let is_fixed = |j: usize| range(j)[0] == range(j)[1] && !program.is_in_cone(j);
     let mut own = program.clone();
-    let mut entries = Vec::new();
-    for row in 0..m {
+    let (mut entries, mut limits) = (Vec::new(), Vec::new());
+    for row in 0..program.row_count() {
         let (columns, values) = program.row(row);
         let (mut constant, mut reach) = (0.0, [0.0; 2]);
         let terms = columns.iter().copied().zip(values.iter().copied());
@@ -66,20 +62,19 @@ fn unlinked(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Option<Prog
             let [lower, upper] = range(j);
             let ends = if a > 0.0 { [a * lower, a * upper] } else { [a * upper, a * lower] };
             (reach[0], reach[1]) = (reach[0] + ends[0], reach[1] + ends[1]);
-            constant += if is_fixed[j] { a * lower } else { 0.0 };
+            constant += if is_fixed(j) { a * lower } else { 0.0 };
         }
         let [lower, upper] = [program.row_lower[row], program.row_upper[row]];
         if reach[0] >= lower && reach[1] <= upper {
-            (own.row_lower[row], own.row_upper[row]) = (f64::NEG_INFINITY, f64::INFINITY);
+            limits.push([f64::NEG_INFINITY, f64::INFINITY]);
             continue;
         }
-        (own.row_lower[row], own.row_upper[row]) = (lower - constant, upper - constant);
-        entries.extend(terms.filter(|(j, _)| !is_fixed[*j]).map(|(j, a)| Triplet::new(row, j, a)));
+        limits.push([lower - constant, upper - constant]);
+        entries.extend(terms.filter(|(j, _)| !is_fixed(*j)).map(|(j, a)| (row, j, a)));
     }
-    own.rows = SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?;
-    own.columns = SparseColMat::try_new_from_triplets(m, n, &entries).ok()?;
-    (0..n).for_each(|j| [own.lower[j], own.upper[j]] = range(j));
-    own.integers.retain(|&j| !is_fixed[j]);
+    own.replace_rows(entries.into_iter(), &limits)?;
+    (0..own.column_count()).for_each(|j| [own.lower[j], own.upper[j]] = range(j));
+    own.integers.retain(|&j| !is_fixed(j));
     Some(own)
 }
 

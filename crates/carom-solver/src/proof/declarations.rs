@@ -69,12 +69,8 @@ impl ProofWriter<'_, '_> {
     /// Declares columns between 0 and 1 that may be rounded to be integral.
     fn declare_binaries(&mut self) {
         let program = &self.relaxer.program;
-        let mut is_held = vec![false; program.column_count()];
-        program.cones.iter().for_each(|cone| {
-            cone.head().iter().chain(cone.tail()).for_each(|&j| is_held[j] = true);
-        });
         let mut open: Vec<usize> = (0..program.column_count())
-            .filter(|&j| !program.integral[j] && !is_held[j])
+            .filter(|&j| !program.integral[j] && !program.is_in_cone(j))
             .filter(|&j| program.quadratic_column(j).0.is_empty())
             .filter(|&j| is_truth_value(program, &self.facts, j))
             .collect();

@@ -101,7 +101,7 @@ impl Relaxer<'_> {
     /// Whether a column is fixed, and in no cone: then it links no blocks.
     pub(super) fn is_fixed(&self, bounds: &Bounds, j: usize) -> bool {
         let [lower, upper] = bounds.of(j);
-        lower == upper && self.cones_of[j].is_empty()
+        lower == upper && !self.program.is_in_cone(j)
     }
 
     /// The bounds of a column in relaxations.
