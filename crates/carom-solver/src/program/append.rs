@@ -34,11 +34,8 @@ impl Program {
             let row = self.row_count() + k;
             entries.extend(terms.iter().map(|&(j, a)| Triplet::new(row, j, a)));
         }
-        let mut products = Vec::new();
-        for j in 0..old {
-            let (rows, values) = self.quadratic_column(j);
-            products.extend(rows.iter().zip(values).map(|(&i, &p)| Triplet::new(i, j, p)));
-        }
+        let products = self.quadratic_entries().map(|(i, j, p)| Triplet::new(i, j, p));
+        let products: Vec<_> = products.collect();
         self.rows = SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?;
         self.columns = SparseColMat::try_new_from_triplets(m, n, &entries).ok()?;
         self.quadratic = SparseColMat::try_new_from_triplets(n, n, &products).ok()?;

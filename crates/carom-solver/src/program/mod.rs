@@ -134,6 +134,11 @@ impl Program {
         (&self.quadratic.symbolic().row_idx()[range.clone()], &self.quadratic.val()[range])
     }
 
+    /// Rows, columns and values of `P`.
+    pub(crate) fn quadratic_entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        self.quadratic.triplet_iter().map(|entry| (entry.row, entry.col, *entry.val))
+    }
+
     /// Whether the objective is constant, so that any feasible point is optimal.
     pub fn is_feasibility_problem(&self) -> bool {
         self.linear.iter().all(|&q| q == 0.0) && self.quadratic.compute_nnz() == 0

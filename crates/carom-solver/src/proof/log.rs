@@ -101,12 +101,9 @@ impl<'a> ProofLog<'a> {
         write_terms(&mut log.line, linear);
         log.end_line();
         let (mut count, mut text) = (0, String::new());
-        for j in 0..program.column_count() {
-            let (rows, values) = program.quadratic_column(j);
-            for (&i, &p) in rows.iter().zip(values).filter(|(i, _)| **i <= j) {
-                count += 1;
-                let _ = write!(text, " {i} {j} {}", Number(p));
-            }
+        for (i, j, p) in program.quadratic_entries().filter(|(i, j, _)| i <= j) {
+            count += 1;
+            let _ = write!(text, " {i} {j} {}", Number(p));
         }
         log.put(format_args!("h {count}{text}"));
         match claim {

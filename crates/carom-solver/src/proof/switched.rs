@@ -176,11 +176,7 @@ impl ProofWriter<'_, '_> {
         }
         let mut program = self.relaxer.program.clone();
         let mut terms = ObjectiveTerms::of(&program);
-        let mut entries = Vec::new();
-        for j in 0..program.column_count() {
-            let (rows, values) = program.quadratic_column(j);
-            entries.extend(rows.iter().zip(values).map(|(&i, &p)| (i, j, p)));
-        }
+        let mut entries: Vec<_> = program.quadratic_entries().collect();
         for product in products {
             let factor = terms.add(product);
             let &ZeroProduct { column, binary, .. } = product;

@@ -287,11 +287,7 @@ fn excess(square: &Switched, x: &[f64]) -> f64 {
 pub fn with_slopes(program: &Program, squares: &[Switched], slopes: &[f64]) -> Option<Program> {
     let mut linear = program.linear.clone();
     let mut offset = program.offset;
-    let mut products = Vec::new();
-    for j in 0..program.column_count() {
-        let (rows, values) = program.quadratic_column(j);
-        products.extend(rows.iter().zip(values).map(|(&i, &p)| (i, j, p)));
-    }
+    let mut products: Vec<_> = program.quadratic_entries().collect();
     for (square, &r) in squares.iter().zip(slopes) {
         let &Switched { column, curvature, binary, off_at_one, value } = square;
         // `1 - w = s + t z`, and `w (1 - w) = z - z^2`.

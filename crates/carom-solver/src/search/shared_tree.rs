@@ -223,10 +223,10 @@ fn fingerprint(program: &Program) -> u64 {
         add(program.row_lower[row].to_bits());
         add(program.row_upper[row].to_bits());
     }
-    for entry in program.quadratic.triplet_iter() {
-        add(entry.row as u64);
-        add(entry.col as u64);
-        add(entry.val.to_bits());
+    for (row, column, value) in program.quadratic_entries() {
+        add(row as u64);
+        add(column as u64);
+        add(value.to_bits());
     }
     format!("{:?}", program.cones).bytes().for_each(|byte| add(u64::from(byte)));
     hash
