@@ -16,9 +16,6 @@ const SLIGHT_PIVOT: f64 = 1e-11;
 /// The part of what is known of the steepness that is proved, so that rounding has room (no unit).
 const OF_STEEPNESS: f64 = 0.99;
 
-/// The largest block that is factorised without regard to its zeros.
-const DENSE: usize = 500;
-
 /// A factor by columns, and the deficits by column of the program.
 #[derive(Debug, Default)]
 pub(super) struct ConvexityProof {
@@ -120,8 +117,7 @@ impl ConvexityProof {
             // A matrix that is not singular has no deficits if a little is left of it for rounding;
             // of a singular one, nothing can be left.
             let tried = [LEFT_FOR_ROUNDING, 0.0].map(|left| {
-                let is_small = names.len() <= DENSE;
-                let factor = if is_small { dense_factor } else { sparse_factor }(matrix, left);
+                let factor = factorise(matrix, left);
                 let lack = lacking(matrix, &factor);
                 (lack.iter().sum::<f64>(), factor, lack)
             });
@@ -146,12 +142,8 @@ impl ConvexityProof {
 
 /// The blocks of the curvature of a program: their columns, and their entries.
 fn matrices(program: &Program) -> impl Iterator<Item = (Vec<usize>, Lower)> {
-    let mut products = Vec::new();
-    for j in 0..program.column_count() {
-        let (rows, values) = program.quadratic_column(j);
-        let upper = rows.iter().zip(values).filter(|(i, _)| **i <= j);
-        products.extend(upper.map(|(&i, &p)| (i, j, p)));
-    }
+    let upper = program.quadratic_entries().filter(|(i, j, _)| i <= j);
+    let products: Vec<_> = upper.collect();
     blocks(&products).into_iter().map(|(names, entries)| {
         let mut matrix: Lower = vec![BTreeMap::new(); names.len()];
         for (i, j, p) in entries {
@@ -217,50 +209,21 @@ fn pivot(value: f64, entry: f64, mut below: impl Iterator<Item = (f64, f64)>) ->
     (!is_rounding).then(|| value.sqrt())
 }
 
-/// `L` with `L L' = A` but for rounding, and for pivots that are not positive.
-fn dense_factor(matrix: &Lower, left: f64) -> Vec<Vec<(usize, f64)>> {
-    let n = matrix.len();
-    let mut work = vec![vec![0.0; n]; n];
-    for (j, column) in matrix.iter().enumerate() {
-        column.iter().for_each(|(&i, &a)| work[j][i] = a);
-        work[j][j] *= 1.0 - left;
-    }
-    for k in 0..n {
-        let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
-        let below = (k + 1..n).map(|i| (work[k][i], work[i][i]));
-        let Some(root) = pivot(work[k][k], entry, below) else {
-            work[k].fill(0.0);
-            continue;
-        };
-        work[k][k] = root;
-        work[k][k + 1..].iter_mut().for_each(|a| *a /= root);
-        let column = work[k].clone();
-        for j in k + 1..n {
-            let b = column[j];
-            if b != 0.0 {
-                work[j][j..].iter_mut().zip(&column[j..]).for_each(|(a, c)| *a -= c * b);
-            }
-        }
-    }
-    let entries = |(j, column): (usize, Vec<f64>)| {
-        let below = column.into_iter().enumerate().skip(j);
-        below.filter(|(_, value)| *value != 0.0).collect()
-    };
-    work.into_iter().enumerate().map(entries).collect()
-}
-
 fn matrix_size(matrix: &Lower, k: usize, taken: f64) -> f64 {
     matrix[k].get(&k).map_or(0.0, |entry| entry.abs()) + taken
 }
 
-/// The same, with its zeros left out.
-fn sparse_factor(matrix: &Lower, left: f64) -> Vec<Vec<(usize, f64)>> {
-    let n = matrix.len();
+/// `L` with `L L' = A` but for rounding, for pivots that are not positive, and for the part of the
+/// diagonal that is left.
+fn factorise(matrix: &Lower, left: f64) -> Vec<Vec<(usize, f64)>> {
     let mut work = matrix.clone();
-    let mut columns = Vec::with_capacity(n);
-    for k in 0..n {
+    for (k, column) in work.iter_mut().enumerate() {
+        column.entry(k).and_modify(|entry| *entry *= 1.0 - left);
+    }
+    let mut columns = Vec::with_capacity(matrix.len());
+    for k in 0..matrix.len() {
         let entry = matrix[k].get(&k).copied().unwrap_or(0.0);
-        let value = work[k].remove(&k).unwrap_or(0.0) - left * entry.abs();
+        let value = work[k].remove(&k).unwrap_or(0.0);
         let below = std::mem::take(&mut work[k]);
         let diagonal = |i: &usize| work[*i].get(i).copied().unwrap_or(0.0);
         let rows = below.iter().map(|(i, a)| (*a, diagonal(i)));
@@ -268,7 +231,8 @@ fn sparse_factor(matrix: &Lower, left: f64) -> Vec<Vec<(usize, f64)>> {
             columns.push(Vec::new());
             continue;
         };
-        let below: Vec<(usize, f64)> = below.into_iter().map(|(i, a)| (i, a / root)).collect();
+        let below = below.into_iter().map(|(i, a)| (i, a / root)).filter(|(_, a)| *a != 0.0);
+        let below: Vec<(usize, f64)> = below.collect();
         for (p, &(j, b)) in below.iter().enumerate() {
             for &(i, a) in &below[p..] {
                 *work[j].entry(i).or_default() -= a * b;
