@@ -134,6 +134,12 @@ impl Program {
         (&self.quadratic.symbolic().row_idx()[range.clone()], &self.quadratic.val()[range])
     }
 
+    /// An entry of `P`; 0 where there is none.
+    pub(crate) fn quadratic_entry(&self, row: usize, column: usize) -> f64 {
+        let (rows, values) = self.quadratic_column(column);
+        rows.iter().position(|&i| i == row).map_or(0.0, |k| values[k])
+    }
+
     /// Rows, columns and values of `P`.
     pub(crate) fn quadratic_entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.quadratic.triplet_iter().map(|entry| (entry.row, entry.col, *entry.val))

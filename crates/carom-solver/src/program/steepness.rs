@@ -38,15 +38,11 @@ impl Program {
 
 fn find(program: &Program) -> Vec<f64> {
     let n = program.column_count();
-    let diagonal = |j: usize| -> f64 {
-        let (rows, entries) = program.quadratic_column(j);
-        rows.iter().zip(entries).filter(|(i, _)| **i == j).map(|(_, p)| p).sum()
-    };
     let is_linked = |j: &usize| {
         let (rows, entries) = program.quadratic_column(*j);
         rows.iter().zip(entries).any(|(i, p)| i != j && *p != 0.0)
     };
-    let mut steepness: Vec<f64> = (0..n).map(|j| diagonal(j).max(0.0)).collect();
+    let mut steepness: Vec<f64> = (0..n).map(|j| program.quadratic_entry(j, j).max(0.0)).collect();
     let linked: Vec<usize> = (0..n).filter(is_linked).collect();
     if linked.is_empty() {
         return steepness;

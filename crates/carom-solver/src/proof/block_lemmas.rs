@@ -49,7 +49,8 @@ fn parts_of(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Vec<Program
 }
 
 /// A program without entries that link no blocks: those of rows that cannot fail, and of columns
-/// that are fixed and in no cone.
+/// that are fixed and in no cone. Rows and columns keep their numbers, unlike in presolve, because
+/// facts have these.
 fn unlinked(program: &Program, range: &dyn Fn(usize) -> [f64; 2]) -> Option<Program> {
     let is_fixed = |j: usize| range(j)[0] == range(j)[1] && !program.is_in_cone(j);
     let mut own = program.clone();

@@ -1,5 +1,7 @@
 //! Bounds that hold in every case of a disjunction, as lemmas: one of the binaries of a covering
 //! row is 1, and a binary is 0 or 1.
+//!
+//! As in presolve, but each case is propagated with all facts, and each bound is proved.
 
 use super::lemma::Lemma;
 use super::tree::{Limit, ProofPart, ProofWriter};

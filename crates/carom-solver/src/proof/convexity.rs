@@ -1,5 +1,9 @@
 //! The proof that an objective is convex: a factor `L` and what the diagonal lacks, `d`, such that
 //! `P + diag(d) - L L'` is diagonally dominant.
+//!
+//! `semidefinite` first adds to the diagonal what rounding may have taken from it, and ends at a
+//! pivot that is not positive. What it adds would be a deficit here, which no column without a
+//! bound can have. So the matrix stays as it is, and such pivots are passed over.
 
 use std::collections::BTreeMap;
 

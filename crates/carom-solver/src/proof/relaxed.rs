@@ -351,11 +351,10 @@ impl Relaxer<'_> {
         // Where the sum leaves something to a bound that the point is at, the move would lose more.
         let is_moved = |j: &usize| {
             let [lower, upper] = bounds.of(*j);
-            let (rows, values) = program.quadratic_column(*j);
-            let own = rows.iter().zip(values).find(|(i, _)| *i == j).map_or(0.0, |(_, a)| *a);
+            let own = program.quadratic_entry(*j, *j);
             let left = self.sum.coefficient(*j);
             let room = if left > 0.0 { upper - point[*j] } else { point[*j] - lower };
-            !rows.is_empty() && lower < upper && 2.0 * own * room > left.abs()
+            lower < upper && 2.0 * own * room > left.abs()
         };
         let curved: Vec<usize> = (0..n).filter(is_moved).collect();
         if curved.is_empty() {

@@ -1,5 +1,8 @@
 //! Sums of facts in which columns that have no bound have coefficients of the wrong sign, by
 //! rounding: a small change of all multipliers, and of the tangent's point, turns the signs.
+//!
+//! Corrections of relaxations (`relaxation/correction.rs`) let coefficients vanish as well as they
+//! can. Here each needs its sign without rounding, in sums of lemmas and tangents, too.
 
 use super::bounds::Bounds;
 use super::conjugate_gradients::conjugate_gradients;

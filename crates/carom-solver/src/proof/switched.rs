@@ -66,7 +66,7 @@ impl ProofWriter<'_, '_> {
     }
 
     /// The facts by which the column of a square has its value while the binary is off; none for a
-    /// side whose own bound is the value.
+    /// side whose own bound is the value. The search allows for rounding, and keeps no rows.
     fn off_facts(&self, square: &Switched) -> Option<Vec<(bool, usize)>> {
         let (column, bounds) = (square.column, self.bounds.of(square.column));
         let mut found = Vec::new();
@@ -126,10 +126,6 @@ impl ProofWriter<'_, '_> {
     /// would be is left out.
     fn zero_products(&self, slopes: &[(Switched, f64)]) -> Vec<ZeroProduct> {
         let program = &self.relaxer.program;
-        let entry = |i: usize, j: usize| {
-            let (rows, values) = program.quadratic_column(j);
-            rows.iter().position(|&row| row == i).map_or(0.0, |k| values[k])
-        };
         // By binary: its products, and half of the square that they need.
         let mut of_binary: BTreeMap<usize, (Vec<ZeroProduct>, f64)> = BTreeMap::new();
         let mut taken = BTreeSet::new();
@@ -137,7 +133,7 @@ impl ProofWriter<'_, '_> {
             let Switched { column, curvature, binary, off_at_one, value } = square;
             let pair = [column.min(binary), column.max(binary)];
             let factor = curvature * slope;
-            let is_usable = factor.is_normal() && entry(column, binary) == 0.0;
+            let is_usable = factor.is_normal() && program.quadratic_entry(column, binary) == 0.0;
             if !is_usable || taken.contains(&pair) {
                 continue;
             }
@@ -156,7 +152,7 @@ impl ProofWriter<'_, '_> {
         }
         let mut all = Vec::new();
         for (binary, (products, half)) in of_binary {
-            let before = entry(binary, binary);
+            let before = program.quadratic_entry(binary, binary);
             let after = before + 2.0 * half * (1.0 + CONVEX_IN_SPITE);
             let (added, error) = exact_sum(after, -before);
             if error == 0.0 && added.is_normal() && before + added == after {
