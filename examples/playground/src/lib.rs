@@ -29,7 +29,8 @@ use scene_answer::SceneAnswer;
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Time for a search for plans in which bodies hit each other, of which there are many.
-const PATIENCE_WITH_PAIRS: Duration = Duration::from_millis(900);
+/// What is found meanwhile is shown.
+const PATIENCE_WITH_PAIRS: Duration = Duration::from_secs(3);
 
 /// Time for the search for plans with collisions while something is being dragged.
 const PATIENCE_OF_DRAGS: Duration = Duration::from_millis(150);
