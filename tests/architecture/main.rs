@@ -22,6 +22,7 @@ const GROUND: [&str; 14] = [
     "tolerance",
     "serde_numbers",
     "interval",
+    "activity",
     "sum",
     "union_find",
     "semidefinite",

@@ -14,6 +14,6 @@ pub mod picture;
 #[cfg(feature = "serde")]
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    error, interval, model, number, setters, solution, solver, sum, tolerance, union_find,
+    activity, error, interval, model, number, setters, solution, solver, sum, tolerance, union_find,
 };
 use error::Error;

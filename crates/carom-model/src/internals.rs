@@ -1,6 +1,10 @@
 //! Parts that the other crates of the workspace use beside the public interface. They may change in
 //! any release.
 
+pub mod activity {
+    pub use crate::activity::*;
+}
+
 pub mod error {
     pub use crate::error::checks::{check_finite, check_length};
     pub use crate::error::*;
@@ -78,7 +82,7 @@ pub mod sum {
 
 pub mod tolerance {
     pub use crate::tolerance::derived::{
-        SMALL_UNIT, allowed_drift, allowed_miss, gap_scale, margin_scale, relative_gap,
+        SMALL_UNIT, allowed_drift, allowed_miss, finite_size, gap_scale, margin_scale, relative_gap,
     };
     pub use crate::tolerance::*;
 }

@@ -4,6 +4,7 @@
 //! and the trait of solvers with its options ([`solver`]). Users take them from `carom`, which has
 //! the guide.
 
+mod activity;
 pub mod error;
 #[doc(hidden)]
 pub mod internals;

@@ -22,6 +22,6 @@ pub use carom_model;
 #[cfg(feature = "serde")]
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    error, interval, model, mutations, number, semidefinite, setters, solution, solver, sum,
-    tolerance, union_find,
+    activity, error, interval, model, mutations, number, semidefinite, setters, solution, solver,
+    sum, tolerance, union_find,
 };

@@ -9,6 +9,7 @@ use super::name::Name;
 use super::refs::VariableRef;
 use super::store::VariableData;
 use super::variable::VariableKind;
+use crate::activity;
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 
@@ -19,11 +20,8 @@ impl Model {
     ///
     /// [`ErrorKind::ForeignHandle`].
     pub fn range(&self, expression: &Affine) -> Result<Interval, Error> {
-        let mut range = Interval::point(expression.offset());
-        for (variable, coefficient) in expression.terms() {
-            range = range + self.variable_ref(variable)?.bounds() * coefficient;
-        }
-        Ok(range)
+        let term = |(variable, a)| Ok((a, self.variable_ref(variable)?.bounds()));
+        activity::try_range(expression.offset(), expression.terms().into_iter().map(term))
     }
 
     /// Adds a continuous variable with bounds, either of which may be infinite.

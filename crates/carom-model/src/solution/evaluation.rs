@@ -94,7 +94,7 @@ impl<'a> Evaluation<'a> {
         };
         let (below, above) = (-beyond(limits.lower), beyond(limits.upper));
         let limit = if below > above { limits.lower } else { limits.upper };
-        let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
+        let limit = tolerance::finite_size(limit);
         let rounded = if value.whole { 0.0 } else { value.magnitude + limit };
         let amount = below.max(above).max(0.0);
         let size = value.largest.max(limit);

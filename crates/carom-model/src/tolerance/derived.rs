@@ -65,6 +65,11 @@ pub fn relative_gap(gap: f64, objective: f64, constant: f64) -> f64 {
 /// * `limit`: the limit, in the row's unit; infinite limits are ignored.
 #[inline]
 pub fn margin_scale(largest_term: f64, limit: f64) -> f64 {
-    let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
-    (largest_term.max(limit) * 1e-3).max(1.0)
+    (largest_term.max(finite_size(limit)) * 1e-3).max(1.0)
+}
+
+/// The magnitude of a bound or limit; 0 where there is none.
+#[inline]
+pub fn finite_size(value: f64) -> f64 {
+    if value.is_finite() { value.abs() } else { 0.0 }
 }

@@ -418,7 +418,7 @@ fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
         }
         let [below, above] = [-sums[0].value(), sums[1].value()];
         let limit = if below > above { limits[0] } else { limits[1] };
-        let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
+        let limit = tolerance::finite_size(limit);
         let rounded = if whole { 0.0 } else { magnitude + limit };
         below.max(above) <= tolerance::allowed_miss(feasibility, rounded)
     };

@@ -1,5 +1,6 @@
 //! The elastic form of a model: statements that may give, at a price.
 
+use crate::activity;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{
@@ -186,10 +187,10 @@ impl<'a> ElasticModel<'a> {
         terms: &[(Variable, f64)],
         limits: Interval,
     ) -> Result<(Option<Variable>, Option<Variable>), Error> {
-        let mut range = Interval::point(0.0);
-        for &(variable, coefficient) in terms {
-            range = range + self.model.variable_ref(variable)?.bounds() * coefficient;
-        }
+        let term = |&(variable, a): &(Variable, f64)| {
+            Ok::<_, Error>((a, self.model.variable_ref(variable)?.bounds()))
+        };
+        let range = activity::try_range(0.0, terms.iter().map(term))?;
         let mut side = |suffix: &str, limit: f64, miss: f64| match limit.is_finite() {
             true => self.slack(name, suffix, VariableKind::Continuous, miss.max(0.0)).map(Some),
             false => Ok(None),

@@ -16,10 +16,10 @@ use std::ops::Range;
 
 use super::domain::Domain;
 use super::propagation::Propagator;
-use super::tightening::finite_size;
+use crate::activity::term_ends;
 use crate::program::Program;
 use crate::solver::StopToken;
-use crate::tolerance;
+use crate::tolerance::{self, finite_size};
 
 /// The largest number of binaries that are propagated at both values.
 const MAX_PROBED_BINARIES: usize = 4000;
@@ -150,9 +150,9 @@ impl Reach {
     }
 
     /// Adds the largest value of a term.
-    fn add_term(&mut self, a: f64, [lower, upper]: [f64; 2]) {
+    fn add_term(&mut self, a: f64, bounds: [f64; 2]) {
         if a != 0.0 {
-            self.add(if a > 0.0 { a * upper } else { a * lower });
+            self.add(term_ends(a, bounds)[1]);
         }
     }
 

@@ -10,7 +10,8 @@
 //! relaxed ones: `x <= 2 + 8 (1 - z)` at a node with `x <= 5` becomes `x <= 2 + 3 (1 - z)`.
 
 use super::reduced::Reduced;
-use crate::tolerance;
+use crate::activity::term_ends;
+use crate::tolerance::{self, finite_size};
 
 /// The amount by which a row stays looser than necessary, relative to its activity (no unit), so
 /// that rounding cuts off no whole point.
@@ -113,13 +114,9 @@ pub(super) fn tighten_terms(
     let mut side = OneSided::new(lower, upper)?;
     let (mut most, mut scale) = (0.0, 1.0_f64);
     for &(j, a) in &*terms {
-        let (p, q) = (side.sign * a * columns.lower[j], side.sign * a * columns.upper[j]);
-        most += p.max(q);
-        for size in [p.abs(), q.abs()] {
-            if size.is_finite() {
-                scale = scale.max(size);
-            }
-        }
+        let ends = term_ends(side.sign * a, [columns.lower[j], columns.upper[j]]);
+        most += ends[1];
+        scale = ends.into_iter().fold(scale, |scale, end| scale.max(finite_size(end)));
     }
     side.most = most;
     if !side.can_be_violated() {
@@ -201,9 +198,9 @@ pub fn tighten_coefficients(reduced: &mut Reduced, integral: &[bool]) {
         let values = &mut rows.value[range];
         let (mut most, mut scale) = (0.0, side.limit.abs().max(1.0));
         for (&k, &a) in columns.iter().zip(&*values) {
-            let (p, q) = (side.sign * a * lower[k], side.sign * a * upper[k]);
-            most += p.max(q);
-            scale += p.abs().max(q.abs());
+            let [low, high] = term_ends(side.sign * a, [lower[k], upper[k]]);
+            most += high;
+            scale += low.abs().max(high.abs());
         }
         side.most = most;
         if !side.can_be_violated() {

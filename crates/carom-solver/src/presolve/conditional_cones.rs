@@ -21,6 +21,7 @@ use std::collections::BTreeMap;
 use super::domain::Domain;
 use super::parameters::FEW_ROUNDINGS;
 use super::switched_cones::{Literal, fixed_literals, strongest, try_binaries};
+use crate::activity::ends;
 use crate::program::{Addition, Cone, ConeRole, ConeShape, Program};
 use crate::solver::StopToken;
 
@@ -189,13 +190,8 @@ impl ColumnSum {
 
     /// Its least and largest value.
     fn range(&self, domain: &Domain) -> [f64; 2] {
-        let [mut least, mut most] = [self.constant; 2];
-        for (&j, &a) in self.terms.iter().filter(|term| *term.1 != 0.0) {
-            let [lower, upper] = domain.bounds(j);
-            let (p, q) = (a * lower, a * upper);
-            (least, most) = (least + p.min(q), most + p.max(q));
-        }
-        [least, most]
+        let terms = self.terms.iter().filter(|term| *term.1 != 0.0);
+        ends([self.constant; 2], terms.map(|(&j, &a)| (a, domain.bounds(j))))
     }
 }
 

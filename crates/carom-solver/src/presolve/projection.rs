@@ -16,6 +16,7 @@
 //! is what branching and heuristics need.
 
 use super::reduced::{Reduced, refill};
+use crate::activity::term_ends;
 
 /// The excess of the largest activity over a limit up to which the limit counts as implied,
 /// relative. A limit dropped in error only loosens the relaxation.
@@ -464,7 +465,7 @@ fn sign(reduced: &Reduced, row: usize) -> f64 {
 
 /// The largest value of a term.
 fn term_upper_bound(reduced: &Reduced, k: usize, a: f64) -> f64 {
-    (a * reduced.lower[k]).max(a * reduced.upper[k])
+    term_ends(a, [reduced.lower[k], reduced.upper[k]])[1]
 }
 
 /// Sorts terms by column and adds up those of the same one; how many are left.

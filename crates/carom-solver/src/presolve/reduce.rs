@@ -15,6 +15,7 @@ use super::parameters::{CONTRADICTION, FEW_ROUNDINGS, IMPLIED};
 use super::projection::{Projection, Projector};
 use super::reduced::{Compressed, Reduced};
 use super::reduced_cone::ReducedCone;
+use crate::activity::implied_ends;
 use crate::program::{Cone, ConeRole, Program};
 use crate::sum::Sum;
 use crate::tolerance;
@@ -260,8 +261,9 @@ impl Reducer {
                 1 => {
                     let (j, a) = (columns[single], coefficients[single]);
                     let slack = slack + 4.0 * f64::EPSILON * scale;
-                    let (p, q) = ((l - constant - slack) / a, (u - constant + slack) / a);
-                    self.intersect(program, j, p.min(q), p.max(q))?;
+                    let [lower, upper] =
+                        implied_ends(a, [l - constant - slack, u - constant + slack]);
+                    self.intersect(program, j, lower, upper)?;
                     changed |= self.fixed[j];
                 }
                 _ => {

@@ -14,8 +14,9 @@
 //! wide integers is refuted as soon as it is violated.
 
 use super::coefficients::is_exact;
+use crate::activity::RowActivity;
 use crate::sum::Sum;
-use crate::tolerance;
+use crate::tolerance::{self, finite_size};
 
 /// The largest rounding of a plain sum, in the row's unit. Beyond it, sums are compensated:
 /// rounding could hide a violation beyond the tolerance.
@@ -83,33 +84,6 @@ pub(super) enum RowState {
     /// Every point of the domain satisfies it.
     Implied,
     Open,
-}
-
-/// Smallest or largest activity of a row: the finite part, and how many terms are infinite.
-#[derive(Clone, Copy, Default)]
-struct RowActivity {
-    finite: f64,
-    infinite: usize,
-}
-
-impl RowActivity {
-    fn add(&mut self, term: f64) {
-        if term.is_finite() {
-            self.finite += term;
-        } else {
-            self.infinite += 1;
-        }
-    }
-
-    /// The room between the activity without one of its terms and a limit; `None` where the rest is
-    /// infinite.
-    fn room(&self, term: f64, limit: f64) -> Option<f64> {
-        match (self.infinite, term.is_finite()) {
-            (0, true) => Some(limit - self.finite + term),
-            (1, false) => Some(limit - self.finite),
-            _ => None,
-        }
-    }
 }
 
 /// Finds the bounds that one row tightens by more than `least_gain` of their width. Inlined,
@@ -347,11 +321,12 @@ impl RowActivities {
         let Some(CompensatedSums(sums)) = &self.exact else {
             return activity.room(entry.coefficient * bound, limit);
         };
+        if !activity.is_finite_without(bound) {
+            return None;
+        }
         let mut room = sums[which];
-        match (activity.infinite, bound.is_finite()) {
-            (0, true) => room.add_product(entry.coefficient, bound),
-            (1, false) => {}
-            _ => return None,
+        if bound.is_finite() {
+            room.add_product(entry.coefficient, bound);
         }
         room.add(limit);
         Some(room.value())
@@ -395,12 +370,6 @@ fn whole_slack(entry: &Entry, value: f64, rest: f64) -> f64 {
     let known = tolerance::PROPAGATION_SLACK * rest.max(1.0) / size;
     let own = if entry.exact { 0.0 } else { tolerance::PROPAGATION_SLACK * value.abs() };
     tolerated + known + own + 4.0 * f64::EPSILON * value.abs()
-}
-
-/// The magnitude of a bound or limit; 0 where there is none.
-#[inline]
-pub(super) fn finite_size(value: f64) -> f64 {
-    if value.is_finite() { value.abs() } else { 0.0 }
 }
 
 /// The larger one of two numbers; the second where one is none. One instruction, unlike

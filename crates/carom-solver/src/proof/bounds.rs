@@ -7,6 +7,7 @@
 use std::collections::BinaryHeap;
 
 use super::facts::{Facts, LARGEST_EXACT};
+use crate::activity::RowActivity;
 use crate::program::Program;
 
 /// The mark of a bound that was there from the start, and of a change without a fact.
@@ -67,10 +68,7 @@ pub(super) struct Bounds {
 /// The least and the largest sum of the terms of a fact, and the possible error of both.
 #[derive(Debug, Clone, Copy, Default)]
 struct FactActivity {
-    /// The finite part.
-    sum: [f64; 2],
-    /// Terms without an end.
-    infinite: [u32; 2],
+    ends: [RowActivity; 2],
     error: f64,
     /// The widest range of a term.
     widest: f64,
@@ -190,12 +188,10 @@ impl Bounds {
             let ends = if a > 0.0 { [lower, upper] } else { [upper, lower] };
             for (k, own) in ends.into_iter().enumerate() {
                 let end = a * own;
+                activity.ends[k].add(end);
                 if end.is_finite() {
                     activity.is_exact[k] &= is_whole(own);
-                    activity.sum[k] += end;
                     size += end.abs();
-                } else {
-                    activity.infinite[k] += 1;
                 }
             }
             let range = a.abs() * (upper - lower);
@@ -224,25 +220,22 @@ impl Bounds {
                 true => 0.0,
                 false => activity.error + 4.0 * f64::EPSILON * limit.abs(),
             };
-            if limit.is_infinite() || activity.infinite[k] > 1 {
+            let end = activity.ends[k];
+            if limit.is_infinite() || end.infinite > 1 {
                 continue;
             }
-            if activity.infinite[k] == 0 && sign * (activity.sum[k] - limit) > error {
+            if end.infinite == 0 && sign * (end.finite - limit) > error {
                 return Err(Clash::Fact(fact, is_upper));
             }
             // No column can use up what the least sum leaves.
-            let left = sign * (limit - activity.sum[k]);
-            if activity.infinite[k] == 0 && left >= activity.widest {
+            let left = sign * (limit - end.finite);
+            if end.infinite == 0 && left >= activity.widest {
                 continue;
             }
             for (j, a) in facts.terms(fact) {
                 let [lower, upper] = self.now[j];
                 let own = a * if (a > 0.0) == is_upper { lower } else { upper };
-                let rest = match (own.is_finite(), activity.infinite[k]) {
-                    (true, 0) => activity.sum[k] - own,
-                    (false, 1) => activity.sum[k],
-                    _ => continue,
-                };
+                let Some(rest) = end.without(own) else { continue };
                 let side = (a > 0.0) == is_upper;
                 let value = (limit - rest + sign * error) / a;
                 let spare = match is_exact && is_whole(value) && value * a == limit - rest {

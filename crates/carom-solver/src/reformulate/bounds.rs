@@ -2,6 +2,7 @@
 
 use super::lowering::Lowering;
 use super::missing_bound::{BoundReason, reason};
+use crate::activity;
 use crate::error::{Error, ErrorKind};
 use crate::interval::{Interval, add_down, add_up};
 use crate::model::{Affine, Literal, Variable};
@@ -20,11 +21,8 @@ impl Lowering<'_> {
 
     /// The values of an expression over these bounds, rounded outward.
     pub(super) fn range(&self, of: &Affine) -> Result<Interval, Error> {
-        let mut range = Interval::point(of.offset());
-        for (variable, coefficient) in of.terms() {
-            range = range + self.bounds(variable)? * coefficient;
-        }
-        Ok(range)
+        let term = |(variable, a)| Ok((a, self.bounds(variable)?));
+        activity::try_range(of.offset(), of.terms().into_iter().map(term))
     }
 
     /// The largest value of a sum, without its constant, that rows prove together; infinite if they

@@ -27,7 +27,7 @@ use crate::model::{
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
-use crate::tolerance;
+use crate::tolerance::{self, finite_size};
 
 /// The largest magnitude of an implied bound that is used, in the variable's unit. A larger big-M
 /// would not switch its row within the tolerances, and proofs do not look further out.
@@ -135,8 +135,7 @@ impl<'a> ImpliedBounds<'a> {
             let (own, implied) = (variable.bounds(), self.implied(variable.id()));
             // Contradictory rows may cross them.
             let [low, high] = [implied.lower.min(implied.upper), implied.upper.max(implied.lower)];
-            let finite = |end: f64| if end.is_finite() { end.abs() } else { 0.0 };
-            let room = SEARCH_FACTOR * finite(low).max(finite(high)).max(1.0);
+            let room = SEARCH_FACTOR * finite_size(low).max(finite_size(high)).max(1.0);
             let end = |own: f64, implied: f64| if own.is_finite() { own } else { implied };
             Interval::new(end(own.lower, low - room), end(own.upper, high + room))
         };

@@ -11,6 +11,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
+use crate::activity;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Literal, Model, StoredRow, Variable};
@@ -163,12 +164,8 @@ impl<'a> Maximizer<'a> {
         if propagator.propagate_since(program, domain, mark).is_err() {
             return f64::NEG_INFINITY;
         }
-        let mut range = Interval::point(0.0);
-        for &(variable, coefficient) in terms {
-            let column = variable.index();
-            let bounds = Interval::new(domain.lower(column), domain.upper(column));
-            range = range + bounds * coefficient;
-        }
+        let bounds = |j: usize| Interval::new(domain.lower(j), domain.upper(j));
+        let range = activity::range(0.0, terms.iter().map(|&(v, a)| (a, bounds(v.index()))));
         program.linear.iter_mut().for_each(|cost| *cost = 0.0);
         terms.iter().for_each(|&(variable, a)| program.linear[variable.index()] = -a);
         if token.is_over() {

@@ -14,7 +14,7 @@
 
 use crate::presolve::Reduced;
 use crate::sum::Sum;
-use crate::tolerance;
+use crate::tolerance::{self, finite_size};
 
 /// The amounts by which bounds and limits are widened, relative to the magnitudes in them (no
 /// unit): for violations by rounding, and for violations below the tolerance.
@@ -51,7 +51,7 @@ fn magnitude(program: &Reduced, x: &[f64], j: usize) -> f64 {
 fn size(program: &Reduced, x: &[f64], row: usize, limit: f64) -> f64 {
     let (columns, values) = program.rows.vector(row);
     let terms = columns.iter().zip(values).map(|(&j, a)| a.abs() * magnitude(program, x, j));
-    terms.sum::<f64>() + if limit.is_finite() { limit.abs() } else { 0.0 }
+    terms.sum::<f64>() + finite_size(limit)
 }
 
 /// The amount by which a relative change of the rows' terms may move the bound that multipliers

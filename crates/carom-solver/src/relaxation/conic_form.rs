@@ -8,6 +8,7 @@
 use std::borrow::Cow;
 
 use super::RelaxationResult;
+use crate::activity::ends;
 use crate::presolve::{Compressed, FIXED, Reduced, ReducedCone};
 use crate::program::ConeRole;
 
@@ -252,13 +253,9 @@ fn are_bounds_implied(program: &Reduced, name: NamedSum, cone: &ReducedCone) -> 
     if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
         return true;
     }
-    let mut range = [program.row_upper[row] / coefficient; 2];
-    for (j, a) in program.rows.entries(row).filter(|(j, _)| *j != column) {
-        let factor = -a / coefficient;
-        let (low, high) = (factor * program.lower[j], factor * program.upper[j]);
-        range[0] += low.min(high);
-        range[1] += low.max(high);
-    }
+    let others = program.rows.entries(row).filter(|(j, _)| *j != column);
+    let term = |(j, a): (usize, f64)| (-a / coefficient, [program.lower[j], program.upper[j]]);
+    let range = ends([program.row_upper[row] / coefficient; 2], others.map(term));
     let is_head = cone.head().iter().any(|entry| entry.place == column);
     let most = |entry: &crate::presolve::ConeEntry| match entry.is_fixed() {
         true => entry.value,

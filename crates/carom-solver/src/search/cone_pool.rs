@@ -2,6 +2,7 @@
 //!
 //! A cut of a cone holds at every node. Those that have not been active for long leave.
 
+use crate::activity::term_ends;
 use crate::presolve::Reduced;
 use crate::program::ConeRole;
 use crate::relaxation::ConeCut;
@@ -92,7 +93,7 @@ impl ConePool {
 fn is_implied(cut: &ConeCut, reduced: &Reduced, place: &[usize]) -> bool {
     let largest = |&(column, a): &(usize, f64)| match place[column] {
         crate::presolve::FIXED => a * reduced.values[column],
-        k => (a * reduced.lower[k]).max(a * reduced.upper[k]),
+        k => term_ends(a, [reduced.lower[k], reduced.upper[k]])[1],
     };
     cut.terms.iter().map(largest).sum::<f64>() <= 0.0
 }

@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 
 use super::root::Root;
 use super::root_point::{RootPoint, Strengthened};
+use crate::activity::{ends, implied_ends};
 use crate::mutations::{self, Mutation};
 use crate::presolve::Domain;
 use crate::program::Program;
@@ -113,20 +114,16 @@ fn tighten_by_row(
     }
     // Least and largest value of the others.
     let others = || columns.iter().zip(values).filter(|(j, _)| **j != column);
-    let mut rest = [0.0, 0.0];
-    for (&j, &b) in others() {
-        let (p, q) = (b * program.lower[j], b * program.upper[j]);
-        (rest[0], rest[1]) = (rest[0] + p.min(q), rest[1] + p.max(q));
-    }
+    let rest = ends([0.0; 2], others().map(|(&j, &b)| (b, bounds(j))));
     for (&z, &b) in others().filter(|(z, _)| is_open(**z)) {
         for one in [false, true] {
             // What is left without the binary, and what the binary adds.
             let term = if one { b } else { 0.0 };
             let [least, most] = [rest[0] - b.min(0.0) + term, rest[1] - b.max(0.0) + term];
-            let (p, q) =
-                ((program.row_lower[row] - most) / a, (program.row_upper[row] - least) / a);
+            let limits = [program.row_lower[row] - most, program.row_upper[row] - least];
+            let [lower, upper] = implied_ends(a, limits);
             let side = sides.entry((z, one)).or_insert(bounds(column));
-            *side = [side[0].max(p.min(q)), side[1].min(p.max(q))];
+            *side = [side[0].max(lower), side[1].min(upper)];
         }
     }
 }

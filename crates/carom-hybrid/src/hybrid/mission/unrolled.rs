@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use super::formula::{Mission, MissionNode, Predicate};
 use super::robustness::{negated_norm, too_deep};
 use super::window::Window;
+use crate::activity;
 use crate::error::Error;
 use crate::hybrid::system::SystemRow;
 use crate::interval::Interval;
@@ -287,9 +288,8 @@ impl<'a> Unrolled<'a> {
     fn range(&self, condition: &Demand) -> Result<Interval, Error> {
         let of = |expression: &Affine| {
             let terms = expression.terms().into_iter();
-            terms.fold(Interval::point(expression.offset()), |sum, (variable, factor)| {
-                sum + self.ranges[variable.index()] * factor
-            })
+            let terms = terms.map(|(variable, factor)| (factor, self.ranges[variable.index()]));
+            activity::range(expression.offset(), terms)
         };
         Ok(match condition {
             Demand::Slack(slack) => of(slack),

@@ -2,6 +2,7 @@
 
 use super::rounding::EPSILON;
 use super::shape::Shape;
+use crate::activity;
 use crate::interval::Interval;
 
 /// Number of rounds in which guards tighten inputs.
@@ -24,8 +25,9 @@ pub(super) struct Joint {
 
 /// The smallest value of `gains . u`, without input `without`, rounded down.
 pub(super) fn least(gains: &[f64], inputs: &[Interval], without: Option<usize>) -> f64 {
-    let terms = gains.iter().zip(inputs).enumerate().filter(|(j, _)| Some(*j) != without);
-    terms.fold(Interval::point(0.0), |sum, (_, (gain, range))| sum + *range * *gain).lower
+    let terms = gains.iter().copied().zip(inputs.iter().copied()).enumerate();
+    let terms = terms.filter(|(j, _)| Some(*j) != without).map(|(_, term)| term);
+    activity::range(0.0, terms).lower
 }
 
 /// The ranges of the inputs that the guards leave, for states in a product of sets; or the number

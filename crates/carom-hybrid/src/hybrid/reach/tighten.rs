@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::tube::Tube;
+use crate::activity;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::system::Coordinates;
 use crate::interval::Interval;
@@ -331,8 +332,7 @@ impl Tube {
         let one = |(m, (factors, constant)): (usize, &(Vec<f64>, f64))| {
             let predictions = self.own_predictions(step, quantity.first + m)?;
             let predictions = self.in_coordinates_of(variables, predictions);
-            let terms = factors.iter().zip(predictions).map(|(f, range)| range * *f);
-            Some(terms.fold(Interval::point(*constant), |sum, term| sum + term))
+            Some(activity::range(*constant, factors.iter().copied().zip(predictions)))
         };
         quantity.values.iter().enumerate().filter_map(one).reduce(|a, b| a.hull(b))
     }

@@ -6,6 +6,7 @@
 //! bound is the maximum; with several, it is valid but not always the least. Rows are forms
 //! `a_k z - b_k` that are at most 0.
 
+use crate::activity::term_ends;
 use crate::hybrid::step::AffineForm;
 use crate::interval::Interval;
 
@@ -100,7 +101,7 @@ impl<'a> Multipliers<'a> {
         let used = || self.rows.iter().zip(&self.weights).filter(|(_, weight)| **weight > 0.0);
         let fixed: f64 = used().map(|(row, weight)| -row.constant * weight).sum();
         let parts = self.rest.iter().zip(self.domain).filter(|(r, _)| **r != 0.0);
-        let free: f64 = parts.map(|(r, range)| (r * range.lower).max(r * range.upper)).sum();
+        let free: f64 = parts.map(|(r, range)| term_ends(*r, [range.lower, range.upper])[1]).sum();
         let scale = |row: &AffineForm| size(&row.factors, self.domain) + row.constant.abs();
         let magnitude = size(self.factors, self.domain)
             + self.constant.abs()

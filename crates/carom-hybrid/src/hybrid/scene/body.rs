@@ -5,6 +5,7 @@ use faer::Mat;
 use super::axes::region_where;
 use super::error::SceneError;
 use super::geometry::length;
+use crate::activity;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
@@ -322,7 +323,7 @@ impl Body {
         let top = (self.max_speed + pull * dt) * growth.exp();
         let speed = Interval::new(-top, top);
         let sum = |m: &Mat<f64>, i: usize, of: &dyn Fn(usize) -> Interval| {
-            (0..d).fold(Interval::point(0.0), |sum, j| sum + of(j) * m[(i, j)])
+            activity::range(0.0, (0..d).map(|j| (m[(i, j)], of(j))))
         };
         let accelerations: Vec<Interval> = (0..d)
             .map(|i| {
@@ -331,11 +332,8 @@ impl Body {
                 own + spring + sum(damping, i, &|_| speed)
             })
             .collect();
-        let jerk = (0..d).fold(Interval::point(0.0), |total, i| {
-            let own = sum(k, i, &|_| speed) + sum(damping, i, &|j| accelerations[j]);
-            total + own * direction[i]
-        });
-        jerk.magnitude()
+        let jerk = |i: usize| sum(k, i, &|_| speed) + sum(damping, i, &|j| accelerations[j]);
+        activity::range(0.0, (0..d).map(|i| (direction[i], jerk(i)))).magnitude()
     }
 
     pub(super) fn check(&self, axes: usize) -> Result<(), Error> {

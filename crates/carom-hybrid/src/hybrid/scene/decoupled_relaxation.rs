@@ -2,6 +2,7 @@
 
 use super::contact::ContactPair;
 use super::system::Stated;
+use crate::activity::term_ends;
 use crate::hybrid::system::{Halfspace, HybridSystem};
 use crate::interval::Interval;
 use crate::tolerance::REACH;
@@ -78,8 +79,7 @@ impl Axes {
         match (factor, self.domains.get(state)) {
             (0.0, _) => 0.0,
             (_, None) => f64::NEG_INFINITY,
-            (factor, Some(domain)) if factor > 0.0 => factor * domain.lower,
-            (factor, Some(domain)) => factor * domain.upper,
+            (factor, Some(domain)) => term_ends(factor, [domain.lower, domain.upper])[0],
         }
     }
 

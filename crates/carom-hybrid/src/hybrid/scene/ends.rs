@@ -7,6 +7,7 @@ use super::contact::{ContactFace, ContactPair, contacts};
 use super::error::SceneError;
 use super::geometry::{length, minus};
 use super::statement::{INSIDE, Scene};
+use crate::activity::term_ends;
 use crate::error::Error;
 use crate::hybrid::system::{Region, check_cut, check_ends};
 use crate::interval::Interval;
@@ -169,8 +170,7 @@ impl Scene {
 fn farthest(ranges: &[Interval], direction: &[f64]) -> f64 {
     let ends = direction.iter().zip(ranges).map(|(n, range)| match *n {
         0.0 => 0.0,
-        n if n > 0.0 => n * range.upper,
-        n => n * range.lower,
+        n => term_ends(n, [range.lower, range.upper])[1],
     });
     ends.sum()
 }

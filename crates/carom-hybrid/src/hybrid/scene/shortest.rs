@@ -10,6 +10,7 @@ use super::program::{SceneProgram, exclusive};
 use super::rule::DamageRule;
 use super::statement::Scene;
 use super::system::Stated;
+use crate::activity;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
@@ -237,8 +238,7 @@ impl Stated {
         }
         let axes = self.scene.axes();
         let along = |of: &[Interval]| {
-            let terms = face.normal.iter().zip(of).map(|(n, range)| *range * *n);
-            terms.fold(Interval::point(0.0), |sum, term| sum + term)
+            activity::range(0.0, face.normal.iter().copied().zip(of.iter().copied()))
         };
         let (place, speed) = (along(&start[..axes]), along(&start[axes..]));
         let input = along(&body.acceleration);

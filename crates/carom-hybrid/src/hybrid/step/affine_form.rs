@@ -1,5 +1,6 @@
 //! Affine forms of the state and the input at the start of a step.
 
+use crate::activity;
 use crate::interval::Interval;
 
 /// An affine form `factors . z + constant` of `z = (state, input)`.
@@ -57,8 +58,7 @@ impl AffineForm {
 
     /// Its range over a box.
     pub(crate) fn over(&self, ranges: &[Interval]) -> Interval {
-        let terms = self.factors.iter().zip(ranges).map(|(a, range)| *range * *a);
-        terms.fold(Interval::point(self.constant), |sum, term| sum + term)
+        activity::range(self.constant, self.factors.iter().copied().zip(ranges.iter().copied()))
     }
 
     /// Its value in numbers.

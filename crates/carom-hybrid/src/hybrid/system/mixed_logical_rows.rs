@@ -1,5 +1,6 @@
 //! The inequalities of a mixed logical dynamical system, for each combination of its binaries.
 
+use crate::activity;
 use crate::error::Error;
 use crate::interval::Interval;
 
@@ -34,8 +35,7 @@ fn dot(factors: &[f64], values: &[f64]) -> f64 {
 
 /// The range of a linear function over a box.
 fn range(factors: &[f64], ranges: &[Interval]) -> Interval {
-    let parts = factors.iter().zip(ranges).map(|(&factor, &range)| range * factor);
-    parts.fold(Interval::point(0.0), |sum, part| sum + part)
+    activity::range(0.0, factors.iter().copied().zip(ranges.iter().copied()))
 }
 
 impl Rows {

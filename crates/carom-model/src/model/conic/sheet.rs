@@ -6,6 +6,7 @@
 //! is so if `|b| < |a|`. The bounds give such expressions, and sums of multiples of them.
 
 use super::squares::{Completed, SumOfSquares};
+use crate::activity;
 use crate::interval::Interval;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
@@ -37,11 +38,8 @@ impl Model {
     /// parameters.
     #[doc(hidden)]
     pub fn range_of(&self, expression: &Affine) -> Interval {
-        let mut range = Interval::point(expression.offset());
-        for (v, a) in expression.terms() {
-            range = range + self.widest(v) * a;
-        }
-        range
+        let terms = expression.terms().into_iter().map(|(v, a)| (a, self.widest(v)));
+        activity::range(expression.offset(), terms)
     }
 
     /// The bounds of a variable, or the range of a parameter.

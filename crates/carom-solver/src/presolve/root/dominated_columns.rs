@@ -24,6 +24,7 @@
 
 use super::fixed_columns::fix;
 use super::working_program::WorkingProgram;
+use crate::activity::{implied_ends, term_ends};
 
 /// The distance of a reduced cost from 0 at which its sign counts, relative to its terms, if bounds
 /// of multipliers were computed. Signs alone are exact.
@@ -141,10 +142,9 @@ fn reduced_cost(
 fn slopes(work: &WorkingProgram, column: usize) -> [f64; 2] {
     let (mut range, mut size) = ([0.0; 2], work.linear[column].abs());
     for (&other, &p) in &work.quadratic[column] {
-        let (at_lower, at_upper) = (p * work.lower[other], p * work.upper[other]);
-        range[0] += at_lower.min(at_upper);
-        range[1] += at_lower.max(at_upper);
-        size += at_lower.abs().max(at_upper.abs());
+        let [low, high] = term_ends(p, [work.lower[other], work.upper[other]]);
+        range = [range[0] + low, range[1] + high];
+        size += low.abs().max(high.abs());
     }
     // Terms that do not cancel leave the sign of the sum.
     let cost = work.linear[column];
@@ -187,8 +187,7 @@ fn multipliers(work: &WorkingProgram) -> Vec<[f64; 2]> {
             ];
             for (row, a) in work.column(column) {
                 let rest = reduced_cost(work, column, |i| bounds[i], Some(row));
-                let (p, q) = ((limits[0] - rest[1]) / a, (limits[1] - rest[0]) / a);
-                let (p, q) = (p.min(q), p.max(q));
+                let [p, q] = implied_ends(a, [limits[0] - rest[1], limits[1] - rest[0]]);
                 // Loosened by a rounding; quotients that are not numbers compare false.
                 let rounding = |value: f64| 1e-9 * value.abs().max(1.0);
                 if p.is_finite() && p - rounding(p) > bounds[row][0] {

@@ -9,6 +9,7 @@
 //! `z = x`. Multipliers are restored in continuous programs; those with integers have none.
 
 use super::working_program::WorkingProgram;
+use crate::activity::implied_ends;
 use crate::presolve::coefficients::is_whole;
 use crate::presolve::parameters::IMPLIED;
 use crate::tolerance;
@@ -46,8 +47,7 @@ fn hold(work: &mut WorkingProgram, column: usize, rises: bool) -> bool {
         || (is_whole(limit / a) && work.rows[row].iter().filter(|e| e.0 != column).all(whole));
     // `x = (limit - rest) / a` stays inside its bound.
     let rest = work.range(work.rows[row].iter().filter(|e| e.0 != column));
-    let end = if a > 0.0 { (limit - rest.most) / a } else { (limit - rest.least) / a };
-    let far = if a > 0.0 { (limit - rest.least) / a } else { (limit - rest.most) / a };
+    let [end, far] = implied_ends(a, [limit - rest.most, limit - rest.least]);
     // Rounding, and no part of the terms: between terms of 9e9 a billionth is 9. Where rounding
     // itself is more than a bound may be missed by, nothing is known.
     let margin = IMPLIED.max(4.0 * f64::EPSILON * rest.scale / a.abs());

@@ -42,13 +42,7 @@ fn make_whole(work: &mut WorkingProgram, column: usize) -> usize {
 
 /// Whether a single row keeps a column from exceeding 1.
 fn is_at_most_one(work: &WorkingProgram, column: usize) -> bool {
-    work.uses[column].iter().any(|&row| {
-        let a = work.coefficient(row, column);
-        let limit = if a > 0.0 { work.row_upper[row] } else { work.row_lower[row] };
-        let rest = work.range(work.rows[row].iter().filter(|e| e.0 != column));
-        let most = if a > 0.0 { limit - rest.least } else { limit - rest.most };
-        most / a <= 1.0
-    })
+    work.uses[column].iter().any(|&row| work.implied_bounds(row, column).0[1] <= 1.0)
 }
 
 /// Whether all rows that keep a column from rising, or from falling, hold it at whole numbers.

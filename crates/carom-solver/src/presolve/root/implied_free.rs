@@ -58,13 +58,10 @@ fn is_implied_free(work: &WorkingProgram, column: usize) -> bool {
         if !needs[0] && !needs[1] {
             break;
         }
-        let a = work.coefficient(row, column);
-        let rest = work.range(work.rows[row].iter().filter(|(j, _)| *j != column));
-        let margin = IMPLIED * rest.scale / a.abs();
-        let (p, q) =
-            ((work.row_lower[row] - rest.most) / a, (work.row_upper[row] - rest.least) / a);
-        needs[0] &= p.min(q) < lower - margin.min(IMPLIED);
-        needs[1] &= p.max(q) > upper + margin.min(IMPLIED);
+        let (implied, rest) = work.implied_bounds(row, column);
+        let margin = IMPLIED * rest.scale / work.coefficient(row, column).abs();
+        needs[0] &= implied[0] < lower - margin.min(IMPLIED);
+        needs[1] &= implied[1] > upper + margin.min(IMPLIED);
     }
     !needs[0] && !needs[1]
 }

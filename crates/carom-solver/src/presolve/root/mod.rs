@@ -25,6 +25,7 @@
 //! what they have too much while a binary is off, see [`tighten_conditional_cones`]. Multipliers of
 //! programs with cones are not restored.
 
+mod activity_range;
 mod binary_codes;
 mod blocks;
 mod coefficients;

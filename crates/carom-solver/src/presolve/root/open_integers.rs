@@ -21,6 +21,7 @@ use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
 use super::units::scale_row;
 use super::working_program::{Sparse, WorkingProgram};
+use crate::activity::{RowActivity, term_ends};
 use crate::presolve::parameters::FEW_ROUNDINGS;
 
 /// The longest equalities, and most rows of an integer that is replaced.
@@ -154,29 +155,21 @@ fn open_columns(work: &mut WorkingProgram) -> Option<Vec<bool>> {
 /// Finds finite bounds of columns without them that a row implies; `true` if there are any.
 fn bound_infinite(work: &WorkingProgram, row: usize, bounds: &mut [[f64; 2]]) -> bool {
     let terms = &work.rows[row];
-    let (mut sums, mut infinite) = ([0.0; 2], [0; 2]);
-    let ends = |bounds: &[[f64; 2]], j: usize, a: f64| {
-        let [p, q] = bounds[j].map(|bound| a * bound);
-        [p.min(q), p.max(q)]
-    };
+    let mut activity = [RowActivity::default(); 2];
     for &(j, a) in terms {
-        for (k, end) in ends(bounds, j, a).into_iter().enumerate() {
-            if end.is_finite() { sums[k] += end } else { infinite[k] += 1 }
-        }
+        let ends = term_ends(a, bounds[j]);
+        activity.iter_mut().zip(ends).for_each(|(activity, end)| activity.add(end));
     }
     let mut is_news = false;
     for (k, limit) in [work.row_upper[row], work.row_lower[row]].into_iter().enumerate() {
-        if limit.is_infinite() || infinite[k] > 1 {
+        if limit.is_infinite() {
             continue;
         }
         for &(j, a) in terms {
             // The smallest activity and the upper limit bound a term from above.
             let side = usize::from((k == 0) == (a > 0.0));
-            let own = ends(bounds, j, a)[k];
-            if bounds[j][side].is_finite() || (infinite[k] == 1 && own.is_finite()) {
-                continue;
-            }
-            let rest = if own.is_finite() { sums[k] - own } else { sums[k] };
+            let rest = activity[k].without(term_ends(a, bounds[j])[k]);
+            let Some(rest) = rest.filter(|_| bounds[j][side].is_infinite()) else { continue };
             bounds[j][side] = (limit - rest) / a;
             is_news = true;
         }

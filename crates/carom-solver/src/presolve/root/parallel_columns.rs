@@ -8,6 +8,7 @@
 
 use super::postsolve::{Restored, Undo};
 use super::working_program::WorkingProgram;
+use crate::activity::term_ends;
 use crate::presolve::parallel::{self, Patterns, is_multiple};
 
 /// A column that was `ratio` times another one.
@@ -59,10 +60,10 @@ fn ratio(work: &WorkingProgram, column: usize, other: usize) -> Option<f64> {
 fn merge(work: &mut WorkingProgram, column: usize, kept: usize, ratio: f64) {
     let bounds = [work.lower[column], work.upper[column]];
     let kept_bounds = [work.lower[kept], work.upper[kept]];
-    let (p, q) = (ratio * bounds[0], ratio * bounds[1]);
-    work.lower[kept] += p.min(q);
-    work.upper[kept] += p.max(q);
-    let ends = [p, q, work.lower[kept], work.upper[kept]];
+    let [least, most] = term_ends(ratio, bounds);
+    work.lower[kept] += least;
+    work.upper[kept] += most;
+    let ends = [least, most, work.lower[kept], work.upper[kept]];
     let rounding =
         f64::EPSILON * ends.into_iter().filter(|end| end.is_finite()).map(f64::abs).sum::<f64>();
     work.column_noise[kept] += ratio.abs() * work.column_noise[column] + rounding;

@@ -6,6 +6,7 @@
 
 use super::postsolve::{Restored, Undo};
 use super::working_program::{Infeasible, WorkingProgram};
+use crate::activity::implied_ends;
 use crate::presolve::parallel::{self, Patterns};
 
 /// A row that was `ratio` times another one.
@@ -31,8 +32,7 @@ pub(super) fn apply(work: &mut WorkingProgram) -> Result<usize, Infeasible> {
             seen.insert(row, bucket);
             return Ok(0);
         };
-        let (p, q) = (work.row_lower[row] / ratio, work.row_upper[row] / ratio);
-        let (lower, upper) = (p.min(q), p.max(q));
+        let [lower, upper] = implied_ends(ratio, [work.row_lower[row], work.row_upper[row]]);
         let gives = [lower > work.row_lower[kept], upper < work.row_upper[kept]];
         work.row_lower[kept] = work.row_lower[kept].max(lower);
         work.row_upper[kept] = work.row_upper[kept].min(upper);

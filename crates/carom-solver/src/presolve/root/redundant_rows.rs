@@ -5,10 +5,10 @@
 //! Mathematical Programming 8, 1975). Forcing rows, which the bounds satisfy only with equality,
 //! fix their columns at bounds.
 
+use super::activity_range::ActivityRange;
 use super::postsolve::{Restored, Undo};
-use super::working_program::{ActivityRange, Infeasible, Sparse, WorkingProgram};
+use super::working_program::{Infeasible, Sparse, WorkingProgram};
 use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
-use crate::presolve::tightening::finite_size;
 use crate::tolerance;
 
 /// A row forces columns only if each can change its activity by at least this many times the
@@ -75,7 +75,7 @@ pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> Result<usize, Infe
 
 /// The amount by which rounding may violate a row, in its unit.
 fn excess(work: &WorkingProgram, row: usize, range: &ActivityRange) -> f64 {
-    let limit = finite_size(work.row_lower[row]).max(finite_size(work.row_upper[row]));
+    let limit = work.limit_size(row);
     let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
     // Exact terms have no rounding, so their violation counts beyond the tolerance.
     let missed = (CONTRADICTION * soft).max(tolerance::FEASIBILITY);

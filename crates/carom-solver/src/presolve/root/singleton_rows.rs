@@ -6,9 +6,9 @@
 
 use super::postsolve::{Restored, Undo};
 use super::working_program::{Infeasible, WorkingProgram};
+use crate::activity::{implied_ends, term_ends};
 use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
-use crate::presolve::tightening::finite_size;
-use crate::tolerance;
+use crate::tolerance::{self, finite_size};
 
 #[derive(Debug)]
 struct SingletonRow {
@@ -33,18 +33,17 @@ pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> Result<usize, Infe
         [(column, a)] => {
             // A side that the column's bounds violate by rounding only is dropped, however small
             // its coefficient is: `1e-17 z <= 0` does not fix a binary.
-            let (p, q) = (a * work.lower[column], a * work.upper[column]);
+            let [least, most] = term_ends(a, [work.lower[column], work.upper[column]]);
             let noise = work.row_noise[row];
             let margin = |limit: f64| IMPLIED.max(4.0 * f64::EPSILON * limit.abs()).max(noise);
             let (mut lower, mut upper) = (work.row_lower[row], work.row_upper[row]);
-            if p.min(q) >= lower - margin(lower) {
+            if least >= lower - margin(lower) {
                 lower = f64::NEG_INFINITY;
             }
-            if p.max(q) <= upper + margin(upper) {
+            if most <= upper + margin(upper) {
                 upper = f64::INFINITY;
             }
-            let (p, q) = (lower / a, upper / a);
-            (lower, upper) = (p.min(q), p.max(q));
+            [lower, upper] = implied_ends(a, [lower, upper]);
             let gives = [lower > work.lower[column], upper < work.upper[column]];
             let rounding = f64::EPSILON * finite_size(lower).max(finite_size(upper));
             let noise = noise / a.abs() + rounding;

@@ -10,7 +10,8 @@
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
 use super::working_program::WorkingProgram;
-use crate::presolve::tightening::finite_size;
+use crate::activity::{implied_ends, term_ends};
+use crate::tolerance::finite_size;
 
 /// A column without a cost that widened a row.
 #[derive(Debug)]
@@ -63,11 +64,11 @@ fn widen(work: &mut WorkingProgram, column: usize, row: usize) {
     let coefficient = work.coefficient(row, column);
     let bounds = [work.lower[column], work.upper[column]];
     let limits = [work.row_lower[row], work.row_upper[row]];
-    let (p, q) = (coefficient * bounds[0], coefficient * bounds[1]);
-    work.row_lower[row] -= p.max(q);
-    work.row_upper[row] -= p.min(q);
+    let [least, most] = term_ends(coefficient, bounds);
+    work.row_lower[row] -= most;
+    work.row_upper[row] -= least;
     work.row_noise[row] += coefficient.abs() * work.column_noise[column];
-    work.add_rounding(row, finite_size(p).max(finite_size(q)));
+    work.add_rounding(row, finite_size(least).max(finite_size(most)));
     work.drop_column(column);
     let rest = work.rows[row].clone();
     work.push(RowSlack { column, row, coefficient, bounds, limits, rest });
@@ -77,11 +78,9 @@ impl Undo for RowSlack {
     /// The value nearest to 0 with which the row and the bounds hold.
     fn primal(&self, x: &mut [f64]) {
         let rest: f64 = self.rest.iter().map(|&(k, a)| a * x[k]).sum();
-        let (p, q) = (
-            (self.limits[0] - rest) / self.coefficient,
-            (self.limits[1] - rest) / self.coefficient,
-        );
-        let value = 0.0_f64.max(p.min(q)).min(p.max(q));
+        let limits = self.limits.map(|limit| limit - rest);
+        let [least, most] = implied_ends(self.coefficient, limits);
+        let value = 0.0_f64.max(least).min(most);
         x[self.column] = value.max(self.bounds[0]).min(self.bounds[1]);
     }
 

@@ -8,7 +8,6 @@
 
 use super::postsolve::{Restored, Undo};
 use super::working_program::WorkingProgram;
-use crate::presolve::tightening::finite_size;
 use crate::tolerance::SMALL_UNIT;
 use std::collections::BTreeMap;
 
@@ -48,7 +47,7 @@ pub(super) fn apply(work: &mut WorkingProgram) {
     for row in 0..work.rows.len() {
         let reach = |&(j, a): &(usize, f64)| a.abs() * work.lower[j].abs().max(work.upper[j].abs());
         let terms: f64 = work.rows[row].iter().map(reach).sum();
-        let limit = finite_size(work.row_lower[row]).max(finite_size(work.row_upper[row]));
+        let limit = work.limit_size(row);
         if let Some(factor) = factor_of(terms + limit) {
             scale_row(work, row, factor);
         }

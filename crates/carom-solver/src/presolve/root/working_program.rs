@@ -10,10 +10,9 @@ use super::postsolve::{Postsolve, Presolved, Undo};
 use crate::error::{Error, ErrorKind};
 use crate::presolve::coefficients::is_exact;
 use crate::presolve::parameters::{CONTRADICTION, LARGEST_WHOLE};
-use crate::presolve::tightening::finite_size;
 use crate::program::{Cone, Program, conic_columns};
 use crate::solver::StopToken;
-use crate::tolerance;
+use crate::tolerance::{self, finite_size};
 
 /// The rounding of a bound, and of the limit of an equality, that its users tolerate, relative to
 /// the limit.
@@ -96,19 +95,6 @@ impl OldColumn {
         let rows = self.entries.iter().filter(|(row, _)| Some(*row) != without);
         self.linear + curved + rows.map(|&(row, a)| a * y[row]).sum::<f64>()
     }
-}
-
-/// Least and largest value of a sum over some bounds; infinite ends included.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ActivityRange {
-    pub(super) least: f64,
-    pub(super) most: f64,
-    /// The largest magnitude of a finite term.
-    pub(super) scale: f64,
-    /// The same of terms that are not exact, whose coefficients or columns may have been rounded.
-    pub(super) soft: f64,
-    /// The largest error of either end from rounding.
-    pub(super) noise: f64,
 }
 
 impl WorkingProgram {
@@ -316,27 +302,12 @@ impl WorkingProgram {
 
     /// Notes the rounding of a constant that joined the limits of a row, and that of the sum.
     pub(super) fn add_rounding(&mut self, row: usize, constant: f64) {
-        let limit = finite_size(self.row_lower[row]).max(finite_size(self.row_upper[row]));
-        self.row_noise[row] += f64::EPSILON * (finite_size(constant) + limit);
+        self.row_noise[row] += f64::EPSILON * (finite_size(constant) + self.limit_size(row));
     }
 
-    /// The activity of some terms over the bounds.
-    pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> ActivityRange {
-        let mut range = ActivityRange { least: 0.0, most: 0.0, scale: 1.0, soft: 1.0, noise: 0.0 };
-        for &(j, a) in terms {
-            let exact = self.integral[j] && is_exact(a);
-            let (p, q) = (a * self.lower[j], a * self.upper[j]);
-            range.least += p.min(q);
-            range.most += p.max(q);
-            for size in [p.abs(), q.abs()] {
-                if size.is_finite() {
-                    range.scale = range.scale.max(size);
-                    range.soft = if exact { range.soft } else { range.soft.max(size) };
-                }
-            }
-            range.noise += a.abs() * self.column_noise[j];
-        }
-        range
+    /// The largest magnitude of the limits of a row.
+    pub(super) fn limit_size(&self, row: usize) -> f64 {
+        finite_size(self.row_lower[row]).max(finite_size(self.row_upper[row]))
     }
 
     /// Tightens the bounds of a column by some that rounding may have moved by `noise`; slightly
