@@ -45,11 +45,7 @@ pub(super) fn search_in_turns(
         let left = task.options.node_limit.map(|all| all.saturating_sub(before.nodes));
         let is_last = left.is_some_and(|left| left <= limit);
         let node_limit = left.map_or(limit, |left| left.min(limit));
-        let options = {
-            let mut changed = task.options.clone();
-            changed.node_limit = Some(node_limit);
-            changed
-        };
+        let options = task.options.clone().with_node_limit(node_limit);
         let mut found = if turn % 2 == 0 {
             let start = known.start.filter(|_| turn == 0);
             let known = EarlierResults { start, ..*known };
@@ -57,11 +53,7 @@ pub(super) fn search_in_turns(
             run_turn(task, &before, control, |control| search_once(task, &known, control))
         } else {
             // The first point ends it.
-            let options = {
-                let mut changed = options;
-                changed.absolute_gap = f64::INFINITY;
-                changed
-            };
+            let options = options.with_absolute_gap(f64::INFINITY);
             let known = EarlierResults { start: None, tightened: None, ..*known };
             let own = SolveTask { program: with_objective, options: &options, ..task };
             let found =

@@ -206,14 +206,9 @@ impl BlockSearches<'_, '_> {
         if ended.is_some() && !grant.exceeds(*granted) {
             return;
         }
-        let [absolute_gap, relative_gap] = *gap;
-        let options = {
-            let mut changed = self.task.options.clone();
-            changed.absolute_gap = absolute_gap;
-            changed.relative_gap = relative_gap;
-            changed.node_limit = grant.nodes;
-            changed
-        };
+        let mut options = self.task.options.clone();
+        [options.absolute_gap, options.relative_gap] = *gap;
+        options.node_limit = grant.nodes;
         let mut flat = None;
         if self.any_point {
             let mut program = block.program.clone();

@@ -107,21 +107,11 @@ impl Pilot {
         if !options.heuristics.rounding || options.node_limit == Some(0) {
             return None;
         }
-        let roll_out = options.heuristics.roll_out;
-        let heuristics = {
-            let mut heuristics = Heuristics::none();
-            heuristics.rounding = true;
-            heuristics.roll_out = roll_out;
-            heuristics
-        };
-        let (branching, node_limit) = (BranchingRule::LatestFirst, Some(1));
-        let options = &{
-            let mut changed = options.nested();
-            changed.heuristics = heuristics;
-            changed.branching = branching;
-            changed.node_limit = node_limit;
-            changed
-        };
+        let mut heuristics = Heuristics::none();
+        heuristics.rounding = true;
+        heuristics.roll_out = options.heuristics.roll_out;
+        let options = options.nested().with_heuristics(heuristics);
+        let options = &options.with_branching(BranchingRule::LatestFirst).with_node_limit(1);
         #[cfg(feature = "tracing")]
         let _span = tracing::debug_span!("pilot").entered();
         let found = search(SolveTask { options, ..task }, &mut Control::default(), None);

@@ -32,12 +32,9 @@ impl Solve<'_> {
             return Ok(None);
         }
         let limit = options.node_limit.map_or(BOX_NODES, |limit| limit.min(BOX_NODES));
-        let options = &{
-            let mut changed = options.clone();
-            changed.node_limit = Some(limit);
-            changed.proof = None;
-            changed
-        };
+        let mut options = options.clone().with_node_limit(limit);
+        options.proof = None;
+        let options = &options;
         for far in DISTANCES {
             let boxed = &boxed(model, far)?;
             let token = &self.token.child(None);

@@ -39,13 +39,11 @@ impl Solve<'_> {
         if loss > most {
             return Err(too_lossy(model));
         }
-        let options = &{
-            let mut changed = self.options.clone();
-            changed.absolute_gap = 0.5 * self.options.absolute_gap;
-            changed.relative_gap = 0.5 * self.options.relative_gap;
-            changed
-        };
-        let mut solved = Solve { options, ..*self }.run_lowered(lowered, known, control)?;
+        let mut options = self.options.clone();
+        options.absolute_gap *= 0.5;
+        options.relative_gap *= 0.5;
+        let mut solved =
+            Solve { options: &options, ..*self }.run_lowered(lowered, known, control)?;
         let found = &mut solved.found;
         let value = |values: &Vec<f64>| -> Result<f64, Error> {
             Ok(sign * Point::new(model, values.clone())?.value(model.objective())?)

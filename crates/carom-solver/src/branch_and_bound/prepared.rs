@@ -183,11 +183,7 @@ impl ReducedProgram {
         let mut integers = program.integers.clone();
         integers.sort_by_key(|&j| (program.step[j], j));
         let in_blocks = is_in_blocks(&program, &columns)?;
-        let whole = {
-            let mut changed = options.clone();
-            changed.keep_leaves = false;
-            changed
-        };
+        let whole = options.clone().with_leaves(false);
         let tightened = Tightened::new(&program, &whole, &StopToken::default()).into_owned();
         let lowered = lowered.presolved(program, postsolve, presolved.rounding);
         Ok(Reduction::To(Box::new(ReducedProgram {

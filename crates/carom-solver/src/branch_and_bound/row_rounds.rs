@@ -159,12 +159,9 @@ impl RowRounds<'_> {
         node_limit: Option<u64>,
         control: &mut Control<'_>,
     ) -> Result<Round, Error> {
-        let options = &{
-            let mut changed = self.options.clone();
-            changed.node_limit = node_limit;
-            changed.blocks = false;
-            changed
-        };
+        let mut options = self.options.clone().with_blocks(false);
+        options.node_limit = node_limit;
+        let options = &options;
         let judged = with_rows(self.model, LAZY, &self.lazy)?;
         let token = &self.token.child(None);
         let source = control.lazy_constraints();

@@ -58,11 +58,9 @@ impl RowRounds<'_> {
 
     /// Solves a model without integers.
     fn relax(&self, model: &Model) -> Result<SearchResult, Error> {
-        let options = &{
-            let mut changed = self.options.nested();
-            changed.node_limit = None;
-            changed
-        };
+        let mut options = self.options.nested();
+        options.node_limit = None;
+        let options = &options;
         let (token, cascades, refusals) = (self.token, &self.cascades, &Refusals::default());
         let solve = Solve { model, options, token, cascades, refusals, rows: None };
         Ok(solve.run(&EarlierResults::default(), &mut Control::default())?.found)

@@ -126,11 +126,8 @@ impl Solver for ExternalSolver {
         let Some(translated) = translate::translate(lowered.model())? else {
             let (termination, values) = (Termination::Infeasible, None);
             let bound = model.sense().sign() * f64::INFINITY;
-            let statistics = {
-                let mut statistics = Statistics::default();
-                statistics.time = token.elapsed();
-                statistics
-            };
+            let mut statistics = Statistics::default();
+            statistics.time = token.elapsed();
             let outcome = Outcome::new(termination, values, bound, statistics);
             return Solution::new(model, outcome, self.options.feasibility);
         };
@@ -166,12 +163,8 @@ impl Solver for ExternalSolver {
             Error::from(ErrorKind::Backend { solver: self.program.clone(), message })
         })?;
         let values = values.map(|values| lowered.restore(&values));
-        let nodes = answer.nodes.unwrap_or(0);
-        let statistics = {
-            let mut statistics = Statistics::default();
-            statistics.nodes = nodes;
-            statistics
-        };
+        let mut statistics = Statistics::default();
+        statistics.nodes = answer.nodes.unwrap_or(0);
         let claimed = Outcome::new(termination, values, bound, statistics);
         settled(model, claimed, &self.options, &token, control)
     }
@@ -195,11 +188,8 @@ pub(crate) fn stopped(
 ) -> Result<Solution, Error> {
     let termination = token.ended().unwrap_or(Termination::Interrupted);
     let bound = -model.sense().sign() * f64::INFINITY;
-    let statistics = {
-        let mut statistics = Statistics::default();
-        statistics.time = token.elapsed();
-        statistics
-    };
+    let mut statistics = Statistics::default();
+    statistics.time = token.elapsed();
     let outcome = Outcome::new(termination, None, bound, statistics);
     Solution::new(model, outcome, options.feasibility)
 }
@@ -226,12 +216,8 @@ pub(crate) fn settled(
     let Outcome { mut termination, mut values, mut bound, mut statistics, .. } = claimed;
     let mut certified = None;
     if let Some(found) = values.take() {
-        let options = {
-            let mut changed = options.clone();
-            changed.time_limit = None;
-            changed.node_limit = None;
-            changed
-        };
+        let mut options = options.clone();
+        (options.time_limit, options.node_limit) = (None, None);
         let certificate = certify(model, &found, &mut BranchAndBound::new(options))?;
         let solution = certificate.solution();
         certified = solution.objective();

@@ -116,11 +116,7 @@ impl ProofWriter<'_, '_> {
 
     /// A block that has no point.
     fn without_point<'p>(&self, parts: &'p [ProgramBlock]) -> Option<&'p ProgramBlock> {
-        let options = {
-            let mut changed = self.relaxer.options.nested();
-            changed.node_limit = Some(MOST_BLOCK_NODES);
-            changed
-        };
+        let options = self.relaxer.options.nested().with_node_limit(MOST_BLOCK_NODES);
         let has_none = |part: &&ProgramBlock| {
             let accepts = |_: &[f64]| true;
             let (cascades, token) = (self.relaxer.cascades, self.relaxer.token);

@@ -19,14 +19,8 @@ impl Relaxer<'_> {
         for j in 0..self.program.column_count() {
             [self.within.lower[j], self.within.upper[j]] = self.range(bounds, j);
         }
-        let options = {
-            let mut changed = self.options.nested();
-            changed.proof = Some(std::path::PathBuf::new());
-            changed.node_limit = Some(MOST_NODES);
-            changed.cuts = false;
-            changed.heuristics = Heuristics::none();
-            changed
-        };
+        let options = self.options.nested().with_proof("").with_node_limit(MOST_NODES);
+        let options = options.with_cuts(false).with_heuristics(Heuristics::none());
         let accepts = |_: &[f64]| true;
         let mut task = SolveTask::new(&self.within, &accepts, self.cascades, &options, self.token);
         if let Claim::Bound(bound) = self.claim {

@@ -52,12 +52,7 @@ pub fn search(
     let exchange = control.take_exchange();
     let alone;
     let task = if exchange.is_some() {
-        alone = {
-            let mut changed = task.options.clone();
-            changed.threads = 1;
-            changed.deterministic = false;
-            changed
-        };
+        alone = task.options.clone().with_threads(1).with_deterministic(false);
         SolveTask { options: &alone, ..task }
     } else {
         task
@@ -93,12 +88,8 @@ pub fn search_unstrengthened(
     control: &mut Control<'_>,
 ) -> SearchResult {
     let program = task.exact.unwrap_or(task.program);
-    let options = {
-        let mut changed = task.options.clone();
-        changed.probing = false;
-        changed
-    };
-    let task = SolveTask { program, exact: Some(program), root: None, options: &options, ..task };
+    let options = &task.options.clone().with_probing(false);
+    let task = SolveTask { program, exact: Some(program), root: None, options, ..task };
     let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
     let point = before.points.into_iter().next();
     let point = point.map(|values| StartPoint { values, found_by });
