@@ -82,7 +82,8 @@ pub mod sum {
 
 pub mod tolerance {
     pub use crate::tolerance::derived::{
-        SMALL_UNIT, allowed_drift, allowed_miss, finite_size, gap_scale, margin_scale, relative_gap,
+        SMALL_UNIT, allowed_drift, allowed_miss, finite_size, gap_scale, largest_magnitude,
+        margin_scale, relative_gap,
     };
     pub use crate::tolerance::*;
 }

@@ -3,6 +3,7 @@
 use super::block::MatrixBlock;
 use super::scaled::{exponent, times_power};
 use crate::sum::Sum;
+use crate::tolerance::largest_magnitude;
 
 /// Digits that the entries of a direction are rounded to, the fewest with which the curvature is
 /// proved to be negative.
@@ -68,7 +69,7 @@ impl Direction {
     pub(super) fn from_scaled(block: &MatrixBlock, vector: Vec<(f64, i32)>) -> (Self, bool) {
         // Units in which the entries of the direction are comparable: those of the matrix.
         let used = vector.iter().filter(|(z, _)| *z != 0.0 && z.is_finite());
-        let largest = used.clone().map(|(z, _)| z.abs()).fold(0.0, f64::max);
+        let largest = largest_magnitude(used.clone().map(|(z, _)| z));
         let top = used.map(|&(z, power)| exponent(z.abs()) + power).max().unwrap_or(0);
         let mut last = Direction { steps: Vec::new(), curvature: f64::NAN };
         for digits in ENTRY_DIGITS {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::direction::Direction;
 use super::{Product, negative_direction};
+use crate::tolerance::largest_magnitude;
 
 /// The part by which a multiple may be larger than the least one (no unit).
 const CLOSE_MULTIPLE: f64 = 0.05;
@@ -33,7 +34,7 @@ pub fn least_multiple(
     products: &[Product],
     weights: &BTreeMap<usize, f64>,
 ) -> Result<f64, Direction> {
-    let largest = products.iter().map(|(.., q)| q.abs()).fold(0.0, f64::max);
+    let largest = largest_magnitude(products.iter().map(|product| product.2));
     let lightest = weights.values().copied().filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
     let most = LARGEST_MULTIPLE * largest / lightest;
     let (mut below, mut above, mut at) = (0.0_f64, f64::INFINITY, 0.0_f64);

@@ -107,7 +107,7 @@ impl<'a> Evaluation<'a> {
         let is_visible = amount > tolerance::ROUNDING * rounded && amount <= allowed;
         if is_visible && size < tolerance::SMALL_UNIT && !self.model.has_systems() {
             let limits = [limits.lower, limits.upper].into_iter().filter(|limit| limit.is_finite());
-            let largest = limits.fold(0.0_f64, |most, limit| most.max(limit.abs()));
+            let largest = tolerance::largest_magnitude(limits);
             allowed = tolerance::allowed_miss(self.tolerance(terms, largest), rounded);
         }
         Miss { amount, size, allowed }

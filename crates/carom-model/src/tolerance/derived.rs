@@ -1,5 +1,7 @@
 //! Tolerances that follow from the magnitudes of what is judged.
 
+use std::borrow::Borrow;
+
 use super::{ABSOLUTE_GAP, DRIFT, RELATIVE_GAP, REPLAY, ROUNDING};
 
 /// Rows, and bounds of variables, whose terms are all smaller than this within the bounds of the
@@ -72,4 +74,10 @@ pub fn margin_scale(largest_term: f64, limit: f64) -> f64 {
 #[inline]
 pub fn finite_size(value: f64) -> f64 {
     if value.is_finite() { value.abs() } else { 0.0 }
+}
+
+/// The largest magnitude of some numbers; 0 if there are none.
+#[inline]
+pub fn largest_magnitude<T: Borrow<f64>>(values: impl IntoIterator<Item = T>) -> f64 {
+    values.into_iter().fold(0.0, |most: f64, value| most.max(value.borrow().abs()))
 }

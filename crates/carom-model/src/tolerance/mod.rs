@@ -9,7 +9,7 @@
 pub(crate) mod derived;
 
 pub(crate) use derived::{
-    SMALL_UNIT, allowed_miss, finite_size, gap_scale, margin_scale, relative_gap,
+    SMALL_UNIT, allowed_miss, finite_size, gap_scale, largest_magnitude, margin_scale, relative_gap,
 };
 
 /// Bounds and right-hand sides of at least this magnitude are treated as infinite (no unit).

@@ -7,7 +7,7 @@ use crate::program::Program;
 use crate::relaxation::{ConeCut, MethodCascade, Purpose, RelaxationClaim};
 use crate::solver::StopToken;
 use crate::sum::Sum;
-use crate::tolerance;
+use crate::tolerance::{self, largest_magnitude};
 
 /// Reduced costs, and pressures of rows on columns, below this fraction of the largest coefficient
 /// of the objective or of their own terms are rounding (no unit).
@@ -101,7 +101,7 @@ fn judged(
 ) -> Option<Derivatives> {
     let activities: Vec<f64> = (0..y.len()).map(|row| activity(program, row, &x)).collect();
     let costs = program.linear.iter().chain(program.quadratic.val());
-    let scale = costs.fold(0.0_f64, |m, c| m.max(c.abs()));
+    let scale = largest_magnitude(costs);
     drop_rounding(program, &activities, scale, &mut y);
     // The distance of the point from the bound that the pair of `x` and `y` proves.
     let mut excess = Sum::new(program.objective(point));
@@ -141,7 +141,7 @@ fn judged(
 
 /// Multipliers become 0 if they press on no limit, or are rounding and their row does not bind.
 fn drop_rounding(program: &Program, activities: &[f64], scale: f64, y: &mut [f64]) {
-    let size = |row: usize| program.row(row).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    let size = |row: usize| largest_magnitude(program.row(row).1);
     for (row, y) in y.iter_mut().enumerate() {
         let limit = if *y > 0.0 { program.row_upper[row] } else { program.row_lower[row] };
         let binds =

@@ -19,6 +19,7 @@ use super::propagation::{Conflict, Propagator};
 use crate::mutations::{self, Mutation};
 use crate::program::Program;
 use crate::solver::StopToken;
+use crate::tolerance::largest_magnitude;
 
 /// The largest number of trials. A trial propagates the rows that it reaches.
 pub(crate) const MAX_CASE_TRIALS: usize = 4000;
@@ -76,7 +77,7 @@ pub(crate) fn tighten_rows(program: &mut Program) -> Option<()> {
         terms.clear();
         terms.extend(index.iter().copied().zip(values.iter().copied()));
         let finite = own.iter().filter(|limit| limit.is_finite());
-        let noise = f64::EPSILON * finite.fold(0.0_f64, |most, limit| most.max(limit.abs()));
+        let noise = f64::EPSILON * largest_magnitude(finite);
         for _ in 0..MAX_ROW_PASSES {
             if terms.len() < 2 {
                 break;

@@ -1,5 +1,7 @@
 //! Small dense linear equations, by elimination with the largest pivots.
 
+use crate::tolerance::largest_magnitude;
+
 /// The part of the first pivot below which the others are rounding (no unit).
 const PIVOT_SHARE: f64 = 1e-14;
 
@@ -10,7 +12,7 @@ pub(super) fn pivoted_solution(vectors: &[Vec<f64>], right: &[f64]) -> Vec<f64> 
     // By equation: the coefficients, scaled by the largest, and the right side.
     let equation = |i: usize| {
         let mut own: Vec<f64> = vectors.iter().map(|vector| vector[i]).collect();
-        let most = own.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        let most = largest_magnitude(&own);
         own.push(right[i]);
         if most > 0.0 {
             own.iter_mut().for_each(|a| *a /= most);

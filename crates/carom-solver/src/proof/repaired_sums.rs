@@ -9,6 +9,7 @@ use super::conjugate_gradients::conjugate_gradients;
 use super::facts::Facts;
 use super::pivoted_solution::pivoted_solution;
 use super::relaxed::{FactRefutation, Relaxer};
+use crate::tolerance::largest_magnitude;
 
 /// Most changes of the multipliers.
 const MOST_CHANGES: usize = 6;
@@ -52,7 +53,7 @@ impl Relaxer<'_> {
         for (share, eliminates) in SLIGHT_SHARES.into_iter().flat_map(|s| [(s, false), (s, true)]) {
             (found.facts, found.tangent) = kept.clone();
             let size = |&(fact, y): &(usize, f64)| {
-                y.abs() * facts.terms(fact).map(|(_, a)| a.abs()).fold(0.0, f64::max)
+                y.abs() * largest_magnitude(facts.terms(fact).map(|(_, a)| a))
             };
             let least = share * found.facts.iter().map(size).fold(0.0, f64::max);
             found.facts.retain(|term| size(term) > least);

@@ -21,7 +21,7 @@ use super::correction::Correction;
 use super::extended::Extended;
 use super::plain_bound::PlainSums;
 use crate::presolve::{Reduced, refill};
-use crate::tolerance;
+use crate::tolerance::{self, largest_magnitude};
 
 /// The error of a sum with twice the digits of a float, relative to the sum of its terms'
 /// magnitudes.
@@ -110,7 +110,7 @@ impl Prover {
     /// refute a program that is infeasible only by rounding.
     pub fn proves_infeasible(&mut self, program: &Reduced, y: &[f64]) -> bool {
         self.clip(program, y);
-        let size = self.y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let size = largest_magnitude(&self.y);
         if !(size > 0.0 && size.is_finite()) {
             return false;
         }

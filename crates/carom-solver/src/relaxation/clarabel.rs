@@ -12,6 +12,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 use super::conic_form::{ConeRows, ConicForm};
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult};
 use crate::presolve::Reduced;
+use crate::tolerance::largest_magnitude;
 
 /// Clarabel's interior-point method with settings measured for branch and bound.
 #[derive(Debug, Clone, Default)]
@@ -156,7 +157,7 @@ fn settings(effort: &Effort<'_>, has_cones: bool) -> DefaultSettings<f64> {
 /// The power of two that scales a badly scaled row; 1 for all others. Clarabel gives up on rows
 /// with coefficients of 1e5 next to a curvature of 1.
 fn row_factor(program: &Reduced, row: usize) -> f64 {
-    let largest = program.rows.vector(row).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    let largest = largest_magnitude(program.rows.vector(row).1);
     let usual = (1e-3..=1e3).contains(&largest) || largest == 0.0;
     if usual { 1.0 } else { (-largest.log2().round()).exp2() }
 }
@@ -219,7 +220,7 @@ impl ConicProgram {
     /// small: Clarabel's tolerances are absolute where numbers are less than 1. Cones have no unit,
     /// and multipliers stay the same if the objective has the unit of the columns.
     fn unit(&self, has_cones: bool) -> f64 {
-        let largest = self.right.iter().fold(0.0_f64, |most, limit| most.max(limit.abs()));
+        let largest = largest_magnitude(&self.right);
         let is_small = has_cones && largest > 0.0 && largest < SMALL_LIMITS;
         if is_small { largest.log2().ceil().exp2() } else { 1.0 }
     }

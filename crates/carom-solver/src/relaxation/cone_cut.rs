@@ -7,6 +7,7 @@
 
 use crate::presolve::ReducedCone;
 use crate::program::ConeShape;
+use crate::tolerance::largest_magnitude;
 
 /// The largest quotient of two coefficients of a cut (no unit); larger ones trouble linear
 /// programs.
@@ -73,7 +74,7 @@ impl ConeCut {
     /// * `z`: one multiplier for each entry of `|tail| <= head`, or of
     ///   `|(first - second, 2 tail)| <= first + second` for a rotated cone, within the same cone.
     pub(crate) fn of_multipliers(cone: &ReducedCone, z: &[f64]) -> Option<(ConeCut, f64)> {
-        let size = z.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let size = largest_magnitude(z);
         if !(size > 0.0 && size.is_finite()) {
             return None;
         }
@@ -144,7 +145,7 @@ impl ConeCut {
 
 /// The length of a vector.
 fn length(vector: &[f64]) -> f64 {
-    let largest = vector.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let largest = largest_magnitude(vector);
     if largest == 0.0 || !largest.is_finite() {
         return largest;
     }

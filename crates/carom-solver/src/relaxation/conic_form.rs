@@ -11,6 +11,7 @@ use super::RelaxationResult;
 use crate::activity::ends;
 use crate::presolve::{Compressed, FIXED, Reduced, ReducedCone};
 use crate::program::ConeRole;
+use crate::tolerance::largest_magnitude;
 
 /// The least coefficient of a column in its row, relative to the largest, that is divided by.
 const LEAST_COEFFICIENT: f64 = 1e-3;
@@ -231,7 +232,7 @@ fn named_sums(program: &Reduced) -> Vec<NamedSum> {
         if !is_sum || program.row_lower[row] != program.row_upper[row] {
             continue;
         }
-        let largest = program.rows.entries(row).fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
+        let largest = largest_magnitude(program.rows.entries(row).map(|(_, a)| a));
         let own = program.rows.entries(row).find(|(j, _)| *j == column);
         let Some((_, coefficient)) = own.filter(|(_, c)| c.abs() >= LEAST_COEFFICIENT * largest)
         else {

@@ -14,6 +14,7 @@ use crate::presolve::{Compressed, Reduced};
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::sum::Sum;
+use crate::tolerance::largest_magnitude;
 
 /// The largest number of moves.
 const MAX_MOVES: usize = 8;
@@ -109,7 +110,7 @@ fn move_onto(program: &Reduced, active: &[(usize, f64)], held: &[bool], x: &mut 
     for _ in 0..4 {
         let miss = |e: usize| active[e].1 - activity(program, active[e].0, x);
         (0..active.len()).for_each(|e| multiplier[e] = miss(e));
-        let size = multiplier.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        let size = largest_magnitude(multiplier.iter());
         if size.is_nan() || size >= least {
             break;
         }

@@ -7,7 +7,7 @@
 //! all, and the objective falls along it.
 
 use crate::presolve::{Compressed, ConeEntry, FIXED, Reduced, ReducedCone};
-use crate::tolerance;
+use crate::tolerance::{self, largest_magnitude};
 
 /// The largest violation of a row by a ray, relative to the row's largest term along it (no unit).
 const ROW_TOLERANCE: f64 = 1e-8;
@@ -102,7 +102,7 @@ fn growing_head(cone: &ReducedCone) -> Option<usize> {
 pub(super) fn relaxed_along(program: &Reduced, ray: &[f64]) -> Option<Reduced> {
     /// The part of the largest entry of a ray beyond which an entry or a row grows.
     const GROWS: f64 = 1e-3;
-    let size = ray.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let size = largest_magnitude(ray);
     if !(size > 0.0 && size.is_finite()) {
         return None;
     }
@@ -125,7 +125,7 @@ pub(super) fn relaxed_along(program: &Reduced, ray: &[f64]) -> Option<Reduced> {
     for i in 0..program.rows.len() {
         let (columns, values) = program.rows.vector(i);
         let terms = || columns.iter().zip(values).map(|(&j, &a)| a * ray[j]);
-        let largest = terms().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let largest = largest_magnitude(terms());
         let change: f64 = terms().sum();
         if change > GROWS * largest {
             relaxed.row_lower[i] = f64::NEG_INFINITY;
@@ -159,7 +159,7 @@ impl Reduced {
 /// Whether `ray` is a direction along which the reduced program stays feasible and its objective
 /// falls without limit.
 pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
-    let size = ray.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let size = largest_magnitude(ray);
     if !(size > 0.0 && size.is_finite()) {
         return false;
     }
@@ -172,7 +172,7 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     let moves = |d: f64| if d.abs() > 10.0 * RAY_ROUNDING { d } else { 0.0 };
     let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
     let cost: f64 = costs().sum();
-    let cost_scale = costs().fold(0.0_f64, |m, cost| m.max(cost.abs()));
+    let cost_scale = largest_magnitude(costs());
     if cost.is_nan() || cost >= -1e-6 * cost_scale {
         return false;
     }

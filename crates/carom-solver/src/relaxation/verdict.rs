@@ -7,7 +7,7 @@ use super::recession::is_descent_ray;
 use super::{RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use crate::solver::{Options, StopToken};
-use crate::tolerance;
+use crate::tolerance::{self, largest_magnitude};
 
 /// A question about a node.
 #[derive(Debug, Clone, Copy)]
@@ -156,7 +156,7 @@ impl<'a> Findings<'a> {
         // A later attempt wins a tie.
         let distance = (value - self.bound).abs();
         if distance <= self.nearest {
-            let size = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let size = largest_magnitude(&x);
             // Points of trials and of separation may be coarse.
             let coarse = matches!(self.question.purpose, Purpose::Trial | Purpose::Separation);
             let slack = if coarse { 1e-3 } else { 1e-6 };

@@ -3,6 +3,7 @@
 use crate::hybrid::step::{AffineForm, ConditionMaps, Dynamics};
 use crate::hybrid::system::HybridSystem;
 use crate::interval::Interval;
+use crate::tolerance::largest_magnitude;
 
 /// The states and inputs of a step as `lower + width * point` with a point in the unit box. The box
 /// covers the ranges of the inputs in all transitions.
@@ -68,7 +69,7 @@ impl Piece {
         let limit = -map.constant - shifts().sum::<f64>();
         let length = factors.iter().map(|n| n * n).sum::<f64>().sqrt();
         let numbers = factors.iter().copied().chain(shifts()).chain([map.constant]);
-        let largest = numbers.fold(0.0_f64, |most, n| most.max(n.abs()));
+        let largest = largest_magnitude(numbers);
         if length <= 1e-12 * largest {
             self.is_empty[usize::from(is_limit)] |= limit < -1e-9 * largest;
         } else if factors.iter().map(|n| n.max(0.0)).sum::<f64>() > limit {

@@ -14,6 +14,7 @@ use crate::hybrid::step::{ConditionSet, StepCondition};
 use crate::hybrid::system::{HybridSystem, Measure};
 use crate::interval::Interval;
 use crate::solver::{Interrupt, StopToken};
+use crate::tolerance::largest_magnitude;
 
 /// The number of widths by which a domain is enlarged to find out whether it is to blame.
 const LIFTED_WIDTHS: f64 = 1e3;
@@ -411,7 +412,7 @@ fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
         let measures: Vec<Measure> =
             block.states.iter().map(|&i| system.coordinates.state(i)).collect();
         let normal: Vec<f64> = normal.iter().zip(&measures).map(|(n, m)| n / m.scale).collect();
-        let size = normal.iter().fold(0.0_f64, |size, n| size.max(n.abs()));
+        let size = largest_magnitude(&normal);
         let shift: f64 = normal.iter().zip(&measures).map(|(n, m)| n * m.origin).sum();
         let named = block.states.iter().zip(&normal).filter(|(_, n)| **n != 0.0);
         let factors = named.map(|(&i, n)| (system.states[i].0.clone(), n / size)).collect();

@@ -4,7 +4,8 @@
 //! vertices in floating point and adds the possible rounding error to the margin `r`, so the result
 //! always contains the exact result of the operation on the exact operands.
 
-use super::rounding::{EPSILON, magnitude};
+use super::rounding::EPSILON;
+use crate::tolerance::largest_magnitude;
 
 pub(super) type Point = [f64; 2];
 
@@ -387,7 +388,7 @@ impl Polygon {
 
 /// The largest magnitudes along each axis.
 fn sizes(points: &[Point]) -> Point {
-    let along = |axis: usize| magnitude(points.iter().map(|v| v[axis]));
+    let along = |axis: usize| largest_magnitude(points.iter().map(|v| v[axis]));
     [along(0), along(1)]
 }
 

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::polygon::Polygon;
-use super::rounding::{EPSILON, magnitude};
+use super::rounding::EPSILON;
 use super::template::{Combinations, Polyhedron, Template};
+use crate::tolerance::largest_magnitude;
 
 /// A set of a block's states.
 #[derive(Debug, Clone)]
@@ -99,7 +100,7 @@ fn invert(matrix: &Matrix) -> Option<(Matrix, Matrix)> {
             matrix[i].iter().copied().chain(unit).collect()
         })
         .collect();
-    let size = magnitude(matrix.iter().flatten().copied());
+    let size = largest_magnitude(matrix.iter().flatten());
     for k in 0..n {
         let pivot = (k..n).max_by(|&i, &j| work[i][k].abs().total_cmp(&work[j][k].abs()))?;
         work.swap(k, pivot);
@@ -126,7 +127,7 @@ fn invert(matrix: &Matrix) -> Option<(Matrix, Matrix)> {
             *entry = (*entry - unit).abs() + 2.0 * n as f64 * EPSILON * (sizes[i][j] + unit);
         }
     }
-    if magnitude(rest.iter().flatten().copied()) * n as f64 > 1e-3 {
+    if largest_magnitude(rest.iter().flatten()) * n as f64 > 1e-3 {
         return None;
     }
     let error = product(&inverse, &rest, |x| 2.0_f64.sqrt() * x.abs());
@@ -244,7 +245,7 @@ impl Shape {
                 let moved = polygon.map([[1.0, 0.0], [0.0, 1.0]], [back[0], back[1]]);
                 let reach = |axis: usize| {
                     let (v, r) = (moved.vertices().iter().map(|v| v[axis]), moved.margin()[axis]);
-                    magnitude(v) + r
+                    largest_magnitude(v) + r
                 };
                 let error = apply(&inverse.error, &[reach(0), reach(1)]);
                 let m = &inverse.matrix;
@@ -299,7 +300,7 @@ impl Shape {
             let terms = normal.iter().zip(&map.offset).map(|(n, c)| (n * c).abs());
             let rest = limit - shift + 8.0 * EPSILON * (limit.abs() + terms.sum::<f64>());
             let rest = rest + rounded(&map.matrix, &normal).iter().sum::<f64>() * whole.size();
-            if magnitude(pulled.iter().copied()) > 0.0 {
+            if largest_magnitude(&pulled) > 0.0 {
                 part.clip(&pulled, rest);
             } else if rest < 0.0 {
                 return part.nothing();

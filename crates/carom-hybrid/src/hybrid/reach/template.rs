@@ -8,7 +8,8 @@
 
 use std::sync::Arc;
 
-use super::rounding::{EPSILON, magnitude};
+use super::rounding::EPSILON;
+use crate::tolerance::largest_magnitude;
 
 /// The largest number of template directions for which combinations of three are tried.
 const MOST_TRIPLES: usize = 20;
@@ -55,7 +56,7 @@ impl Template {
         for direction in further {
             for sign in [1.0, -1.0] {
                 let signed: Vec<f64> = direction.iter().map(|x| sign * x).collect();
-                if magnitude(signed.iter().copied()) > 0.0 && template.multiple(&signed).is_none() {
+                if largest_magnitude(&signed) > 0.0 && template.multiple(&signed).is_none() {
                     template.directions.push(signed);
                 }
             }
@@ -83,7 +84,7 @@ impl Template {
         self.directions.iter().enumerate().find_map(|(k, direction)| {
             let factor = dot(normal, direction) / dot(direction, direction);
             let rest = normal.iter().zip(direction).map(|(n, d)| n - factor * d);
-            (factor > 0.0 && magnitude(rest) == 0.0).then_some((k, factor))
+            (factor > 0.0 && largest_magnitude(rest) == 0.0).then_some((k, factor))
         })
     }
 
@@ -119,8 +120,8 @@ impl Template {
                 *r -= factor * d;
             }
         }
-        let size = magnitude(target.iter().copied());
-        if magnitude(rest.iter().copied()) <= 1e-12 * size && !found.ways.contains(&way) {
+        let size = largest_magnitude(target);
+        if largest_magnitude(&rest) <= 1e-12 * size && !found.ways.contains(&way) {
             // The subtraction itself rounds, so the rest is enlarged a little.
             let rounding = (8 + target.len()) as f64 * EPSILON * size;
             let errors = rest.iter().zip(&found.error);

@@ -5,6 +5,7 @@ use super::error::RobustError;
 use super::tube::ErrorTube;
 use crate::hybrid::system::{Halfspace, HybridSystem, Transition};
 use crate::model::Model;
+use crate::tolerance::largest_magnitude;
 
 /// The words for rows by which a tube grows.
 pub(super) const GROWTH: &str = "the growth of the tube";
@@ -69,7 +70,7 @@ fn follows(first: &Transition, second: &Transition) -> bool {
 
 /// Whether `a . x <= b` of a guard and `a . x >= b` of another one hold at one value only.
 fn meets(first: &Halfspace, second: &Halfspace) -> bool {
-    let largest = |own: &Halfspace| own.normal.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    let largest = |own: &Halfspace| largest_magnitude(&own.normal);
     let (of_first, of_second) = (largest(first), largest(second));
     let is_plain = first.limit.is_constant() && second.limit.is_constant();
     let (Some(b), Some(d), true) = (first.limit.get(0), second.limit.get(0), is_plain) else {

@@ -8,8 +8,9 @@ use super::bound;
 use super::switch::Region;
 use crate::hybrid::step::{AffineForm, Dynamics};
 use crate::hybrid::system::Transition;
+use crate::tolerance::largest_magnitude;
 
-/// Two changes whose numbers differ by at most this fraction are proportional (no unit).
+/// Two lists of numbers that differ by at most this fraction are proportional (no unit).
 const PROPORTIONAL: f64 = 1e-12;
 
 /// An output represents its group if no other change of the group is this many times larger.
@@ -82,8 +83,7 @@ impl Changes {
         }
         let mut own = Vec::with_capacity(groups.len());
         for (g, group) in groups.iter().enumerate() {
-            let size =
-                |numbers: &Vec<f64>| numbers.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+            let size = |numbers: &Vec<f64>| largest_magnitude(numbers);
             let largest = group.iter().map(|(_, numbers)| size(numbers)).fold(0.0, f64::max);
             // An error of the variable must not grow in the others, so it is the largest of its
             // group; outputs are preferred, because users read them.
@@ -111,10 +111,10 @@ impl Changes {
 }
 
 /// The factor between two lists of numbers, if there is one: `numbers = ratio * others`.
-fn ratio(numbers: &[f64], others: &[f64]) -> Option<f64> {
+pub(super) fn ratio(numbers: &[f64], others: &[f64]) -> Option<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let ratio = dot(numbers, others) / dot(others, others);
-    let largest = numbers.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    let largest = largest_magnitude(numbers);
     let close = |(a, b): (&f64, &f64)| (a - ratio * b).abs() <= PROPORTIONAL * largest;
     (ratio != 0.0 && ratio.is_finite() && numbers.iter().zip(others).all(close)).then_some(ratio)
 }

@@ -8,7 +8,7 @@
 //! out, so that an explanation can drop them.
 
 use super::bound::{self, size, upper_bound};
-use super::change::Changes;
+use super::change::{Changes, ratio};
 use crate::hybrid::step::{AffineForm, Dynamics};
 use crate::interval::Interval;
 
@@ -274,13 +274,9 @@ impl Analysis<'_> {
     /// A guard whose normal is a multiple of a group's change, as a row in that group's variable.
     fn by_change(&self, transition: usize, row: &SwitchRow, group: usize) -> Option<SwitchRow> {
         let change = &self.stated[group][transition];
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let ratio = dot(&row.z, &change.factors) / dot(&change.factors, &change.factors);
-        let largest = row.z.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
-        let close = |(a, b): (&f64, &f64)| (a - ratio * b).abs() <= ROUNDING * largest;
-        let fits = ratio.is_finite() && row.z.iter().zip(&change.factors).all(close);
+        let ratio = ratio(&row.z, &change.factors)?;
         // A large ratio would enlarge the error of the variable.
-        (fits && ratio != 0.0 && ratio.abs() <= WEIGHT).then(|| {
+        (ratio.abs() <= WEIGHT).then(|| {
             let mut w = row.w.clone();
             w[group] = ratio;
             let z = vec![0.0; row.z.len()];

@@ -12,6 +12,7 @@ use crate::hybrid::matrix::{Matrix, faer};
 use crate::hybrid::system::{Region, State, SystemRow};
 use crate::interval::Interval;
 use crate::setters::setters;
+use crate::tolerance::largest_magnitude;
 
 /// The shape of a body, around its position. Only a disc may turn, by [`Body::with_spin`].
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -317,7 +318,7 @@ impl Body {
         // Gronwall's inequality for the largest speed along an axis: the body starts within its
         // domain and its limit of speed, and may leave both before the step ends.
         let pull = largest(&self.acceleration)
-            + self.gravity.iter().map(|g| g.abs()).fold(0.0, f64::max)
+            + largest_magnitude(&self.gravity)
             + norm(k) * largest(&self.domain);
         let growth = (norm(damping) + norm(k) * dt) * dt;
         let top = (self.max_speed + pull * dt) * growth.exp();

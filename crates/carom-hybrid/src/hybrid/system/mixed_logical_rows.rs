@@ -3,6 +3,7 @@
 use crate::activity;
 use crate::error::Error;
 use crate::interval::Interval;
+use crate::tolerance::largest_magnitude;
 
 /// Relative difference up to which two limits are equal.
 const EQUAL: f64 = 1e-9;
@@ -141,7 +142,7 @@ impl Leaf {
             let pivot = (k..equations.len()).max_by(|&a, &b| {
                 equations[a][known + k].abs().total_cmp(&equations[b][known + k].abs())
             })?;
-            let largest = equations[pivot].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            let largest = largest_magnitude(&equations[pivot]);
             if equations[pivot][known + k].abs() <= EQUAL * largest {
                 return None;
             }

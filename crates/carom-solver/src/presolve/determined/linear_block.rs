@@ -2,6 +2,7 @@
 
 use super::ball::Ball;
 use super::equations::Equations;
+use crate::tolerance::largest_magnitude;
 
 /// The values of some columns that as many equations determine; unknown where these are dependent.
 ///
@@ -27,10 +28,8 @@ pub(super) fn solve(
             }
         }
     }
-    let scale: Vec<f64> = matrix
-        .iter()
-        .map(|row| row.iter().map(|entry| entry.value().abs()).fold(0.0, f64::max))
-        .collect();
+    let scale: Vec<f64> =
+        matrix.iter().map(|row| largest_magnitude(row.iter().map(|entry| entry.value()))).collect();
     let mut order: Vec<usize> = (0..n).collect();
     for k in 0..n {
         let size = |row: usize| matrix[row][k].pivot_size() / scale[row];

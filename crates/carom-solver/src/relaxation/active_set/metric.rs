@@ -5,6 +5,7 @@
 use super::parameters::{MAX_ROW_VIOLATION, MIN_CHOLESKY_PIVOT};
 use super::triangle::{LowerTriangle, dot};
 use crate::presolve::Reduced;
+use crate::tolerance::largest_magnitude;
 
 /// A finite limit of a row or of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +71,7 @@ impl<'a> Metric<'a> {
         }
         let mut shift = program.linear.clone();
         factor.solve(&mut shift, 0);
-        let most = |i| program.rows.vector(i).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+        let most = |i| largest_magnitude(program.rows.vector(i).1);
         let largest: Vec<f64> = (0..program.rows.len()).map(most).collect();
         let images = vec![None; program.rows.len() + n];
         Some(Metric { program, factor, shift, images, vectors: Vec::new(), largest })

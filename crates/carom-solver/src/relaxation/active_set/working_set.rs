@@ -4,6 +4,7 @@
 use super::metric::{LimitSide, Metric};
 use super::parameters::{MIN_SQUARED_SINE, MULTIPLIER_ROUNDING};
 use super::triangle::{LowerTriangle, add_multiple, dot};
+use crate::tolerance::largest_magnitude;
 
 /// A limit that is held.
 #[derive(Debug, Clone, Copy)]
@@ -106,7 +107,7 @@ impl WorkingSet {
     /// becomes zero; its limit is let go. Returns whether all members hold.
     pub(super) fn advance(&mut self) -> bool {
         let target = self.target();
-        let size = target.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let size = largest_magnitude(&target);
         let mut step = 1.0;
         let mut blocking = None;
         for (k, (member, &to)) in self.members.iter().zip(&target).enumerate() {

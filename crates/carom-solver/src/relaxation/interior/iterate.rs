@@ -8,6 +8,7 @@ use super::parameters::{
 };
 use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::solver::StopToken;
+use crate::tolerance::largest_magnitude;
 
 /// A primal-dual point with its residuals.
 #[derive(Debug, Default)]
@@ -135,7 +136,7 @@ impl Iterate {
 
     /// Whether the gap is closed except for dual residuals at the level of rounding.
     pub(super) fn diverges(&self) -> bool {
-        let residual = self.dual_residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        let residual = largest_magnitude(&self.dual_residual);
         self.barrier < CLOSED_COMPLEMENTARITY && residual > 1e3 * CLOSED_COMPLEMENTARITY
     }
 
@@ -292,7 +293,7 @@ impl Iterate {
         program.activities(&self.right[..n], &mut self.row_move);
         for _ in 0..refinements {
             self.miss(program, kkt);
-            let miss = self.residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+            let miss = largest_magnitude(&self.residual);
             if miss <= accurate || !miss.is_finite() {
                 break;
             }

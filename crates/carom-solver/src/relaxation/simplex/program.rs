@@ -2,6 +2,7 @@
 
 use crate::presolve::{Compressed, Reduced};
 use crate::relaxation::scaling::factors;
+use crate::tolerance::largest_magnitude;
 
 /// `min c'x` over `A x - s = 0` and bounds of the columns `x` and of the rows' activities `s`,
 /// which follow them.
@@ -29,7 +30,7 @@ impl LinearProgram {
         }
         let mut cost: Vec<f64> =
             program.linear.iter().zip(&column_unit).map(|(q, unit)| q * unit).collect();
-        let largest = cost.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+        let largest = largest_magnitude(&cost);
         let objective_unit = if largest > 0.0 { 1.0 / largest } else { 1.0 };
         cost.iter_mut().for_each(|q| *q *= objective_unit);
         cost.resize(n + m, 0.0);

@@ -4,6 +4,7 @@ use super::parameters::CUTS;
 use std::collections::BTreeMap;
 
 use crate::presolve::Domain;
+use crate::tolerance::largest_magnitude;
 
 /// A sum of whole multiples of integral columns. No point has it strictly between `value` and
 /// `value + 1`.
@@ -37,7 +38,7 @@ impl Cut {
         domain: &Domain,
         x: &[f64],
     ) -> Option<Cut> {
-        let largest = terms.values().fold(0.0_f64, |m, a| m.max(a.abs()));
+        let largest = largest_magnitude(terms.values());
         if !(largest > 0.0 && largest.is_finite() && limit.is_finite()) {
             return None;
         }

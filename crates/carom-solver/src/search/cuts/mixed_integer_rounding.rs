@@ -13,6 +13,7 @@ use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::solver::StopToken;
+use crate::tolerance::largest_magnitude;
 
 /// Most rows of an aggregate.
 pub const MOST_ROWS: usize = 6;
@@ -58,7 +59,7 @@ pub fn mixed_integer_rounding_cuts(
 /// Whether the slack of an aggregate's first row is so large that other rows hardly make a cut of
 /// it.
 fn is_loose(point: &SeparatedPoint<'_>, row: usize, aggregate: &Aggregate) -> bool {
-    let largest = aggregate.terms.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
+    let largest = largest_magnitude(aggregate.terms.iter().map(|term| term.1));
     point.slack(row) > CUTS.start_slack * largest
 }
 
@@ -121,7 +122,7 @@ impl Aggregate {
         if lower != upper {
             self.terms.push((program.column_count() + row, 1.0));
         }
-        self.noise = CUTS.row_accuracy * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        self.noise = CUTS.row_accuracy * largest_magnitude(values);
         self.right = if sign > 0.0 { upper } else { -lower };
         let reaches = columns.iter().zip(values).map(|(&j, a)| a.abs() * point.reach(j));
         self.size = reaches.fold(self.right.abs(), f64::max);
