@@ -111,7 +111,6 @@ fn code_row(
     let &(_, a) = entries.iter().find(|e| is_one(e.0))?;
     let alike = entries.iter().all(|&(j, v)| j == column || v == a);
     let free = work.linear[column] == 0.0 && work.is_straight(column) && !work.is_held(column);
-    let binary = work.integral[column] && work.lower[column] == 0.0 && work.upper[column] == 1.0;
     let (limit, other) = if a > 0.0 {
         (work.row_upper[row], work.row_lower[row])
     } else {
@@ -120,7 +119,7 @@ fn code_row(
     let sign = b / a;
     let right = (sign == -1.0 && limit == 0.0) || (sign == 1.0 && limit == a);
     let only = work.uses[column].len() == 2 && other.is_infinite();
-    (alike && free && binary && right && only).then_some((column, sign, a))
+    (alike && free && work.is_binary(column) && right && only).then_some((column, sign, a))
 }
 
 /// Whether no two columns have the same code.

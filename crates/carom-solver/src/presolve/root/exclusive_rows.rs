@@ -95,7 +95,7 @@ fn exclusive_binaries(work: &mut WorkingProgram) -> (Vec<Vec<usize>>, Vec<Vec<us
     for row in work.live_rows() {
         let terms = &work.rows[row];
         let fits = (2..=MAX_CLIQUE_TERMS).contains(&terms.len())
-            && terms.iter().all(|&(j, _)| is_binary(work, j));
+            && terms.iter().all(|&(j, _)| work.is_binary(j));
         if !fits {
             continue;
         }
@@ -132,10 +132,6 @@ fn clique(terms: &Sparse, sign: f64, limit: f64) -> Option<Vec<usize>> {
     Some(clique)
 }
 
-fn is_binary(work: &WorkingProgram, column: usize) -> bool {
-    work.integral[column] && work.lower[column] == 0.0 && work.upper[column] == 1.0
-}
-
 /// The sign with which a row has only an upper limit.
 fn sign(work: &WorkingProgram, row: usize) -> Option<f64> {
     match (work.row_lower[row].is_finite(), work.row_upper[row].is_finite()) {
@@ -148,7 +144,7 @@ fn sign(work: &WorkingProgram, row: usize) -> Option<f64> {
 fn candidate(work: &WorkingProgram, row: usize, column: usize) -> Option<ExclusiveCandidate> {
     let sign = sign(work, row)?;
     let is_harder = sign * work.coefficient(row, column) > 0.0;
-    if !is_harder || !is_binary(work, column) {
+    if !is_harder || !work.is_binary(column) {
         return None;
     }
     let mut hasher = DefaultHasher::new();

@@ -195,6 +195,10 @@ impl WorkingProgram {
         self.row_lower[row] == self.row_upper[row]
     }
 
+    pub(super) fn is_binary(&self, column: usize) -> bool {
+        self.integral[column] && self.lower[column] == 0.0 && self.upper[column] == 1.0
+    }
+
     /// Whether more than its rows and its cost speak of a column: it comes from outside, or a cone
     /// has it.
     pub(super) fn is_held(&self, column: usize) -> bool {
