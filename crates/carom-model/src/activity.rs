@@ -45,8 +45,8 @@ pub fn term_ends(a: f64, [lower, upper]: [f64; 2]) -> [f64; 2] {
 
 /// The ends of the `x` with `lower <= a x <= upper`, where `a` is not 0.
 ///
-/// Of a row, the limits of one term are those of the row less the activity of all others: `[lower -
-/// most, upper - least]`.
+/// Of a row, the limits of one term are those of the row less the activity of the other terms:
+/// `[lower - most, upper - least]`.
 #[inline]
 pub fn implied_ends(a: f64, [lower, upper]: [f64; 2]) -> [f64; 2] {
     sorted(lower / a, upper / a)
@@ -77,7 +77,7 @@ impl RowActivity {
         }
     }
 
-    /// Whether all terms but one are finite.
+    /// Whether the activity without one of its terms is finite.
     #[inline]
     pub fn is_finite_without(&self, term: f64) -> bool {
         self.infinite == usize::from(!term.is_finite())
@@ -90,8 +90,8 @@ impl RowActivity {
         self.is_finite_without(term).then_some(rest)
     }
 
-    /// The room between the activity without one of its terms and a limit; `None` if there is no
-    /// limit to it.
+    /// The room between the activity without one of its terms and a limit; `None` if that activity
+    /// is infinite.
     #[inline]
     pub fn room(&self, term: f64, limit: f64) -> Option<f64> {
         let left = limit - self.finite;
