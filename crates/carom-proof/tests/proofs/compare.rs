@@ -462,3 +462,34 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_constant_head_keeps_its_sign() {
+    let model = "Minimize\n obj: x\nSubject To\n r0: [ x^2 + y^2 ] <= 4\n r1: x + y >= -3\nBounds\n 0 <= x <= 3\n -3 <= y <= 3\nEnd\n";
+    let log = "carom proof 1\nsense min\ncolumns 3\nc c 0 3 x\nc c -3 3 y\nc c -2 -2 -\nrows 1\nr -3 inf 2 0 1 1 1 r1\ncones 1\nq 2 2 0 1\nobjective 0\ng 1 0 1\nh 0\nclaim infeasible\nproof\n";
+    let text = said(model, Format::Lp, log);
+    assert!(text.starts_with("another"), "{text}");
+}
+
+#[test]
+fn a_head_is_not_its_tail() {
+    // x^2 <= y^2 with y >= 0: the log has the cone of the other head.
+    let model = "Minimize\n obj: y\nSubject To\n q: [ x^2 - y^2 ] <= 0\nBounds\n 0 <= x <= 3\n y <= 9\nEnd\n";
+    let log = "carom proof 1\nsense min\ncolumns 2\nc c 0 9 y\nc c 0 3 x\nrows 0\ncones 1\nq 0 1 1\nobjective 0\ng 1 0 1\nh 0\nclaim infeasible\nproof\n";
+    let text = said(model, Format::Lp, log);
+    assert!(text.starts_with("the same"), "{text}");
+    let text = said(model, Format::Lp, &log.replace("q 0 1 1", "q 1 1 0"));
+    assert!(text.starts_with("another"), "{text}");
+}
+
+#[test]
+fn binaries_without_a_set_have_no_further_row() {
+    let model = "Minimize\n obj: x\nSubject To\n r: x + y >= 1\nBounds\n 2 <= x <= 5\n 1 <= y <= 4\nSemi-continuous\n x y\nEnd\n";
+    let log = "carom proof 1\nsense min\ncolumns 4\nc c 0 5 x\nc c 0 4 y\nc i 0 1 -\nc i 0 1 -\nrows 5\n\
+               r 1 inf 2 0 1 1 1 r\nr -inf 0 2 0 1 2 -5 a\nr 0 inf 2 0 1 2 -2 b\nr -inf 0 2 1 1 3 -4 c\n\
+               r 0 inf 2 1 1 3 -1 d\ncones 0\nobjective 0\ng 1 0 1\nh 0\nclaim infeasible\nproof\n";
+    let text = said(model, Format::Lp, log);
+    assert!(text.starts_with("the same"), "{text}");
+    let text = said(model, Format::Lp, &log.replace("rows 5", "rows 6\nr -inf 1 2 2 1 3 1 s"));
+    assert!(text.starts_with("another"), "{text}");
+}
