@@ -5,7 +5,7 @@ use super::affine_form::{AffineForm, combine};
 use crate::hybrid::system::{Halfspace, HybridSystem, NormEntry, NormLimit, SystemRow, Transition};
 use crate::model::{Affine, norm};
 
-/// What a condition of a step is about.
+/// The part of a step that a condition speaks of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Moment {
     /// States and inputs at the start of the step.
@@ -110,7 +110,7 @@ impl<'a> ConditionSet<'a> {
         }
     }
 
-    /// What the factors of states and inputs are, row by row.
+    /// The factors of states and inputs, row by row.
     pub(crate) fn factors(self) -> Vec<&'a [f64]> {
         match self {
             ConditionSet::HalfSpace(own) => vec![&own.normal],
