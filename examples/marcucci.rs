@@ -205,7 +205,7 @@ fn run_with_budget(steps: usize, milliseconds: f64) -> Result<ExitCode, Error> {
     let mut controller = RecedingHorizon::of_model(&model, &start, &state, &force, &mut solver)?
         .with_fallback(regulator)
         .with_check(check);
-    let mut plant = |x: &[f64], next: &Move| -> Result<Vec<f64>, Error> {
+    let mut plant = |x: &[f64], next: &ControlMove| -> Result<Vec<f64>, Error> {
         let after = after(x, next.input[0])?.into_iter().zip(noise.next_value());
         Ok(after.zip(MOST).map(|((x, w), most)| (x + w).clamp(-most, most)).collect())
     };

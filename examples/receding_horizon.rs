@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program, &mut solver)?;
     let mut push = Disturbance::new([0.0..=0.0, -0.02..=0.02], 1);
-    let plant = |state: &[f64], next: &Move| {
+    let plant = |state: &[f64], next: &ControlMove| {
         let run = pendulum.simulate(state, next)?;
         Ok(run.end()?.iter().zip(push.next_value()).map(|(x, w)| x + w).collect())
     };

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use carom::hybrid::Shortest;
+use carom::hybrid::ShortestHorizon;
 
 /// Takes the option out of the arguments. Returns the folder, and the other arguments.
 pub(crate) fn arguments() -> Result<(Option<PathBuf>, Vec<String>), String> {
@@ -18,7 +18,7 @@ pub(crate) fn arguments() -> Result<(Option<PathBuf>, Vec<String>), String> {
 }
 
 /// What was logged of a search, in a line: how many horizons, how much, and which are not.
-pub(crate) fn line<P>(found: &Shortest<P>, folder: &Path) -> String {
+pub(crate) fn line<P>(found: &ShortestHorizon<P>, folder: &Path) -> String {
     let reports = found.proofs.iter().filter(|proof| proof.is_complete());
     let reports: Vec<_> = reports.filter_map(|proof| proof.report).collect();
     let bytes: u64 = reports.iter().map(|report| report.bytes).sum();

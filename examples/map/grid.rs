@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use carom::collision_tolerant::{PlanningOptions, Scenario};
-use carom::hybrid::{Refutation, ShortestOptions, ShortestStatus, Verdict};
+use carom::hybrid::{HorizonRefutation, ShortestOptions, ShortestStatus, HorizonVerdict};
 use carom::prelude::*;
 use carom::sweep::{Sweep, SweepRecord, SweepResults};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -189,14 +189,14 @@ fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> 
     // Only the horizon matters, so impacts are not minimised.
     let options = PlanningOptions::default().with_fewest_impacts(false).with_search(search);
     let shortest = scenario.shortest_plan(&options, &mut BranchAndBound::default())?;
-    let count = |wanted: fn(Refutation) -> bool| {
-        let refuted = |verdict| matches!(verdict, Verdict::Refuted(by) if wanted(by));
+    let count = |wanted: fn(HorizonRefutation) -> bool| {
+        let refuted = |verdict| matches!(verdict, HorizonVerdict::Refuted(by) if wanted(by));
         shortest.attempts.iter().filter(|attempt| refuted(attempt.verdict)).count()
     };
     Ok(Found {
         steps: shortest.steps.filter(|_| shortest.is_found()),
         refuted: count(|_| true),
-        by_sets: count(|by| by == Refutation::Sets),
+        by_sets: count(|by| by == HorizonRefutation::Sets),
         seconds: shortest.time.as_secs_f64(),
         none: matches!(shortest.status, ShortestStatus::NoneWithin { .. }),
     })

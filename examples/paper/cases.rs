@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
-use carom::hybrid::scene::{DamageInterval, DamageRule, IntervalOptions};
-use carom::hybrid::{HorizonEvent, Refutation, Shortest, ShortestOptions, ShortestStatus, Verdict};
+use carom::hybrid::scene::{DamageLimitRange, DamageRule, DamageLimitOptions};
+use carom::hybrid::{HorizonEvent, HorizonRefutation, ShortestHorizon, ShortestOptions, ShortestStatus, HorizonVerdict};
 use carom::prelude::*;
 
 use super::progress::{Bars, Line};
@@ -60,20 +60,20 @@ impl Case {
 }
 
 /// A solved experiment.
-pub(crate) struct Solved {
+pub(crate) struct SolvedHorizon {
     pub(crate) case: Case,
     pub(crate) scenario: Scenario,
-    pub(crate) shortest: Shortest<Plan>,
+    pub(crate) shortest: ShortestHorizon<Plan>,
     /// Limited cases: the limits on the impact speed that make 478 steps the shortest horizon.
-    pub(crate) interval: Option<DamageInterval>,
+    pub(crate) interval: Option<DamageLimitRange>,
     /// Destinations: the same goal without collisions.
-    pub(crate) without: Option<Shortest<Plan>>,
+    pub(crate) without: Option<ShortestHorizon<Plan>>,
 }
 
-impl Solved {
+impl SolvedHorizon {
     /// Whether all of it is proved.
     pub(crate) fn is_done(&self) -> bool {
-        let stopped = |of: &Shortest<Plan>| matches!(of.status, ShortestStatus::Stopped(_));
+        let stopped = |of: &ShortestHorizon<Plan>| matches!(of.status, ShortestStatus::Stopped(_));
         !stopped(&self.shortest) && !self.without.as_ref().is_some_and(stopped)
     }
 
@@ -96,8 +96,8 @@ impl Solved {
     }
 
     /// The number of horizons that were refuted one by one in a certain way.
-    pub(crate) fn refuted_by(&self, way: Refutation) -> usize {
-        let refuted = Verdict::Refuted(way);
+    pub(crate) fn refuted_by(&self, way: HorizonRefutation) -> usize {
+        let refuted = HorizonVerdict::Refuted(way);
         self.shortest.attempts.iter().filter(|attempt| attempt.verdict == refuted).count()
     }
 
@@ -122,7 +122,7 @@ impl Solved {
 pub(crate) fn solve_all(
     interrupt: &Interrupt,
     proofs: Option<&Path>,
-) -> Result<Vec<Solved>, Error> {
+) -> Result<Vec<SolvedHorizon>, Error> {
     let tolerant = |restitution| Case::CollisionTolerant { restitution };
     let mut cases = vec![Case::CollisionFree];
     cases.extend(PAPER_RESTITUTIONS.map(tolerant));
@@ -163,7 +163,7 @@ fn solve(
     interrupt: &Interrupt,
     proofs: Option<&Path>,
     line: &Line,
-) -> Result<Solved, Error> {
+) -> Result<SolvedHorizon, Error> {
     let folder = |what: &str| proofs.map(|folder| folder.join(case.folder()).join(what));
     let mut solver = BranchAndBound::default();
     // For each solve, and once more for its log. Without a log, no solve comes near it.
@@ -176,7 +176,7 @@ fn solve(
         Case::DamageLimited { restitution } => {
             line.say(&format!("{}: which limits give {LIMITED_STEPS} steps?", case.label()));
             let open = paper.with_restitution(restitution)?;
-            let options = IntervalOptions::default().with_interrupt(interrupt);
+            let options = DamageLimitOptions::default().with_interrupt(interrupt);
             let found = open.damage_interval(LIMITED_STEPS, &options, &mut solver)?;
             let limit = found.middle().unwrap_or(found.lower.attained);
             interval = Some(found);
@@ -197,7 +197,7 @@ fn solve(
     };
     solver.options_mut().proof = folder("");
     let shortest = search(&scenario, case.label(), interrupt, &mut solver, line)?;
-    Ok(Solved { case, scenario, shortest, interval, without })
+    Ok(SolvedHorizon { case, scenario, shortest, interval, without })
 }
 
 /// The shortest plan; refuted and open horizons are shown on their own line.
@@ -207,7 +207,7 @@ fn search(
     interrupt: &Interrupt,
     solver: &mut dyn Solver,
     line: &Line,
-) -> Result<Shortest<Plan>, Error> {
+) -> Result<ShortestHorizon<Plan>, Error> {
     let mut horizons = line.search(label, scenario.waiting().is_free());
     let mut show = |event: &HorizonEvent| horizons.note(event);
     let options = ShortestOptions::default().with_interrupt(interrupt);

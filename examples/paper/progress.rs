@@ -1,7 +1,7 @@
 //! Progress on a terminal: a bar for all cases, and a line for each thread with its refuted and
 //! open horizons.
 
-use carom::hybrid::{HorizonEvent, Verdict};
+use carom::hybrid::{HorizonEvent, HorizonVerdict};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 /// The bar and the lines, shown only on a terminal.
@@ -88,8 +88,8 @@ impl Horizons<'_> {
                     self.by_sets += 1;
                 }
                 match attempt.verdict {
-                    Verdict::Feasible => self.feasible = Some(attempt.steps),
-                    Verdict::Refuted(_)
+                    HorizonVerdict::Feasible => self.feasible = Some(attempt.steps),
+                    HorizonVerdict::Refuted(_)
                         if self.waiting_is_free || attempt.steps == self.refuted + 1 =>
                     {
                         self.refuted = self.refuted.max(attempt.steps);

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use carom::collision_tolerant::Plan;
-use carom::hybrid::Refutation;
+use carom::hybrid::HorizonRefutation;
 
-use super::cases::{Case, FURTHER_RESTITUTIONS, LIMITED_STEPS, PAPER_RESTITUTIONS, Solved};
+use super::cases::{Case, FURTHER_RESTITUTIONS, LIMITED_STEPS, PAPER_RESTITUTIONS, SolvedHorizon};
 use super::proofs::line;
 
 /// How much less time one plan takes than another, relative to either time, in percent. The paper's
@@ -23,7 +23,7 @@ impl Saving {
 }
 
 /// Prints the CSV header and one row per case.
-pub(crate) fn print_csv(results: &[Solved]) {
+pub(crate) fn print_csv(results: &[SolvedHorizon]) {
     println!("case,restitution,impact_limit,goal,steps,refuted_steps,time_s,impacts,nodes,seconds");
     for solved in results {
         let (name, restitution, limit) = match solved.case {
@@ -57,7 +57,7 @@ pub(crate) fn print_csv(results: &[Solved]) {
 }
 
 /// Prints what is known after an interrupt: some cases are proved, of some a part.
-pub(crate) fn print_interrupted(results: &[Solved], unfinished: &[Solved]) {
+pub(crate) fn print_interrupted(results: &[SolvedHorizon], unfinished: &[SolvedHorizon]) {
     println!("interrupted: {} cases are proved, {} are not", results.len(), unfinished.len());
     for solved in results.iter().chain(unfinished) {
         println!("  {}: {}", solved.case.label(), solved.shortest);
@@ -65,7 +65,7 @@ pub(crate) fn print_interrupted(results: &[Solved], unfinished: &[Solved]) {
 }
 
 /// Prints Table 3, Table 4 and the destination study, our figures next to the paper's.
-pub(crate) fn print_tables(results: &[Solved]) {
+pub(crate) fn print_tables(results: &[SolvedHorizon]) {
     let find = |case: Case| results.iter().find(|solved| solved.case == case);
     let Some(free) = find(Case::CollisionFree) else { return };
     let baseline = free.seconds();
@@ -76,7 +76,7 @@ pub(crate) fn print_tables(results: &[Solved]) {
             "test", "steps", "refuted", "time", "of baseline", "of own time", "paper"
         );
     };
-    let row = |label: &str, solved: &Solved, paper: &str| {
+    let row = |label: &str, solved: &SolvedHorizon, paper: &str| {
         let saving = Saving::new(baseline, solved.seconds());
         let own = |value: Option<usize>| value.map_or("-".into(), |v: usize| v.to_string());
         println!(
@@ -146,7 +146,7 @@ pub(crate) fn print_tables(results: &[Solved]) {
 }
 
 /// Walls that return more of the speed than the paper's.
-fn print_further(free: &Solved, tolerant: &[Option<&Solved>]) {
+fn print_further(free: &SolvedHorizon, tolerant: &[Option<&SolvedHorizon>]) {
     println!("\nFurther restitutions: where the wall gives back more");
     println!(
         "  {:>5} {:>6} {:>8} {:>9} {:>12} {:>8}",
@@ -166,7 +166,7 @@ fn print_further(free: &Solved, tolerant: &[Option<&Solved>]) {
     }
 }
 
-fn print_destinations(results: &[Solved]) {
+fn print_destinations(results: &[SolvedHorizon]) {
     println!("\nDestinations: collisions considered, but not necessarily pursued (e = 0)");
     println!("  {:>6} {:>12} {:>12} {:>8} {:>8}", "goal", "without", "tolerant", "impacts", "");
     for solved in results {
@@ -187,7 +187,7 @@ fn print_destinations(results: &[Solved]) {
 }
 
 /// How each of the shorter horizons was refuted.
-fn print_proofs(results: &[Solved]) {
+fn print_proofs(results: &[SolvedHorizon]) {
     println!("\nProofs: the shorter horizons, by what refuted them");
     println!(
         "  {:<28} {:>8} {:>8} {:>12} {:>11} {:>8} {:>9}",
@@ -198,9 +198,9 @@ fn print_proofs(results: &[Solved]) {
             "  {:<28} {:>8} {:>8} {:>12} {:>11} {:>8} {:>6.0} ms",
             solved.case.label(),
             solved.shortest.refuted_steps.map_or("-".into(), |steps| steps.to_string()),
-            solved.refuted_by(Refutation::Sets),
-            solved.refuted_by(Refutation::Propagation),
-            solved.refuted_by(Refutation::Relaxation),
+            solved.refuted_by(HorizonRefutation::Sets),
+            solved.refuted_by(HorizonRefutation::Propagation),
+            solved.refuted_by(HorizonRefutation::Relaxation),
             solved.solves(),
             1e3 * solved.shortest.time.as_secs_f64(),
         );
@@ -209,7 +209,7 @@ fn print_proofs(results: &[Solved]) {
 }
 
 /// What was logged of each search.
-pub(crate) fn print_logs(results: &[Solved], folder: &Path) {
+pub(crate) fn print_logs(results: &[SolvedHorizon], folder: &Path) {
     println!("Logs of every shorter horizon and of the plan, for `carom-proof check`:");
     for solved in results {
         let folder = folder.join(solved.case.folder());
@@ -221,7 +221,7 @@ pub(crate) fn print_logs(results: &[Solved], folder: &Path) {
     println!();
 }
 
-fn print_replays(results: &[Solved]) {
+fn print_replays(results: &[SolvedHorizon]) {
     let plans = || results.iter().filter_map(|solved| solved.shortest.plan.as_ref());
     let worst = |value: fn(&Plan) -> f64| plans().map(value).fold(0.0, f64::max);
     println!(

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use carom::collision_tolerant::{Plan, Trajectory};
-use carom::hybrid::Shortest;
+use carom::hybrid::ShortestHorizon;
 use carom::hybrid::reach::{ReachSet, Tube};
 use carom::interval::Interval;
 use carom::picture::{COLOURS, Chart};
@@ -28,7 +28,7 @@ const IMPACT: &str = COLOURS[1];
 
 /// Writes the picture into a folder, if there is a tube and a plan.
 pub(crate) fn write(
-    shortest: &Shortest<Plan>,
+    shortest: &ShortestHorizon<Plan>,
     folder: &Path,
 ) -> Result<Option<PathBuf>, Box<dyn Error>> {
     let (Some(tube), Some(plan)) = (&shortest.tube, &shortest.plan) else { return Ok(None) };

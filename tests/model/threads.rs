@@ -4,7 +4,7 @@ use carom::collision_tolerant::{Plan, Scenario};
 use carom::explain::Explanation;
 use carom::hybrid::HybridSystem;
 use carom::hybrid::reach::ReachSets;
-use carom::hybrid::{Contact, LinearSystem, Shortest};
+use carom::hybrid::{Contact, LinearSystem, ShortestHorizon};
 use carom::prelude::*;
 use carom::reformulate::{BigMReport, Lowered};
 use carom::solution::Pool;
@@ -31,7 +31,7 @@ const _: fn() = || {
     shared::<ReachSets>();
     shared::<Scenario>();
     shared::<Plan>();
-    shared::<Shortest<Plan>>();
+    shared::<ShortestHorizon<Plan>>();
 };
 
 /// A model that two threads solve at once, and a solution that they both read.

@@ -1,7 +1,7 @@
 //! Searches for a shortest horizon that are interrupted.
 
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, ShortestOptions, ShortestStatus, Verdict, Waiting,
+    HorizonEvent, HorizonModel, ShortestOptions, ShortestStatus, HorizonVerdict, Monotonicity,
     shortest_horizon, shortest_horizon_with,
 };
 use carom::prelude::*;
@@ -44,10 +44,10 @@ impl HorizonModel for Stubborn {
         Ok(model)
     }
 
-    fn waiting(&self) -> Waiting {
+    fn waiting(&self) -> Monotonicity {
         match self.waits {
-            true => Waiting::Free("it is a test".into()),
-            false => Waiting::NotFree("it is a test".into()),
+            true => Monotonicity::Free("it is a test".into()),
+            false => Monotonicity::NotFree("it is a test".into()),
         }
     }
 }
@@ -71,7 +71,7 @@ fn interrupted(
     let found = shortest_horizon_with(&own, &options, &mut solver, &mut stop).unwrap();
     assert_eq!(found.plan.is_some(), found.steps.is_some());
     assert!(found.plan.iter().all(|plan| plan.solution.point().is_some()));
-    let open = found.attempts.iter().filter(|a| matches!(a.verdict, Verdict::Undecided(_)));
+    let open = found.attempts.iter().filter(|a| matches!(a.verdict, HorizonVerdict::Undecided(_)));
     let tried = open.map(|attempt| attempt.steps).collect();
     (found.steps, found.refuted_steps, found.status, tried)
 }
@@ -118,10 +118,10 @@ fn looks_change_no_answer() {
             Ok(model)
         }
 
-        fn waiting(&self) -> Waiting {
+        fn waiting(&self) -> Monotonicity {
             match self.0 {
-                true => Waiting::Free("it is a test".into()),
-                false => Waiting::NotFree("it is a test".into()),
+                true => Monotonicity::Free("it is a test".into()),
+                false => Monotonicity::NotFree("it is a test".into()),
             }
         }
     }

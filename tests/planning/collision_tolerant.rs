@@ -2,8 +2,8 @@
 
 use carom::ErrorKind;
 use carom::collision_tolerant::{Collisions, Endpoint, Objective, Plan, PlanningOptions, Scenario};
-use carom::hybrid::scene::{DamageMeasure, DamageRule, IntervalOptions};
-use carom::hybrid::{ContactLaw, ImpactEstimate, ShortestOptions, ShortestStatus, Verdict, Wall};
+use carom::hybrid::scene::{DamageMeasure, DamageRule, DamageLimitOptions};
+use carom::hybrid::{ContactLaw, ImpactEstimate, ShortestOptions, ShortestStatus, HorizonVerdict, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -26,7 +26,7 @@ fn shortest(scenario: &Scenario) -> (usize, usize) {
     let steps = found.steps.unwrap();
     assert_eq!(found.refuted_steps, Some(steps - 1));
     let neighbour = found.attempts.iter().find(|attempt| attempt.steps == steps - 1);
-    assert!(matches!(neighbour.unwrap().verdict, Verdict::Refuted(_)), "refuted, not assumed");
+    assert!(matches!(neighbour.unwrap().verdict, HorizonVerdict::Refuted(_)), "refuted, not assumed");
     let plan = found.plan.expect("a found horizon has a plan");
     assert!(plan.certificate.verification.holds());
     assert!(plan.certificate.replay.drift <= 1e-6);
@@ -70,7 +70,7 @@ fn the_literal_law_never_pays_off() {
 #[test]
 fn the_damage_limit_of_table_4_is_an_interval() {
     let interval =
-        Scenario::paper().damage_interval(478, &IntervalOptions::default(), &mut solver()).unwrap();
+        Scenario::paper().damage_interval(478, &DamageLimitOptions::default(), &mut solver()).unwrap();
     assert_eq!(interval.stopped, None);
     assert!(interval.lower.resolution() <= 1.01e-3 && interval.upper.resolution() <= 1.01e-3);
     assert!((interval.lower.attained - 6.1709).abs() < 2e-3, "{interval:?}");
@@ -87,7 +87,7 @@ fn the_damage_limit_of_table_4_is_an_interval() {
 #[test]
 fn minimising_the_largest_damage_agrees_with_the_interval() {
     let scenario = Scenario::paper().with_time_step(0.05);
-    let options = IntervalOptions::default();
+    let options = DamageLimitOptions::default();
     let interval = scenario.damage_interval(49, &options, &mut solver()).unwrap();
     for (steps, end) in [(49, interval.lower), (48, interval.upper)] {
         let plan = scenario.plan(steps, Objective::LargestDamage, &mut solver()).unwrap();
@@ -182,7 +182,7 @@ fn without_waiting_every_smaller_horizon_is_refuted() {
     let tried: Vec<usize> = found.attempts.iter().map(|attempt| attempt.steps).collect();
     assert_eq!(tried, (1..=steps).collect::<Vec<_>>());
 
-    let error = scenario.damage_interval(steps, &IntervalOptions::default(), &mut solver());
+    let error = scenario.damage_interval(steps, &DamageLimitOptions::default(), &mut solver());
     let text = error.unwrap_err().to_string();
     assert!(text.starts_with("the scene has no damage interval: its shortest horizon"), "{text}");
 }
@@ -288,7 +288,7 @@ fn interrupts_and_limits_are_answers() {
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
     assert!(found.plan.is_none() && found.refuted_steps.is_none());
 
-    let options = IntervalOptions::default().with_interrupt(&interrupt);
+    let options = DamageLimitOptions::default().with_interrupt(&interrupt);
     let interval = Scenario::paper().damage_interval(478, &options, &mut solver()).unwrap();
     assert_eq!(interval.stopped, Some(Termination::Interrupted));
     assert_eq!(interval.middle(), None);
@@ -420,7 +420,7 @@ fn scenarios_that_contradict_themselves_are_refused() {
         assert!(scenario.plan(10, Objective::Effort, &mut solver()).is_err());
         let options = PlanningOptions::default();
         assert!(scenario.shortest_plan(&options, &mut solver()).is_err());
-        let options = IntervalOptions::default();
+        let options = DamageLimitOptions::default();
         assert!(scenario.damage_interval(10, &options, &mut solver()).is_err());
     }
 }
@@ -437,7 +437,7 @@ fn horizons_and_resolutions_out_of_range_are_refused() {
     }
     let free = paper.clone().collision_free();
     assert_eq!(free.collisions, Collisions::Forbidden);
-    let options = IntervalOptions::default();
+    let options = DamageLimitOptions::default();
     assert!(free.damage_interval(478, &options, &mut solver()).is_err());
     let fine = options.with_resolution(1e-9);
     assert_eq!(

@@ -8,7 +8,7 @@ use carom::ErrorKind;
 use carom::collision_tolerant::{Endpoint, Objective, Plan, PlanningOptions, Scenario, Trajectory};
 use carom::explain::{ExplainOptions, infeasibility};
 use carom::hybrid::scene::SceneError;
-use carom::hybrid::{ContactLaw, Region, RunError, Shortest, ShortestOptions, Wall};
+use carom::hybrid::{ContactLaw, Region, RunError, ShortestHorizon, ShortestOptions, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom_hybrid::internals::Halfspace;
@@ -22,7 +22,7 @@ fn coarse() -> Scenario {
     Scenario::paper().with_time_step(0.1)
 }
 
-fn search(scenario: &Scenario, sets: bool) -> Shortest<Plan> {
+fn search(scenario: &Scenario, sets: bool) -> ShortestHorizon<Plan> {
     let search = ShortestOptions::default().with_max_steps(60).with_reach_sets(sets);
     let options = PlanningOptions::default().with_search(search).with_fewest_impacts(false);
     scenario.shortest_plan(&options, &mut solver()).unwrap()

@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::common::config;
 use carom::hybrid::{
     Contact, ContactLaw, HorizonEvent, HorizonModel, HybridRun, HybridSystem, LinearSystem, Matrix,
-    Refutation, Restitution, ShortestOptions, ShortestStatus, Verdict, Waiting, Wall,
+    HorizonRefutation, Restitution, ShortestOptions, ShortestStatus, HorizonVerdict, Monotonicity, Wall,
     shortest_horizon, shortest_horizon_with,
 };
 use carom::interval::Interval;
@@ -347,18 +347,18 @@ fn restitution_outside_its_range_is_refused() {
 
 /// Programs whose feasibility is told to a scripted solver by their names.
 struct Scripted {
-    waiting: Waiting,
+    waiting: Monotonicity,
     lower_hint: usize,
     upper_hint: Option<usize>,
 }
 
 impl Scripted {
     fn free() -> Self {
-        Scripted { waiting: Waiting::Free("test".into()), lower_hint: 1, upper_hint: None }
+        Scripted { waiting: Monotonicity::Free("test".into()), lower_hint: 1, upper_hint: None }
     }
 
     fn not_free() -> Self {
-        Scripted { waiting: Waiting::NotFree("test".into()), ..Scripted::free() }
+        Scripted { waiting: Monotonicity::NotFree("test".into()), ..Scripted::free() }
     }
 }
 
@@ -371,7 +371,7 @@ impl HorizonModel for Scripted {
         Ok(model)
     }
 
-    fn waiting(&self) -> Waiting {
+    fn waiting(&self) -> Monotonicity {
         self.waiting.clone()
     }
 
@@ -463,8 +463,8 @@ fn without_free_waiting_every_smaller_horizon_is_refuted() {
     assert_eq!((found.steps, found.refuted_steps), (Some(6), Some(5)));
     assert_eq!(*solver.asked.borrow(), [1, 2, 3, 4, 5, 6]);
     let refutations: Vec<_> = found.refutations().map(|a| (a.steps, a.verdict)).collect();
-    assert_eq!(refutations[0], (1, Verdict::Refuted(Refutation::Relaxation)));
-    assert_eq!(refutations[1], (2, Verdict::Refuted(Refutation::Propagation)));
+    assert_eq!(refutations[0], (1, HorizonVerdict::Refuted(HorizonRefutation::Relaxation)));
+    assert_eq!(refutations[1], (2, HorizonVerdict::Refuted(HorizonRefutation::Propagation)));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Disturbance, HybridProgram, HybridSystem, LinearSystem, Lqr, Move, MoveSource, RecedingHorizon,
+    Disturbance, HybridProgram, HybridSystem, LinearSystem, Lqr, ControlMove, MoveSource, RecedingHorizon,
     Region, State, TerminalOptions, TerminalSet, When,
 };
 use carom::interval::Interval;
@@ -38,7 +38,7 @@ fn program(steps: usize) -> Result<HybridProgram, Error> {
     Ok(program)
 }
 
-fn plant(state: &[f64], next: &Move) -> Result<Vec<f64>, Error> {
+fn plant(state: &[f64], next: &ControlMove) -> Result<Vec<f64>, Error> {
     Ok(cart().system.simulate(state, &[&next.input])?.last().to_vec())
 }
 
@@ -48,7 +48,7 @@ fn every_plan_costs_what_a_cold_one_does() {
     let mut push = Disturbance::new(vec![Interval::new(-0.02, 0.02); 2], 3);
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program.clone(), &mut solver).unwrap();
-    let disturbed = |state: &[f64], next: &Move| {
+    let disturbed = |state: &[f64], next: &ControlMove| {
         let after = plant(state, next)?;
         Ok(after.iter().zip(push.next_value()).map(|(x, w)| (x + w).clamp(-1.9, 1.9)).collect())
     };
@@ -187,7 +187,7 @@ fn a_model_of_ones_own_is_controlled() {
     let mut solver = BranchAndBound::default();
     let mut controller =
         RecedingHorizon::of_model(&model, &[measured], &[level], &[open], &mut solver).unwrap();
-    let tank = |state: &[f64], next: &Move| Ok(vec![state[0] + 1.5 * next.input[0] - 1.0]);
+    let tank = |state: &[f64], next: &ControlMove| Ok(vec![state[0] + 1.5 * next.input[0] - 1.0]);
     let run = controller.run(&[7.0], 12, tank).unwrap();
     assert!((run.states[12][0] - 4.0).abs() < 1.5, "{:?}", run.states);
     let mut solver = BranchAndBound::default();

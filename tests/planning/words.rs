@@ -7,7 +7,7 @@ use std::time::Duration;
 use carom::ErrorKind;
 use carom::explain::{ExplainOptions, infeasibility};
 use carom::hybrid::scene::ScenePlan;
-use carom::hybrid::{Feedback, Mission, Refutation, RobustError, Verdict};
+use carom::hybrid::{Feedback, Mission, HorizonRefutation, RobustError, HorizonVerdict};
 use carom::prelude::*;
 
 fn solver() -> BranchAndBound {
@@ -210,14 +210,14 @@ fn searches_tell_what_they_do() {
 
 #[test]
 fn verdicts_and_limits_are_words() {
-    let words = |verdict: Verdict| verdict.to_string();
-    assert_eq!(words(Verdict::Refuted(Refutation::Sets)), "refuted by reach sets");
+    let words = |verdict: HorizonVerdict| verdict.to_string();
+    assert_eq!(words(HorizonVerdict::Refuted(HorizonRefutation::Sets)), "refuted by reach sets");
     assert_eq!(
-        words(Verdict::Undecided(Termination::TimeLimit)),
+        words(HorizonVerdict::Undecided(Termination::TimeLimit)),
         "open (time limit of this solve)"
     );
     assert_eq!(
-        words(Verdict::NotAsGuessed),
+        words(HorizonVerdict::NotAsGuessed),
         "no plan with the modes of a coarser one, which says nothing about others"
     );
     let (cart, p, v, _) = cart();
@@ -249,8 +249,8 @@ fn no_attempt_is_undecided_because_it_is_infeasible() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
     for attempt in &found.attempts {
-        assert_ne!(attempt.verdict, Verdict::Undecided(Termination::Infeasible));
-        assert!(!attempt.restricted || !matches!(attempt.verdict, Verdict::Undecided(_)));
+        assert_ne!(attempt.verdict, HorizonVerdict::Undecided(Termination::Infeasible));
+        assert!(!attempt.restricted || !matches!(attempt.verdict, HorizonVerdict::Undecided(_)));
     }
 }
 
@@ -391,7 +391,7 @@ fn a_corner_that_is_not_planned_is_named() {
         .with_body(puck([0.4, 0.4, -4.0, -4.0]))
         .with_room("cushion", &table, cushion);
     let options = ShortestOptions::default().with_max_steps(12);
-    let plan = |scene: &Scene| -> Shortest<ScenePlan> {
+    let plan = |scene: &Scene| -> ShortestHorizon<ScenePlan> {
         scene.shortest_plan(&options, &mut solver()).unwrap()
     };
     let found = plan(&scene);

@@ -1,7 +1,7 @@
 //! What the page shows.
 
 use carom::collision_tolerant::{Plan, Trajectory};
-use carom::hybrid::Shortest;
+use carom::hybrid::ShortestHorizon;
 use carom::hybrid::reach::{ReachSet, Tube};
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ impl Answer {
     }
 
     /// The answer to a task.
-    pub fn new(task: &Task, free: &Shortest<Plan>, tolerant: &Shortest<Plan>) -> Self {
+    pub fn new(task: &Task, free: &ShortestHorizon<Plan>, tolerant: &ShortestHorizon<Plan>) -> Self {
         let [slow, fast] = [free, tolerant].map(|found| finding(task, found));
         Answer {
             free: Some(Side::new(free, &slow)),
@@ -89,17 +89,17 @@ struct Sets {
     to_go: Vec<[f64; 2]>,
 }
 
-fn finding<'a>(task: &Task, found: &'a Shortest<Plan>) -> Finding<'a> {
+fn finding<'a>(task: &Task, found: &'a ShortestHorizon<Plan>) -> Finding<'a> {
     Finding::new(found, |plan| &plan.certificate.replay, task.time_step)
 }
 
 impl Side {
     /// The answer of one search.
-    pub fn of(task: &Task, found: &Shortest<Plan>) -> Self {
+    pub fn of(task: &Task, found: &ShortestHorizon<Plan>) -> Self {
         Side::new(found, &finding(task, found))
     }
 
-    fn new(plan: &Shortest<Plan>, finding: &Finding<'_>) -> Self {
+    fn new(plan: &ShortestHorizon<Plan>, finding: &Finding<'_>) -> Self {
         let trajectory = plan.plan.as_ref().map(|plan| &plan.trajectory);
         let sets = trajectory.zip(plan.tube.as_ref()).map(|(path, tube)| sets(tube, path));
         Side {

@@ -16,7 +16,7 @@ mod task;
 mod wall;
 mod words;
 
-use carom::hybrid::{Shortest, ShortestOptions, ShortestStatus};
+use carom::hybrid::{ShortestHorizon, ShortestOptions, ShortestStatus};
 use serde::Serialize;
 use std::time::Duration;
 use wasm_bindgen::prelude::*;
@@ -109,7 +109,7 @@ fn text(answer: &impl Serialize) -> String {
 }
 
 /// Why a search found that there is no plan at all.
-fn refuted<P>(found: &Shortest<P>) -> Option<String> {
+fn refuted<P>(found: &ShortestHorizon<P>) -> Option<String> {
     let ShortestStatus::NoneWithin { max_steps } = found.status else { return None };
     let reason = found.sets.clone()?.explain_within(max_steps, QUICK).ok()??;
     Some(words::sentence(&reason.to_string()))

@@ -1,6 +1,6 @@
 //! What the page is told while a search runs.
 
-use carom::hybrid::{HorizonEvent, Verdict};
+use carom::hybrid::{HorizonEvent, HorizonVerdict};
 use serde::Serialize;
 
 /// Receives news as JSON.
@@ -24,7 +24,7 @@ pub fn refuted<'a>(side: &'a str, tell: &'a mut Tell<'_>) -> impl FnMut(&Horizon
         let refuted = match event {
             HorizonEvent::Started { refuted, .. } => *refuted,
             HorizonEvent::Decided(attempt) => match attempt.verdict {
-                Verdict::Refuted(_) if attempt.steps == told + 1 => attempt.steps,
+                HorizonVerdict::Refuted(_) if attempt.steps == told + 1 => attempt.steps,
                 _ => return,
             },
             _ => return,

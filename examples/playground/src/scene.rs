@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use carom::Error;
-use carom::hybrid::Shortest;
+use carom::hybrid::ShortestHorizon;
 use carom::hybrid::reach::ReachSets;
 use carom::hybrid::scene::{Scene, ScenePlan};
 use carom::model::mps;
@@ -58,7 +58,7 @@ fn plan(
     side: &str,
     options: &ShortestOptions,
     tell: &mut Tell<'_>,
-) -> Result<Shortest<ScenePlan>, Error> {
+) -> Result<ShortestHorizon<ScenePlan>, Error> {
     let mut progress = progress::refuted(side, tell);
     let mut solver = BranchAndBound::default();
     scene.shortest_plan_with(options, &mut solver, &mut progress)

@@ -1,6 +1,6 @@
 //! What the page shows of a scene.
 
-use carom::hybrid::Shortest;
+use carom::hybrid::ShortestHorizon;
 use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan};
 use serde::Serialize;
 
@@ -82,8 +82,8 @@ impl SceneAnswer {
     /// * `shorter`: the search with collisions for a shorter plan; `None` if there can be none.
     pub fn new(
         task: &SceneTask,
-        free: &Shortest<ScenePlan>,
-        shorter: Option<&Shortest<ScenePlan>>,
+        free: &ShortestHorizon<ScenePlan>,
+        shorter: Option<&ShortestHorizon<ScenePlan>>,
     ) -> Self {
         let careful = finding(task, free);
         let bold = match shorter {
@@ -100,13 +100,13 @@ impl SceneAnswer {
     }
 }
 
-fn finding<'a>(task: &SceneTask, found: &'a Shortest<ScenePlan>) -> Finding<'a> {
+fn finding<'a>(task: &SceneTask, found: &'a ShortestHorizon<ScenePlan>) -> Finding<'a> {
     Finding::new(found, |plan: &ScenePlan| &plan.certificate, task.time_step)
 }
 
 impl Side {
     /// The answer of one search.
-    pub fn of(task: &SceneTask, found: &Shortest<ScenePlan>) -> Self {
+    pub fn of(task: &SceneTask, found: &ShortestHorizon<ScenePlan>) -> Self {
         Side::new(found.plan.as_ref(), &finding(task, found))
     }
 

@@ -2,7 +2,7 @@
 
 use carom::Error;
 use carom::collision_tolerant::{Objective, Plan, PlanningOptions, Scenario};
-use carom::hybrid::Shortest;
+use carom::hybrid::ShortestHorizon;
 use carom::model::mps;
 use carom::prelude::*;
 use carom::reformulate::lower;
@@ -42,7 +42,7 @@ fn plan(
     side: &str,
     options: &PlanningOptions,
     tell: &mut Tell<'_>,
-) -> Result<Shortest<Plan>, Error> {
+) -> Result<ShortestHorizon<Plan>, Error> {
     let mut progress = progress::refuted(side, tell);
     scenario.shortest_plan_with(options, &mut BranchAndBound::default(), &mut progress)
 }

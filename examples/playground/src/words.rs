@@ -1,7 +1,7 @@
 //! Answers in words.
 
 use carom::hybrid::scene::SceneCertificate;
-use carom::hybrid::{Attempt, Refutation, Shortest, ShortestStatus, Verdict};
+use carom::hybrid::{HorizonAttempt, HorizonRefutation, ShortestHorizon, ShortestStatus, HorizonVerdict};
 
 /// What a search for the shortest plan found out.
 pub struct Finding<'a> {
@@ -10,7 +10,7 @@ pub struct Finding<'a> {
     pub steps: Option<usize>,
     /// Every horizon up to this one is impossible, in steps.
     pub refuted: Option<usize>,
-    attempts: &'a [Attempt],
+    attempts: &'a [HorizonAttempt],
     /// How far the replayed plan is from the plan, in m.
     replay: Option<f64>,
     /// How far the plan is from continuous motion, in m; in scenes, in a step with a hit.
@@ -21,7 +21,7 @@ pub struct Finding<'a> {
 impl<'a> Finding<'a> {
     /// The shortest plan, beside a wall or of a scene, with its replay.
     pub fn new<P>(
-        found: &'a Shortest<P>,
+        found: &'a ShortestHorizon<P>,
         replay: impl Fn(&P) -> &SceneCertificate,
         time_step: f64,
     ) -> Self {
@@ -163,11 +163,11 @@ pub fn proof(found: &Finding<'_>) -> String {
 /// By what the horizons were refuted.
 fn how(found: &Finding<'_>) -> String {
     let by = |way| {
-        let refuted = Verdict::Refuted(way);
+        let refuted = HorizonVerdict::Refuted(way);
         found.attempts.iter().filter(|attempt| attempt.verdict == refuted).count()
     };
     let (sets, solves) =
-        (by(Refutation::Sets), by(Refutation::Propagation) + by(Refutation::Relaxation));
+        (by(HorizonRefutation::Sets), by(HorizonRefutation::Propagation) + by(HorizonRefutation::Relaxation));
     match (sets, solves) {
         (0, 0) => String::new(),
         (_, 0) => ": reach sets exclude them all, without solving a program".into(),

@@ -3,7 +3,7 @@
 use carom::ErrorKind;
 use carom::hybrid::{
     HybridRun, HybridSystem, LinearSystem, Region, ShortestOptions, ShortestStatus, State,
-    TimeStepGrid, Waiting, least_time_step,
+    TimeStepGrid, Monotonicity, least_time_step,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -208,7 +208,7 @@ fn the_elevator_takes_72_steps() {
     assert!(found.is_found());
     assert_eq!(found.steps, Some(72));
     let expected = "the start is held by `low gear` with u = 0, and nothing depends on the step";
-    assert_eq!(found.waiting, Waiting::Free(expected.into()));
+    assert_eq!(found.waiting, Monotonicity::Free(expected.into()));
     let run = found.plan.unwrap().run;
     assert!((run.state("x").unwrap()[72] - 12.0).abs() < 1e-6);
     replayed(&elevator(), &run);
@@ -226,7 +226,7 @@ fn waiting_is_free_only_with_an_argument() {
     let region = Region::from([Interval::new(1.0, 2.0), Interval::point(0.0)]);
     let fixed = why(&elevator, &region, &Region::point([3.0, 1.0]));
     let expected = "the start is not a single state; the goal cannot be held";
-    assert_eq!(fixed, Waiting::NotFree(expected.into()));
+    assert_eq!(fixed, Monotonicity::NotFree(expected.into()));
     // Outside its domain nothing is held.
     assert!(!why(&elevator, &rest(16.0), &rest(-1.0)).is_free());
     // A limit by step.

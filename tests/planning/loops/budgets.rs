@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use carom::hybrid::{HybridProgram, HybridSystem, Move, MoveSource, RecedingHorizon, State};
+use carom::hybrid::{HybridProgram, HybridSystem, ControlMove, MoveSource, RecedingHorizon, State};
 use carom::prelude::*;
 use carom::solver::Prepared;
 
@@ -83,7 +83,7 @@ fn program() -> Result<HybridProgram, Error> {
     Ok(program)
 }
 
-fn plant(state: &[f64], next: &Move) -> Result<Vec<f64>, Error> {
+fn plant(state: &[f64], next: &ControlMove) -> Result<Vec<f64>, Error> {
     let after = cart().system.simulate(state, &[&next.input])?;
     Ok(after.last().iter().map(|x| x + 0.01 * (x * 1e3).sin()).collect())
 }

@@ -149,7 +149,7 @@ fn loops_hand_out_allowed_values() {
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
     let mut push = Disturbance::new([-0.1..=0.1], 5);
-    let plant = |state: &[f64], next: &Move| {
+    let plant = |state: &[f64], next: &ControlMove| {
         assert!(next.input[0] == 0.0 || next.input[0] == 1.0, "{next:?}");
         Ok(vec![tank.simulate(state, next)?.end()?[0] + push.next_value()[0]])
     };

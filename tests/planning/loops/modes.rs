@@ -38,7 +38,7 @@ fn a_plant_that_takes_the_whole_move_does_what_the_plan_chose() {
         let (tank, program) = towards_2(names);
         let mut solver = BranchAndBound::default();
         let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
-        let plant = |state: &[f64], next: &Move| tank.simulate(state, next)?.end();
+        let plant = |state: &[f64], next: &ControlMove| tank.simulate(state, next)?.end();
         let run = controller.run(&[8.0], 10, plant).unwrap();
         let expected = [8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 2.0, 2.0, 2.0, 2.0];
         assert!(run.states.iter().zip(expected).all(|(x, at)| (x[0] - at).abs() < 1e-6), "{run}");
@@ -58,7 +58,7 @@ fn a_plant_that_is_told_the_input_alone_is_an_error_that_keeps_the_record() {
         let mut solver = BranchAndBound::default();
         let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
         // The first two steps with the move, then without.
-        let plant = |state: &[f64], next: &Move| match next.step {
+        let plant = |state: &[f64], next: &ControlMove| match next.step {
             0 | 1 => tank.simulate(state, next)?.end(),
             _ => tank.simulate(state, &[&next.input])?.end(),
         };
@@ -183,7 +183,7 @@ fn dwell_times_hold_over_the_steps_of_a_loop() {
         assert_eq!(run.count(MoveSource::Optimal), 24);
     };
     let (room, program) = comfortable(7);
-    let plant = |state: &[f64], next: &Move| room.simulate(state, next)?.end();
+    let plant = |state: &[f64], next: &ControlMove| room.simulate(state, next)?.end();
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
     controller.set_memory(Memory::default().with_mode("heater", "off", 7));
@@ -205,7 +205,7 @@ fn dwell_times_hold_over_the_steps_of_a_loop() {
         };
         let mut solver = BranchAndBound::default();
         let mut controller = RecedingHorizon::moving(build, &mut solver);
-        let plant = |state: &[f64], next: &Move| {
+        let plant = |state: &[f64], next: &ControlMove| {
             now.set(next.mode("heater") == Some("on"));
             room.simulate(state, next)?.end()
         };
@@ -346,7 +346,7 @@ fn events_are_counted_over_the_loop() {
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
     controller.set_memory(Memory::default().with_mode("heater", "off", 9));
-    let plant = |state: &[f64], next: &Move| room.simulate(state, next)?.end();
+    let plant = |state: &[f64], next: &ControlMove| room.simulate(state, next)?.end();
     let run = controller.run(&[17.0], 20, plant).unwrap();
     let modes: Vec<&str> = run.moves.iter().filter_map(|next| next.mode("heater")).collect();
     let switches = modes.windows(2).filter(|pair| pair[0] != pair[1]).count();
@@ -360,7 +360,7 @@ fn a_loop_recovers_from_a_jump_out_of_hard_limits() {
         let (tank, program) = towards_2(names);
         let mut solver = BranchAndBound::default();
         let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
-        let plant = |state: &[f64], next: &Move| {
+        let plant = |state: &[f64], next: &ControlMove| {
             let after = tank.simulate(state, next)?.end()?;
             Ok(vec![after[0] + if next.step == 2 { 9.0 } else { 0.0 }])
         };
@@ -376,7 +376,7 @@ fn a_loop_recovers_from_a_jump_out_of_hard_limits() {
     let (tank, program) = towards_2(ORDERS[0]);
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
-    let plant = |state: &[f64], next: &Move| tank.simulate(state, next)?.end();
+    let plant = |state: &[f64], next: &ControlMove| tank.simulate(state, next)?.end();
     let run = controller.run(&[13.5], 14, plant).unwrap();
     assert_eq!(run.count(MoveSource::Recovery), 4, "{run}");
     assert!(run.moves[..4].iter().all(|next| next.is_admissible == Some(false)));
@@ -392,7 +392,7 @@ fn a_loop_recovers_from_a_jump_out_of_hard_limits() {
     program.minimize(program.sum(x.square() + v.square() + 0.1 * a.square()).unwrap()).unwrap();
     let mut other = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program, &mut other).unwrap();
-    let plant = |state: &[f64], next: &Move| {
+    let plant = |state: &[f64], next: &ControlMove| {
         let after = cart.simulate(state, next)?.end()?;
         let push = if next.step == 1 { 2.0 } else { 0.0 };
         Ok(vec![after[0] + push, after[1]])

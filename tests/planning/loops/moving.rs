@@ -3,7 +3,7 @@
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    HybridProgram, HybridSystem, LinearSystem, Move, MoveSource, RecedingHorizon, Schedule, State,
+    HybridProgram, HybridSystem, LinearSystem, ControlMove, MoveSource, RecedingHorizon, Schedule, State,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -56,7 +56,7 @@ fn a_limit_from_a_step_on_is_met_when_its_time_comes() {
     let build = |step: usize| cart.program(step, 8);
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
-    let plant = |state: &[f64], next: &Move| {
+    let plant = |state: &[f64], next: &ControlMove| {
         let now = system.from_step(next.step);
         Ok(now.simulate(state, &[&next.input])?.last().to_vec())
     };
@@ -86,7 +86,7 @@ fn a_reference_by_step_is_followed() {
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
     let plant =
-        |state: &[f64], next: &Move| Ok(system.simulate(state, &[&next.input])?.last().to_vec());
+        |state: &[f64], next: &ControlMove| Ok(system.simulate(state, &[&next.input])?.last().to_vec());
     let run = controller.run(&[0.0, 0.5 / H], 24, plant).unwrap();
     for (state, place) in run.states.iter().zip(&course).skip(3) {
         assert!((state[0] - place).abs() < 0.2, "{state:?}, {place:?}");
@@ -111,7 +111,7 @@ fn a_price_by_step_is_paid_when_it_is_low() {
     };
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
-    let plant = |state: &[f64], next: &Move| Ok(vec![state[0] + next.input[0] - 1.0]);
+    let plant = |state: &[f64], next: &ControlMove| Ok(vec![state[0] + next.input[0] - 1.0]);
     let run = controller.run(&[3.0], 20, plant).unwrap();
     for (k, next) in run.moves.iter().enumerate() {
         assert!(price(k) < 5.0 || next.input[0] < 1e-6, "{k}: {:?}", next.input);
@@ -148,7 +148,7 @@ fn a_course_by_step_is_avoided_where_it_is() {
     let mut controller = RecedingHorizon::moving(build, &mut solver);
     let system = scene.hybrid_system().unwrap();
     let start = [0.5, 0.5, 0.0, 0.0];
-    let plant = |state: &[f64], next: &Move| {
+    let plant = |state: &[f64], next: &ControlMove| {
         let now = system.from_step(next.step);
         Ok(now.simulate(state, &[&next.input])?.last().to_vec())
     };
@@ -191,7 +191,7 @@ fn forecasts_move_with_the_loop() {
         })
         .unwrap();
     let plant =
-        |state: &[f64], next: &Move| Ok(system.simulate(state, &[&next.input])?.last().to_vec());
+        |state: &[f64], next: &ControlMove| Ok(system.simulate(state, &[&next.input])?.last().to_vec());
     let run = controller.run(&[0.0, 0.0], 16, plant).unwrap();
     assert_eq!(run.count(MoveSource::Optimal), 16);
     drop(controller);

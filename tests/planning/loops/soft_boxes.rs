@@ -1,7 +1,7 @@
 //! A controller among boxes that may be entered at a price, with noise and hardly any nodes, from a
 //! cold start.
 
-use carom::hybrid::{Disturbance, Move, RecedingHorizon};
+use carom::hybrid::{Disturbance, ControlMove, RecedingHorizon};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -106,7 +106,7 @@ fn a_controller_with_a_budget_of_a_node_has_plans_from_a_cold_start() {
         RecedingHorizon::of_model(&own.model, &own.measured, &own.states, &own.inputs, &mut solver);
     let mut controller = controller.unwrap().with_excess(depth);
     let mut noise = Disturbance::new(vec![Interval::new(-NOISE, NOISE); 4], 3);
-    let plant = |z: &[f64], next: &Move| {
+    let plant = |z: &[f64], next: &ControlMove| {
         let (u, w) = (&next.input, noise.next_value());
         let place = |i: usize| z[i] + H * z[i + 2] + 0.5 * H * H * u[i] + w[i];
         Ok(vec![place(0), place(1), z[2] + H * u[0] + w[2], z[3] + H * u[1] + w[3]])

@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, SceneProgram, Shape, Solid, Surface};
-use carom::hybrid::{HybridProgram, Move, MoveSource, RecedingHorizon, Region};
+use carom::hybrid::{HybridProgram, ControlMove, MoveSource, RecedingHorizon, Region};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -76,7 +76,7 @@ fn a_state_just_outside_a_room_recovers() {
     let mut solver = BranchAndBound::default();
     let system = program.system().clone();
     let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
-    let plant = |state: &[f64], next: &Move| {
+    let plant = |state: &[f64], next: &ControlMove| {
         let after = system.simulate(state, &[&next.input])?.last().to_vec();
         // A gust pushes it through the wall once.
         let gust = if next.step == 6 { 0.5 } else { 0.0 };

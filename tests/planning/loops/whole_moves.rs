@@ -156,7 +156,7 @@ struct Plant<'s> {
 }
 
 impl Plant<'_> {
-    fn follow(&mut self, state: &[f64], next: &Move) -> Vec<f64> {
+    fn follow(&mut self, state: &[f64], next: &ControlMove) -> Vec<f64> {
         let Statement { a, b, is_binary, valve, heater, most_events, .. } = self.statement;
         let u = next.input[0];
         assert!(if *is_binary { u == 0.0 || u == 1.0 } else { u.abs() <= 1.0 + 1e-6 }, "{u}");

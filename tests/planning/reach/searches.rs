@@ -8,8 +8,8 @@ use carom::collision_tolerant::{Endpoint, Plan, PlanningOptions, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, Refutation, Shortest,
-    ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
+    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, HorizonRefutation, ShortestHorizon,
+    ShortestOptions, ShortestStatus, HorizonVerdict, Monotonicity, Wall, shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -17,7 +17,7 @@ use carom::solution::Termination;
 use carom_hybrid::internals::{Halfspace, Transition};
 use proptest::prelude::*;
 
-fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> Shortest<Plan> {
+fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> ShortestHorizon<Plan> {
     let search = ShortestOptions::default().with_max_steps(max_steps).with_reach_sets(sets);
     let options = PlanningOptions::default().with_search(search);
     scenario.shortest_plan(&options, &mut BranchAndBound::default()).unwrap()
@@ -56,9 +56,9 @@ proptest! {
         prop_assert_eq!(with.status, without.status);
         prop_assert_eq!(with.steps, without.steps);
         prop_assert_eq!(with.refuted_steps, without.refuted_steps);
-        let impacts = |found: &Shortest<Plan>| found.plan.as_ref().map(|p| p.trajectory.impacts.len());
+        let impacts = |found: &ShortestHorizon<Plan>| found.plan.as_ref().map(|p| p.trajectory.impacts.len());
         prop_assert_eq!(impacts(&with), impacts(&without));
-        let fewest = |found: &Shortest<Plan>| found.plan.as_ref().map(|plan| plan.fewest_impacts);
+        let fewest = |found: &ShortestHorizon<Plan>| found.plan.as_ref().map(|plan| plan.fewest_impacts);
         prop_assert_eq!(fewest(&with), fewest(&without));
         prop_assert!(with.nodes() <= without.nodes());
     }
@@ -74,7 +74,7 @@ fn every_smaller_horizon_is_refuted_by_name() {
     let refuted: Vec<usize> = found
         .attempts
         .iter()
-        .filter(|attempt| attempt.verdict == Verdict::Refuted(Refutation::Sets))
+        .filter(|attempt| attempt.verdict == HorizonVerdict::Refuted(HorizonRefutation::Sets))
         .map(|attempt| attempt.steps)
         .collect();
     assert_eq!(refuted, (1..steps).collect::<Vec<_>>());
@@ -96,7 +96,7 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
             let feasible = carom::collision_tolerant::Objective::Feasibility;
             self.0.program(steps, feasible)
         }
-        fn waiting(&self) -> Waiting {
+        fn waiting(&self) -> Monotonicity {
             self.0.waiting()
         }
         fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
@@ -116,10 +116,10 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
     let found = shortest_horizon(&Blunt(scenario.clone()), &options, &mut solver).unwrap();
     assert_eq!(found.steps, search(&scenario, true, 10_000).steps);
     let by = |refutation| {
-        found.refutations().filter(|a| a.verdict == Verdict::Refuted(refutation)).count()
+        found.refutations().filter(|a| a.verdict == HorizonVerdict::Refuted(refutation)).count()
     };
-    let solved = by(Refutation::Propagation) + by(Refutation::Relaxation);
-    assert!(by(Refutation::Sets) > 20 && solved > 0, "{} and {solved}", by(Refutation::Sets));
+    let solved = by(HorizonRefutation::Propagation) + by(HorizonRefutation::Relaxation);
+    assert!(by(HorizonRefutation::Sets) > 20 && solved > 0, "{} and {solved}", by(HorizonRefutation::Sets));
 }
 
 #[test]
@@ -215,8 +215,8 @@ fn a_coarser_plan_guesses_the_contacts() {
     let (guessed, blind) = (find(true), find(false));
     assert_eq!((guessed.steps, guessed.refuted_steps), (Some(229), Some(228)));
     assert_eq!((blind.steps, blind.refuted_steps), (Some(229), Some(228)));
-    let helped = |found: &Shortest<Plan>| {
-        let feasible = |a: &&carom::hybrid::Attempt| a.verdict == Verdict::Feasible;
+    let helped = |found: &ShortestHorizon<Plan>| {
+        let feasible = |a: &&carom::hybrid::HorizonAttempt| a.verdict == HorizonVerdict::Feasible;
         found.attempts.iter().filter(feasible).any(|attempt| attempt.restricted)
     };
     assert!(helped(&guessed) && !helped(&blind));
@@ -282,8 +282,8 @@ impl HorizonModel for Planar {
         Ok(model)
     }
 
-    fn waiting(&self) -> Waiting {
-        Waiting::Free("it can rest where it starts".into())
+    fn waiting(&self) -> Monotonicity {
+        Monotonicity::Free("it can rest where it starts".into())
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
@@ -338,7 +338,7 @@ impl HorizonModel for Unnamed {
         self.0.build(steps)
     }
 
-    fn waiting(&self) -> Waiting {
+    fn waiting(&self) -> Monotonicity {
         self.0.waiting()
     }
 
@@ -358,7 +358,7 @@ fn a_users_own_planner_profits_as_well() {
     let unnamed = shortest_horizon(&Unnamed(Planar { dt: 0.1, sets: true }), &options, &mut solver);
     let unnamed = unnamed.unwrap();
     assert_eq!((unnamed.steps, unnamed.refuted_steps), (without.steps, without.refuted_steps));
-    assert!(unnamed.attempts.iter().any(|own| own.verdict == Verdict::Refuted(Refutation::Sets)));
+    assert!(unnamed.attempts.iter().any(|own| own.verdict == HorizonVerdict::Refuted(HorizonRefutation::Sets)));
     assert!(with.is_found() && without.is_found());
     assert_eq!((with.steps, with.refuted_steps), (without.steps, without.refuted_steps));
     assert!(with.attempts.iter().filter(|attempt| attempt.is_solve()).count() <= 2);

@@ -156,7 +156,7 @@ fn a_controller_leaves_room_for_the_next_push() -> Result<(), Error> {
     program.maximize(program.end(x)?)?;
     let robust: HybridProgram = program.robust(&Feedback::none(&cart)?)?.into();
     // Every push is the largest one.
-    let plant = |state: &[f64], next: &Move| {
+    let plant = |state: &[f64], next: &ControlMove| {
         let run = cart.simulate(state, &[&next.input])?;
         Ok(run.end()?.iter().zip([0.0, 0.05]).map(|(x, w)| x + w).collect())
     };

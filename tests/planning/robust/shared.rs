@@ -221,7 +221,7 @@ fn a_controller_applies_what_all_cases_share() -> Result<(), Error> {
     let mut solver = BranchAndBound::default();
     let alone = RecedingHorizon::new(build(0)?, &mut solver).map(drop);
     assert!(matches!(alone.map_err(|e| e.kind().clone()), Err(ErrorKind::OutOfRange { .. })));
-    let plant = |state: &[f64], next: &Move| far.simulate(state, &[&next.input])?.end();
+    let plant = |state: &[f64], next: &ControlMove| far.simulate(state, &[&next.input])?.end();
     for moving in [false, true] {
         let mut solver = BranchAndBound::default();
         let mut controller = match moving {
@@ -261,7 +261,7 @@ fn a_controller_plans_with_cases_of_a_scene() -> Result<(), Error> {
         let world = start_free(e)?.hybrid_system()?;
         let mut solver = BranchAndBound::default();
         let mut controller = RecedingHorizon::shrinking(STEPS, build, &mut solver);
-        let plant = |state: &[f64], next: &Move| world.simulate(state, &[&next.input])?.end();
+        let plant = |state: &[f64], next: &ControlMove| world.simulate(state, &[&next.input])?.end();
         let run = controller.run(&[0.4, 0.5, 1.0, 0.0], STEPS - 2, plant)?;
         assert!(run.moves.iter().all(|next| next.state.len() == 4 && next.input.len() == 2));
         assert!(run.moves[0].source == MoveSource::Optimal);

@@ -1,7 +1,7 @@
 //! Handles of bodies and obstacles: in expressions of programs, in rules, in clones of a scene.
 
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, ScenePlan, Solid, Surface};
-use carom::hybrid::{Restitution, Shortest, ShortestOptions, State};
+use carom::hybrid::{Restitution, ShortestHorizon, ShortestOptions, State};
 use carom::prelude::*;
 
 fn bounce() -> Surface {
@@ -72,7 +72,7 @@ fn shortest_plans_take_rows_about_bodies() {
     let puck = scene.body(puck.with_goal_where(goal).unwrap()).unwrap();
     let mut solver = BranchAndBound::default();
     let free = scene.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
-    let end = |found: &Shortest<ScenePlan>| {
+    let end = |found: &ShortestHorizon<ScenePlan>| {
         let path = &found.plan.as_ref().unwrap().bodies[0];
         (path.position.last().unwrap()[0], path.velocity.last().unwrap()[0])
     };

@@ -21,7 +21,7 @@ const VISIBLE: f64 = 1e-5;
 
 /// What brute force says about one horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum HorizonVerdict {
     /// There is a plan; the smallest number of impacts of one.
     Feasible { impacts: usize },
     /// There is no plan, not even one that misses its conditions by [`VISIBLE`].
@@ -32,24 +32,24 @@ pub(crate) enum Verdict {
 
 /// What brute force says about all horizons up to a largest one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shortest {
+pub(crate) enum ShortestHorizon {
     Found { steps: usize, impacts: usize },
     NoneWithin { max_steps: usize },
     TooClose,
 }
 
 /// The shortest horizon with a plan, and the fewest impacts on it.
-pub(crate) fn shortest(scenario: &Scenario, max_steps: usize) -> Shortest {
+pub(crate) fn shortest(scenario: &Scenario, max_steps: usize) -> ShortestHorizon {
     for (horizon, verdict) in Horizons::new(scenario).take(max_steps).enumerate() {
         match verdict {
-            Verdict::Feasible { impacts } => {
-                return Shortest::Found { steps: horizon + 1, impacts };
+            HorizonVerdict::Feasible { impacts } => {
+                return ShortestHorizon::Found { steps: horizon + 1, impacts };
             }
-            Verdict::TooClose => return Shortest::TooClose,
-            Verdict::Infeasible => {}
+            HorizonVerdict::TooClose => return ShortestHorizon::TooClose,
+            HorizonVerdict::Infeasible => {}
         }
     }
-    Shortest::NoneWithin { max_steps }
+    ShortestHorizon::NoneWithin { max_steps }
 }
 
 /// The verdicts on τ = 1, 2, 3, ...; endless.
@@ -85,9 +85,9 @@ impl<'a> Horizons<'a> {
 }
 
 impl Iterator for Horizons<'_> {
-    type Item = Verdict;
+    type Item = HorizonVerdict;
 
-    fn next(&mut self) -> Option<Verdict> {
+    fn next(&mut self) -> Option<HorizonVerdict> {
         self.extend();
         let mut doubt = None;
         // From few impacts to many.
@@ -96,14 +96,14 @@ impl Iterator for Horizons<'_> {
             let conditions = Conditions::new(self.scenario, self.steps, set);
             match conditions.missed(&conditions.with_goal()) {
                 Size::Zero if doubt.is_none_or(|fewer| fewer == impacts) => {
-                    return Some(Verdict::Feasible { impacts });
+                    return Some(HorizonVerdict::Feasible { impacts });
                 }
-                Size::Zero => return Some(Verdict::TooClose),
+                Size::Zero => return Some(HorizonVerdict::TooClose),
                 Size::Small => doubt = doubt.or(Some(impacts)),
                 Size::Visible => {}
             }
         }
-        Some(if doubt.is_some() { Verdict::TooClose } else { Verdict::Infeasible })
+        Some(if doubt.is_some() { HorizonVerdict::TooClose } else { HorizonVerdict::Infeasible })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Hard cases picked by hand.
 
 use super::answer;
-use super::brute_force::{Horizons, Shortest, Verdict};
+use super::brute_force::{Horizons, ShortestHorizon, HorizonVerdict};
 use super::scenes::{End, Scene, moving, rest};
 
 /// A scene and what each horizon is, from τ = 1 on: `-` where there is no plan, else the fewest
@@ -18,12 +18,12 @@ fn case(name: &'static str, horizons: &'static str, scene: Scene) -> Case {
 
 impl Case {
     /// What the horizons say about the shortest one.
-    fn shortest(&self) -> Shortest {
+    fn shortest(&self) -> ShortestHorizon {
         let impacts = self.horizons.chars().map(|letter| letter.to_digit(10)).enumerate();
         let mut found = impacts.filter_map(|(t, impacts)| Some((t + 1, impacts? as usize)));
         match found.next() {
-            Some((steps, impacts)) => Shortest::Found { steps, impacts },
-            None => Shortest::NoneWithin { max_steps: self.horizons.len() },
+            Some((steps, impacts)) => ShortestHorizon::Found { steps, impacts },
+            None => ShortestHorizon::NoneWithin { max_steps: self.horizons.len() },
         }
     }
 }
@@ -32,9 +32,9 @@ impl Case {
 fn horizons(scene: &Scene, count: usize) -> String {
     let scenario = scene.plain();
     let letter = |verdict| match verdict {
-        Verdict::Feasible { impacts } => impacts.to_string(),
-        Verdict::Infeasible => "-".into(),
-        Verdict::TooClose => "?".into(),
+        HorizonVerdict::Feasible { impacts } => impacts.to_string(),
+        HorizonVerdict::Infeasible => "-".into(),
+        HorizonVerdict::TooClose => "?".into(),
     };
     Horizons::new(&scenario).take(count).map(letter).collect()
 }

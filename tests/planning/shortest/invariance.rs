@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 
-use super::brute_force::Shortest;
+use super::brute_force::ShortestHorizon;
 use super::scenes::{End, Scene, scene};
 use super::{REGRESSIONS, clear_answer};
 use crate::common::config;
@@ -15,14 +15,14 @@ fn random() -> impl Strategy<Value = Scene> {
 }
 
 /// The answers to two scenes.
-fn both(a: &Scene, b: &Scene) -> Result<(Shortest, Shortest), TestCaseError> {
+fn both(a: &Scene, b: &Scene) -> Result<(ShortestHorizon, ShortestHorizon), TestCaseError> {
     Ok((clear_answer(&a.plain(), MAX_STEPS)?, clear_answer(&b.plain(), MAX_STEPS)?))
 }
 
 /// Shortest horizon; endless when there is none.
-fn steps(answer: Shortest) -> usize {
+fn steps(answer: ShortestHorizon) -> usize {
     match answer {
-        Shortest::Found { steps, .. } => steps,
+        ShortestHorizon::Found { steps, .. } => steps,
         _ => usize::MAX,
     }
 }
@@ -100,7 +100,7 @@ proptest! {
         let tolerated = Scene { collisions: true, ..scene };
         let (careful, tolerant) = both(&forbidden, &tolerated)?;
         match tolerant {
-            Shortest::Found { impacts: 1.., steps: fast } => prop_assert!(fast < steps(careful)),
+            ShortestHorizon::Found { impacts: 1.., steps: fast } => prop_assert!(fast < steps(careful)),
             _ => prop_assert_eq!(careful, tolerant),
         }
         // Damage is done by impacts only.

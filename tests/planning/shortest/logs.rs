@@ -10,8 +10,8 @@ use carom::ErrorKind;
 use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
 use carom::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, HybridSystem, Mission, Restitution, Shortest, ShortestOptions,
-    ShortestStatus, Waiting, When, shortest_horizon,
+    HorizonEvent, HorizonModel, HybridSystem, Mission, Restitution, ShortestHorizon, ShortestOptions,
+    ShortestStatus, Monotonicity, When, shortest_horizon,
 };
 use carom::prelude::*;
 use carom::solver::{Control, Interrupt};
@@ -32,7 +32,7 @@ fn logging(folder: &Path) -> BranchAndBound {
 
 /// Checks that there is a log for every horizon of the outcome, that each is accepted, and that
 /// each claims what the outcome says. Returns the point of the plan by column.
-fn is_proved<P>(found: &Shortest<P>, folder: &Path) -> HashMap<String, f64> {
+fn is_proved<P>(found: &ShortestHorizon<P>, folder: &Path) -> HashMap<String, f64> {
     assert_eq!(found.unlogged().collect::<Vec<_>>(), [0; 0]);
     let refuted = found.refuted_steps.unwrap_or(0);
     let said: Vec<usize> = (1..=refuted).chain(found.steps).collect();
@@ -222,8 +222,8 @@ impl HorizonModel for Own {
         Ok(model)
     }
 
-    fn waiting(&self) -> Waiting {
-        Waiting::NotFree("nobody knows".into())
+    fn waiting(&self) -> Monotonicity {
+        Monotonicity::NotFree("nobody knows".into())
     }
 }
 

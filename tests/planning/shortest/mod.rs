@@ -26,7 +26,7 @@ use carom::hybrid::{self, ShortestOptions, ShortestStatus};
 use carom::prelude::*;
 use proptest::prelude::*;
 
-use brute_force::{Conditions, Shortest, shortest};
+use brute_force::{Conditions, ShortestHorizon, shortest};
 
 /// Random cases that failed once, tried first in every run.
 const REGRESSIONS: &str = "tests/regressions/shortest.txt";
@@ -40,7 +40,7 @@ const MISSED: f64 = 5e-6;
 /// # Errors
 ///
 /// What is wrong, in words.
-fn answer(scenario: &Scenario, max_steps: usize) -> Result<Shortest, String> {
+fn answer(scenario: &Scenario, max_steps: usize) -> Result<ShortestHorizon, String> {
     answer_with(scenario, &options(max_steps))
 }
 
@@ -50,7 +50,7 @@ fn options(max_steps: usize) -> PlanningOptions {
 }
 
 /// As [`answer`], with other options.
-fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<Shortest, String> {
+fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<ShortestHorizon, String> {
     let found = scenario
         .shortest_plan(options, &mut BranchAndBound::default())
         .map_err(|error| error.to_string())?;
@@ -65,7 +65,7 @@ fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<Shortes
         ShortestStatus::NoneWithin { max_steps } => {
             let nothing = found.steps.is_none() && found.plan.is_none();
             if nothing && found.refuted_steps == Some(max_steps) {
-                Ok(Shortest::NoneWithin { max_steps })
+                Ok(ShortestHorizon::NoneWithin { max_steps })
             } else {
                 Err(format!("none within {max_steps}, but {found:?}"))
             }
@@ -75,7 +75,7 @@ fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<Shortes
 }
 
 /// A plan that was found.
-fn checked(scenario: &Scenario, found: &hybrid::Shortest<Plan>) -> Result<Shortest, String> {
+fn checked(scenario: &Scenario, found: &hybrid::ShortestHorizon<Plan>) -> Result<ShortestHorizon, String> {
     let steps = found.steps.ok_or("found without steps")?;
     let plan = found.plan.as_ref().ok_or("found without a plan")?;
     if found.refuted_steps.unwrap_or(0) + 1 != steps {
@@ -93,12 +93,12 @@ fn checked(scenario: &Scenario, found: &hybrid::Shortest<Plan>) -> Result<Shorte
     if missed > MISSED {
         return Err(format!("a plan that misses its conditions by {missed}: {trajectory:?}"));
     }
-    Ok(Shortest::Found { steps, impacts })
+    Ok(ShortestHorizon::Found { steps, impacts })
 }
 
 /// As [`answer`], for scenarios that no tolerance decides; others are passed over.
-fn clear_answer(scenario: &Scenario, max_steps: usize) -> Result<Shortest, TestCaseError> {
-    prop_assume!(shortest(scenario, max_steps) != Shortest::TooClose);
+fn clear_answer(scenario: &Scenario, max_steps: usize) -> Result<ShortestHorizon, TestCaseError> {
+    prop_assume!(shortest(scenario, max_steps) != ShortestHorizon::TooClose);
     answer(scenario, max_steps)
         .map_err(|error| TestCaseError::fail(format!("{error}\n{scenario:?}")))
 }
@@ -106,7 +106,7 @@ fn clear_answer(scenario: &Scenario, max_steps: usize) -> Result<Shortest, TestC
 /// Fails where the crate and brute force differ; passes over what a tolerance decides.
 fn compare(scenario: &Scenario, max_steps: usize) -> Result<(), TestCaseError> {
     let expected = shortest(scenario, max_steps);
-    prop_assume!(expected != Shortest::TooClose);
+    prop_assume!(expected != ShortestHorizon::TooClose);
     let found = answer(scenario, max_steps);
     prop_assert_eq!(found, Ok(expected), "{:?}", scenario);
     Ok(())

@@ -6,7 +6,7 @@ use proptest::sample::select;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-use super::brute_force::{Horizons, Shortest, Verdict, shortest};
+use super::brute_force::{Horizons, ShortestHorizon, HorizonVerdict, shortest};
 use super::scenes::{RollOut, Scene, place, scene};
 use super::{REGRESSIONS, answer_with, compare, options};
 use crate::common::config;
@@ -45,9 +45,9 @@ proptest! {
         scene.cumulative = Some(out.impacts.iter().sum());
         let scenario = scene.plain();
         match Horizons::new(&scenario).nth(out.states.len() - 1) {
-            Some(Verdict::Feasible { impacts }) => prop_assert!(impacts <= out.impacts.len()),
+            Some(HorizonVerdict::Feasible { impacts }) => prop_assert!(impacts <= out.impacts.len()),
             // With fewer impacts it almost works.
-            Some(Verdict::TooClose) => prop_assume!(false),
+            Some(HorizonVerdict::TooClose) => prop_assume!(false),
             verdict => prop_assert!(false, "{verdict:?}"),
         }
     }
@@ -73,11 +73,11 @@ proptest! {
     ) {
         let scenario = scene.plain();
         let expected = shortest(&scenario, MAX_STEPS);
-        prop_assume!(expected != Shortest::TooClose);
+        prop_assume!(expected != ShortestHorizon::TooClose);
         let options = options(MAX_STEPS).with_upper_hint(hint).with_fewest_impacts(fewest_impacts);
         let found = answer_with(&scenario, &options).map_err(TestCaseError::fail)?;
         match (found, expected) {
-            (Shortest::Found { steps, impacts }, Shortest::Found { steps: least, impacts: few })
+            (ShortestHorizon::Found { steps, impacts }, ShortestHorizon::Found { steps: least, impacts: few })
                 if !fewest_impacts =>
             {
                 prop_assert_eq!(steps, least);
@@ -89,7 +89,7 @@ proptest! {
 }
 
 /// The first random scenes of a seed.
-fn sample(count: usize) -> Vec<(Scene, Shortest)> {
+fn sample(count: usize) -> Vec<(Scene, ShortestHorizon)> {
     let config = Config { rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..config(1, "") };
     let mut runner = TestRunner::new(config);
     let mut draw = || scene(REACH).new_tree(&mut runner).expect("a scene").current();
@@ -106,16 +106,16 @@ type Without = fn(Scene) -> Scene;
 #[test]
 fn the_scenarios_are_of_all_kinds() {
     let scenes = sample(250);
-    let count = |kind: &dyn Fn(&Scene, Shortest) -> bool| {
+    let count = |kind: &dyn Fn(&Scene, ShortestHorizon) -> bool| {
         scenes.iter().filter(|(scene, answer)| kind(scene, *answer)).count()
     };
     // By the answer: how many at least, how many at most.
-    let answers: [(&str, usize, usize, Is<Shortest>); 5] = [
-        ("hits", 84, 250, |answer| matches!(answer, Shortest::Found { impacts: 1.., .. })),
-        ("bounces", 5, 250, |answer| matches!(answer, Shortest::Found { impacts: 2.., .. })),
-        ("3 to 10 steps", 125, 250, |answer| matches!(answer, Shortest::Found { steps: 3.., .. })),
-        ("no plan", 25, 87, |answer| matches!(answer, Shortest::NoneWithin { .. })),
-        ("passed over", 0, 2, |answer| answer == Shortest::TooClose),
+    let answers: [(&str, usize, usize, Is<ShortestHorizon>); 5] = [
+        ("hits", 84, 250, |answer| matches!(answer, ShortestHorizon::Found { impacts: 1.., .. })),
+        ("bounces", 5, 250, |answer| matches!(answer, ShortestHorizon::Found { impacts: 2.., .. })),
+        ("3 to 10 steps", 125, 250, |answer| matches!(answer, ShortestHorizon::Found { steps: 3.., .. })),
+        ("no plan", 25, 87, |answer| matches!(answer, ShortestHorizon::NoneWithin { .. })),
+        ("passed over", 0, 2, |answer| answer == ShortestHorizon::TooClose),
     ];
     for (name, least, most, kind) in answers {
         let found = count(&|_, answer| kind(answer));
@@ -160,8 +160,8 @@ fn feasibility_is_not_monotone_in_many_scenarios() {
     // A feasible horizon with an infeasible one after it: only refuting one by one is sound.
     let broken = |scene: &Scene| {
         let scenario = scene.plain();
-        let mut later = Horizons::new(&scenario).take(8).skip_while(|v| *v == Verdict::Infeasible);
-        later.any(|verdict| verdict == Verdict::Infeasible)
+        let mut later = Horizons::new(&scenario).take(8).skip_while(|v| *v == HorizonVerdict::Infeasible);
+        later.any(|verdict| verdict == HorizonVerdict::Infeasible)
     };
     let scenes = sample(100);
     let of = |free: bool| {

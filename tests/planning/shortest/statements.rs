@@ -7,7 +7,7 @@ use crate::common::config;
 use carom::collision_tolerant::{PlanningOptions, Scenario};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    HorizonModel, HybridSystem, Region, ShortestOptions, State, Waiting, When, shortest_horizon,
+    HorizonModel, HybridSystem, Region, ShortestOptions, State, Monotonicity, When, shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::model::{Method, Reformulation};
@@ -180,8 +180,8 @@ impl HorizonModel for Bare {
         Ok(model)
     }
 
-    fn waiting(&self) -> Waiting {
-        Waiting::Free("more is more".into())
+    fn waiting(&self) -> Monotonicity {
+        Monotonicity::Free("more is more".into())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Flaw, HybridSystem, LinearSystem, Matrix, MixedLogicalDynamical, Restitution, SimulationOptions,
+    IllPosedness, HybridSystem, LinearSystem, Matrix, MixedLogicalDynamical, Restitution, SimulationOptions,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -219,7 +219,7 @@ fn a_ball_loses_energy_at_the_floor_only() {
     assert!((top - e * e * 2.0).abs() < 0.02, "{top}");
     let flaws = ball.flaws(&mut BranchAndBound::default()).unwrap();
     // It may fall out of the range of speeds.
-    let [Flaw::Stuck { witness, .. }] = &flaws[..] else { panic!("{flaws:?}") };
+    let [IllPosedness::Stuck { witness, .. }] = &flaws[..] else { panic!("{flaws:?}") };
     assert!(witness.states()[1].abs() > 9.9, "{witness}");
     assert!(HybridSystem::bouncing_ball(0.0, Restitution::PLASTIC, 3.0, 10.0).is_err());
     assert!(HybridSystem::bouncing_ball(0.1, Restitution::PLASTIC, f64::NAN, 10.0).is_err());

@@ -1,6 +1,6 @@
 //! Slips in the statement of a hybrid system are named, and nothing else is.
 
-use carom::hybrid::{Contact, Flaw, HybridSystem, LinearSystem, Restitution, Wall};
+use carom::hybrid::{Contact, IllPosedness, HybridSystem, LinearSystem, Restitution, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom_hybrid::internals::{Choice, Halfspace, Transition};
@@ -16,14 +16,14 @@ fn findings(system: &HybridSystem) -> Vec<String> {
     words
 }
 
-fn words(flaw: &Flaw) -> String {
+fn words(flaw: &IllPosedness) -> String {
     match flaw {
-        Flaw::Gap { choice, mode, .. } => {
+        IllPosedness::Gap { choice, mode, .. } => {
             format!("gap {choice} {}", mode.as_deref().unwrap_or("-"))
         }
-        Flaw::Overlap { transitions: [a, b], .. } => format!("overlap {a} {b}"),
-        Flaw::NeverTaken { transition, .. } => format!("never taken {transition}"),
-        Flaw::Stuck { modes, .. } => {
+        IllPosedness::Overlap { transitions: [a, b], .. } => format!("overlap {a} {b}"),
+        IllPosedness::NeverTaken { transition, .. } => format!("never taken {transition}"),
+        IllPosedness::Stuck { modes, .. } => {
             let modes: Vec<&str> = modes.iter().map(|(_, mode)| mode.as_str()).collect();
             format!("stuck {}", modes.join(" "))
         }
@@ -40,7 +40,7 @@ fn wall(e: f64) -> HybridSystem {
 fn the_wall_has_a_gap_and_ends_at_full_speed() {
     for e in [0.0, 0.5, 1.0] {
         let flaws = wall(e).flaws(&mut BranchAndBound::default()).unwrap();
-        let [Flaw::Gap { witness, .. }, Flaw::Stuck { witness: end, .. }] = &flaws[..] else {
+        let [IllPosedness::Gap { witness, .. }, IllPosedness::Stuck { witness: end, .. }] = &flaws[..] else {
             panic!("{flaws:?}")
         };
         // At full speed at the far end of the domain.
@@ -119,7 +119,7 @@ fn a_flipped_sign_a_gap_and_an_overlap_are_named() {
 
     let system = tank(below(1.9), above(2.0));
     let flaws = system.flaws(&mut BranchAndBound::default()).unwrap();
-    let Flaw::Gap { witness, margin, .. } = &flaws[0] else { panic!() };
+    let IllPosedness::Gap { witness, margin, .. } = &flaws[0] else { panic!() };
     assert!((witness.states()[0] - 1.95).abs() < 1e-4 && (margin - 0.01).abs() < 1e-5);
     assert_eq!(
         flaws[0].to_string().split(';').next_back().unwrap(),
@@ -136,7 +136,7 @@ fn resets_that_leave_the_domain_are_dead_ends() {
     let wrong = wrong.with_limit(Halfspace::new("towards the wall", [0.0, 1.0], 0.0));
     assert_eq!(findings(&wrong), ["gap mode -", "stuck "]);
     let flaws = wrong.flaws(&mut BranchAndBound::default()).unwrap();
-    let Flaw::Stuck { witness, .. } = &flaws[1] else { panic!("{flaws:?}") };
+    let IllPosedness::Stuck { witness, .. } = &flaws[1] else { panic!("{flaws:?}") };
     // Near the wall, so fast that it is hit whatever the input.
     let at = witness.states();
     assert!(at[0] + 0.1 * at[1] + 0.005 < 1e-3, "{}", flaws[1]);
@@ -248,11 +248,11 @@ proptest! {
         // Between two inputs of the grid the next state moves by less than this.
         let width = 0.03 + 0.02;
         prop_assert!(found || worst <= width, "missed: {worst}");
-        if let Some(Flaw::Stuck { witness, .. }) = system
+        if let Some(IllPosedness::Stuck { witness, .. }) = system
             .flaws(&mut BranchAndBound::default())
             .unwrap()
             .into_iter()
-            .find(|flaw| matches!(flaw, Flaw::Stuck { .. }))
+            .find(|flaw| matches!(flaw, IllPosedness::Stuck { .. }))
         {
             prop_assert!(outside(&witness.states()) > 0.0, "{witness}");
         }
@@ -303,7 +303,7 @@ fn steps_and_choices_are_looked_at() {
     let below = Halfspace::new("below", [1.0], vec![2.0, 2.0, 1.5, 2.0]);
     let above = Halfspace::new("above", [-1.0], -2.0);
     let flaws = tank(below, above).flaws(&mut BranchAndBound::default()).unwrap();
-    let [Flaw::Gap { witness, .. }] = &flaws[..] else { panic!("{flaws:?}") };
+    let [IllPosedness::Gap { witness, .. }] = &flaws[..] else { panic!("{flaws:?}") };
     assert_eq!(witness.step, 2);
 
     // A second choice whose transition is possible only with the first one's help.

@@ -4,7 +4,7 @@
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{
     HybridRun, HybridSystem, LinearSystem, Lqr, Region, ShortestOptions, TerminalOptions,
-    TerminalSet, Waiting,
+    TerminalSet, Monotonicity,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -125,7 +125,7 @@ fn waiting_and_terminal_sets_have_the_same_ranges() {
         let (rest, away) = (Region::point([0.0]), Region::from([Interval::new(1.0, 2.0)]));
         let waiting = system(other).waiting(&rest, &away).unwrap();
         assert_eq!(waiting.is_free(), is_held, "{waiting:?}");
-        if let Waiting::Free(reason) = waiting {
+        if let Monotonicity::Free(reason) = waiting {
             assert!(reason.contains("u = -2"), "{reason}");
         }
         let (options, solver) = (TerminalOptions::default(), &mut BranchAndBound::default());

@@ -4,7 +4,7 @@ use super::scenario::Scenario;
 use crate::error::Error;
 use crate::hybrid::ContactLaw;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::scene::{DamageInterval, IntervalOptions, SceneError};
+use crate::hybrid::scene::{DamageLimitRange, DamageLimitOptions, SceneError};
 use crate::solver::Solver;
 
 impl Scenario {
@@ -13,11 +13,11 @@ impl Scenario {
     ///
     /// ```
     /// use carom::collision_tolerant::Scenario;
-    /// use carom::hybrid::scene::IntervalOptions;
+    /// use carom::hybrid::scene::DamageLimitOptions;
     /// use carom::prelude::*;
     ///
     /// let scenario = Scenario::paper().with_time_step(0.05);
-    /// let (options, mut solver) = (IntervalOptions::default(), BranchAndBound::default());
+    /// let (options, mut solver) = (DamageLimitOptions::default(), BranchAndBound::default());
     /// let interval = scenario.damage_interval(49, &options, &mut solver)?;
     /// assert!((interval.lower.attained - 5.895).abs() < 2e-3);
     /// assert!((interval.upper.attained - 6.947).abs() < 2e-3);
@@ -31,9 +31,9 @@ impl Scenario {
     pub fn damage_interval(
         &self,
         steps: usize,
-        options: &IntervalOptions,
+        options: &DamageLimitOptions,
         solver: &mut dyn Solver,
-    ) -> Result<DamageInterval, Error> {
+    ) -> Result<DamageLimitRange, Error> {
         self.check()?;
         if self.contact.law == ContactLaw::Literal {
             let reason = "scenes do not have the literal law; choose the reflecting one".into();

@@ -12,7 +12,7 @@ use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use crate::hybrid::system::Transition;
 use crate::hybrid::{
     ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem, Region,
-    Waiting,
+    Monotonicity,
 };
 use crate::interval::Interval;
 use crate::solution::Solution;
@@ -172,7 +172,7 @@ impl HorizonModel for Programs {
         self.scenario.program(steps, Objective::Feasibility)
     }
 
-    fn waiting(&self) -> Waiting {
+    fn waiting(&self) -> Monotonicity {
         self.scenario.waiting()
     }
 

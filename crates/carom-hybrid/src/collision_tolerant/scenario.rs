@@ -9,7 +9,7 @@ use crate::hybrid::scene::{DamageRule, SceneUnits, region_where};
 use crate::hybrid::system::{Coordinates, Restated, check_digits};
 use crate::hybrid::{
     Contact, ContactLaw, FreeSide, HybridSystem, ImpactEstimate, Region, Restitution, State,
-    Waiting, Wall,
+    Monotonicity, Wall,
 };
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -401,18 +401,18 @@ impl Scenario {
     /// there and zero acceleration is admissible (a(τ) is never applied, so its value does not
     /// matter). Limits, wall and damage do not depend on the step, and the search has no running
     /// cost.
-    pub fn waiting(&self) -> Waiting {
+    pub fn waiting(&self) -> Monotonicity {
         let coasting = self.acceleration.contains(0.0);
         if !coasting {
-            return Waiting::NotFree("zero acceleration is not admissible".into());
+            return Monotonicity::NotFree("zero acceleration is not admissible".into());
         }
         if self.start.velocity == 0.0 && self.start.acceleration.unwrap_or(0.0) == 0.0 {
-            return Waiting::Free("the vehicle can rest at its start".into());
+            return Monotonicity::Free("the vehicle can rest at its start".into());
         }
         if self.goal_velocities() == Interval::point(0.0) {
-            return Waiting::Free("the vehicle can rest at its goal".into());
+            return Monotonicity::Free("the vehicle can rest at its goal".into());
         }
-        Waiting::NotFree("the vehicle can rest neither at its start nor at its goal".into())
+        Monotonicity::NotFree("the vehicle can rest neither at its start nor at its goal".into())
     }
 
     /// Largest magnitude of an acceleration in free flight, in m/s².

@@ -11,7 +11,7 @@ use crate::hybrid::reach::Tube;
 use crate::hybrid::robust::shortest_robust;
 use crate::hybrid::shortest_horizon::{HorizonLogs, without_logs};
 use crate::hybrid::{Feedback, RobustPlan};
-use crate::hybrid::{HorizonEvent, Shortest, ShortestOptions, Solved, shortest_horizon_with};
+use crate::hybrid::{HorizonEvent, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon_with};
 use crate::setters::setters;
 use crate::solution::Solution;
 use crate::solver::{MipStart, Solver, StopToken};
@@ -70,7 +70,7 @@ impl Scenario {
         &self,
         options: &PlanningOptions,
         solver: &mut dyn Solver,
-    ) -> Result<Shortest<Plan>, Error> {
+    ) -> Result<ShortestHorizon<Plan>, Error> {
         self.shortest_plan_with(options, solver, &mut |_| {})
     }
 
@@ -85,7 +85,7 @@ impl Scenario {
         options: &PlanningOptions,
         solver: &mut dyn Solver,
         progress: &mut dyn FnMut(&HorizonEvent),
-    ) -> Result<Shortest<Plan>, Error> {
+    ) -> Result<ShortestHorizon<Plan>, Error> {
         self.check()?;
         let programs = Programs { scenario: self.clone(), upper_hint: options.upper_hint };
         without_logs(solver, |solver, folder| {
@@ -109,10 +109,10 @@ impl Scenario {
         options: &PlanningOptions,
         solver: &mut dyn Solver,
         progress: &mut dyn FnMut(&HorizonEvent),
-    ) -> Result<Shortest<Plan>, Error> {
+    ) -> Result<ShortestHorizon<Plan>, Error> {
         let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
         let found = shortest_horizon_with(programs, &options.search, solver, progress)?;
-        let mut found = found.try_map(|Solved { program, solution }| program.plan(&solution))?;
+        let mut found = found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))?;
         if options.fewest_impacts && found.is_found() {
             let search = &options.search;
             let mut refinement = Refinement { scenario: self, solver, token: &token, search };
@@ -159,7 +159,7 @@ impl Scenario {
         feedback: &Feedback,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-    ) -> Result<Shortest<RobustPlan>, Error> {
+    ) -> Result<ShortestHorizon<RobustPlan>, Error> {
         self.check()?;
         let programs = Programs { scenario: self.clone(), upper_hint: None };
         shortest_robust(&programs, &self.hybrid_system()?, feedback, options, solver)
@@ -261,9 +261,9 @@ impl Refinement<'_> {
 #[must_use]
 pub struct PlanComparison {
     /// Collisions forbidden.
-    pub free: Shortest<Plan>,
+    pub free: ShortestHorizon<Plan>,
     /// Collisions tolerated.
-    pub tolerant: Shortest<Plan>,
+    pub tolerant: ShortestHorizon<Plan>,
 }
 
 impl PlanComparison {

@@ -28,7 +28,7 @@ pub mod wall;
 pub use contact::Restitution;
 pub use contact::{Contact, ContactLaw};
 pub use damage::ImpactEstimate;
-pub use flaws::{Flaw, Witness};
+pub use flaws::{IllPosedness, WitnessPoint};
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
 pub use memory::Memory;
@@ -37,18 +37,18 @@ pub use program::When;
 pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit};
 #[doc(alias("MPC", "model predictive control", "receding horizon"))]
 pub use receding::RecedingHorizon;
-pub use receding::{BrokenLoop, ClosedLoop, Disturbance, Move, MoveSource};
+pub use receding::{BrokenLoop, ClosedLoop, Disturbance, ControlMove, MoveSource};
 #[doc(alias("tube", "robust control"))]
 pub use robust::RobustProgram;
 pub use robust::{Feedback, RobustCertificate, RobustError, RobustPlan};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
-    Attempt, HorizonEvent, HorizonModel, HorizonProof, LeastTimeStep, Refutation, Shortest,
-    ShortestOptions, ShortestStatus, Solved, TimeStepGrid, Verdict, Waiting, least_time_step,
+    HorizonAttempt, HorizonEvent, HorizonModel, HorizonProof, LeastTimeStep, HorizonRefutation, ShortestHorizon,
+    ShortestOptions, ShortestStatus, SolvedHorizon, TimeStepGrid, HorizonVerdict, Monotonicity, least_time_step,
     shortest_horizon, shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, DeadEnd, Decisions, DisturbedRun, RunCertificate, RunError,
+    TransitionCandidate, Condition, DeadEnd, Decisions, DisturbedRun, RunCertificate, RunError,
     SimulatedStep, Simulation, SimulationOptions,
 };
 #[doc(alias("LCP", "complementarity"))]

@@ -272,7 +272,7 @@ impl Options {
     /// on WebAssembly.
     ///
     /// A search for a shortest horizon takes the path as a folder, makes it if it is missing, and
-    /// writes a log for each horizon instead, see `Shortest::proofs`. Plans over a fixed horizon
+    /// writes a log for each horizon instead, see `ShortestHorizon::proofs`. Plans over a fixed horizon
     /// take nothing from reach sets then, except in the bounds of a program that was tightened by
     /// them already.
     ///

@@ -14,7 +14,7 @@ use crate::solution::Point;
 pub struct Explanation {
     pub(super) model: String,
     pub(super) status: ExplanationStatus,
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<StatementGroup>,
     pub(super) background: Vec<String>,
     /// The background in words, each once.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -47,7 +47,7 @@ pub enum ExplanationStatus {
 /// A family of statements in a contradictory set, and the members that suffice.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Group {
+pub struct StatementGroup {
     pub(super) name: String,
     /// The statement of the family in words; its name if there are none.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -75,7 +75,7 @@ impl Explanation {
 
     /// The families that contradict each other, in the order of the model; empty if the background
     /// contradicts itself or the bounds of its variables.
-    pub fn groups(&self) -> &[Group] {
+    pub fn groups(&self) -> &[StatementGroup] {
         &self.groups
     }
 
@@ -107,7 +107,7 @@ impl Explanation {
     }
 }
 
-impl Group {
+impl StatementGroup {
     /// The name of the family.
     pub fn name(&self) -> &str {
         &self.name
@@ -136,7 +136,7 @@ impl Group {
     }
 }
 
-impl fmt::Display for Group {
+impl fmt::Display for StatementGroup {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words = if self.words.is_empty() { &self.name } else { &self.words };
         write_members(f, words, &self.statements)

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::domains::used_domains;
-use super::explanation::{Explanation, ExplanationStatus, Group};
+use super::explanation::{Explanation, ExplanationStatus, StatementGroup};
 use super::groups::Groups;
 use super::narrow::narrow;
 use super::options::ExplainOptions;
@@ -86,7 +86,7 @@ pub fn infeasibility(
         let others = kept.iter().filter(|&&other| other != place);
         let others = groups.mask(others.map(|&other| &groups.families[other].members[..]));
         let without = oracle.known.iter().find(|known| known.satisfies(&others));
-        Group {
+        StatementGroup {
             name: family.name.clone(),
             words: model.words(&family.name).to_owned(),
             statements: members.iter().map(|&member| groups.names[member].clone()).collect(),
@@ -169,7 +169,7 @@ fn report(
     model: &Model,
     groups: &Groups,
     status: ExplanationStatus,
-    found: Vec<Group>,
+    found: Vec<StatementGroup>,
     oracle: &Oracle<'_>,
 ) -> Explanation {
     let mut asked = vec![false; groups.names.len()];

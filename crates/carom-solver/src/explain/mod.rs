@@ -14,7 +14,7 @@ mod violations;
 #[doc(alias("feasibility relaxation", "feasRelax", "slack"))]
 pub use elastic_relaxation::elastic_relaxation;
 pub use elastic_relaxation::{ElasticOptions, ElasticRelaxation, Stretch};
-pub use explanation::{Explanation, ExplanationStatus, Group};
+pub use explanation::{Explanation, ExplanationStatus, StatementGroup};
 #[doc(alias("IIS", "irreducible infeasible subsystem", "conflict refiner"))]
 pub use infeasibility::infeasibility;
 pub use options::ExplainOptions;

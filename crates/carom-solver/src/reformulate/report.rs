@@ -33,7 +33,7 @@ pub enum BigMSource {
     /// M from interval arithmetic over the current bounds.
     Bounds,
     /// M from bounds of which at least one is implied by rows, because a variable has none of its
-    /// own: see [`Share::implied`].
+    /// own: see [`BigMShare::implied`].
     ImpliedBounds,
     /// M from linear programs: with [`Method::MultiM`](crate::model::Method::MultiM) the largest
     /// of the row's Ms.
@@ -54,7 +54,7 @@ pub enum BigMSource {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Share {
+pub struct BigMShare {
     /// The variable.
     pub variable: String,
     /// Which of its bounds.
@@ -93,7 +93,7 @@ pub struct BigMEntry {
     /// The variable that contributes most to `needed`.
     pub largest: Option<String>,
     /// The bounds that `needed` comes from, by variable.
-    pub shares: Vec<Share>,
+    pub shares: Vec<BigMShare>,
     /// The row of the lowered model, if there is one.
     pub row: Option<String>,
 }
@@ -139,7 +139,7 @@ impl BigMEntry {
                 widest = spread;
                 self.largest = Some(name.clone());
             }
-            self.shares.push(Share { variable: name, bound, value, part: slope * value, implied });
+            self.shares.push(BigMShare { variable: name, bound, value, part: slope * value, implied });
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Witness {
+pub struct WitnessPoint {
     /// The first step for which it holds.
     pub step: usize,
     /// Names and values of the states, in their units.
@@ -15,7 +15,7 @@ pub struct Witness {
     pub input: Vec<(String, f64)>,
 }
 
-impl Witness {
+impl WitnessPoint {
     /// The values of the states.
     pub fn states(&self) -> Vec<f64> {
         self.state.iter().map(|(_, value)| *value).collect()
@@ -27,7 +27,7 @@ impl Witness {
     }
 }
 
-impl fmt::Display for Witness {
+impl fmt::Display for WitnessPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (k, (name, value)) in self.state.iter().chain(&self.input).enumerate() {
             write!(f, "{}{name} = {value:.6}", if k == 0 { "" } else { ", " })?;
@@ -46,7 +46,7 @@ impl fmt::Display for Witness {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Flaw {
+pub enum IllPosedness {
     /// At some states and inputs no transition of a choice is possible.
     Gap {
         /// The choice.
@@ -54,7 +54,7 @@ pub enum Flaw {
         /// The mode, in a choice with memory.
         mode: Option<String>,
         /// The point in the gap that is the farthest from all transitions.
-        witness: Witness,
+        witness: WitnessPoint,
         /// Its distance from them, as a fraction of the widths of domains and ranges.
         margin: f64,
     },
@@ -65,7 +65,7 @@ pub enum Flaw {
         /// The two transitions.
         transitions: [String; 2],
         /// The point in the overlap that is the farthest from its boundary.
-        witness: Witness,
+        witness: WitnessPoint,
         /// Its distance from the boundary, as a fraction of the widths of domains and ranges.
         margin: f64,
     },
@@ -82,33 +82,33 @@ pub enum Flaw {
         /// Choices and their modes, in choices with memory.
         modes: Vec<(String, String)>,
         /// The state, without inputs.
-        witness: Witness,
+        witness: WitnessPoint,
         /// Its distance from the states that can stay inside, as a fraction of the widths of
         /// domains.
         margin: f64,
     },
 }
 
-impl fmt::Display for Flaw {
+impl fmt::Display for IllPosedness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Flaw::Gap { choice, mode, witness, .. } => {
+            IllPosedness::Gap { choice, mode, witness, .. } => {
                 write!(f, "gap in `{choice}`: no transition is possible")?;
                 if let Some(mode) = mode {
                     write!(f, " in the mode `{mode}`")?;
                 }
                 write!(f, " at {witness}; check the guards, or allow dead ends by `expect`")
             }
-            Flaw::Overlap { choice, transitions: [a, b], witness, .. } => write!(
+            IllPosedness::Overlap { choice, transitions: [a, b], witness, .. } => write!(
                 f,
                 "overlap in `{choice}`: `{a}` and `{b}` are both possible at {witness}; check the \
                  guards, or allow overlaps by `expect`"
             ),
-            Flaw::NeverTaken { choice, transition } => write!(
+            IllPosedness::NeverTaken { choice, transition } => write!(
                 f,
                 "`{transition}` of `{choice}` is never possible; check its guards and its next state"
             ),
-            Flaw::Stuck { modes, witness, .. } => {
+            IllPosedness::Stuck { modes, witness, .. } => {
                 write!(f, "no input keeps the state in its domain at {witness}")?;
                 for (choice, mode) in modes {
                     write!(f, ", with `{choice}` in the mode `{mode}`")?;

@@ -12,7 +12,7 @@ mod stuck;
 
 use std::collections::BTreeSet;
 
-pub use flaw::{Flaw, Witness};
+pub use flaw::{IllPosedness, WitnessPoint};
 
 use super::step::{self, Dynamics};
 use super::system::{Approximation, Choice, HybridSystem, Transition};
@@ -66,7 +66,7 @@ impl HybridSystem {
     ///
     /// Those of [`HybridSystem::check`] and of the solver;
     /// [`ErrorKind::NoPoint`](crate::error::ErrorKind::NoPoint) if a limit stops it.
-    pub fn flaws(&self, solver: &mut dyn Solver) -> Result<Vec<Flaw>, Error> {
+    pub fn flaws(&self, solver: &mut dyn Solver) -> Result<Vec<IllPosedness>, Error> {
         self.check()?;
         let system = &self.polyhedral(Approximation::Outer);
         let mut search = Search { system, solver, flaws: Vec::new(), found: BTreeSet::new() };
@@ -90,7 +90,7 @@ impl HybridSystem {
         for (choice, possible) in system.choices.iter().zip(possible) {
             for (transition, _) in choice.transitions.iter().zip(possible).filter(|(_, p)| !p) {
                 let (choice, transition) = (choice.name.clone(), transition.name.clone());
-                search.flaws.push(Flaw::NeverTaken { choice, transition });
+                search.flaws.push(IllPosedness::NeverTaken { choice, transition });
             }
         }
         Ok(search.flaws)
@@ -144,7 +144,7 @@ impl Step {
 struct Search<'a> {
     system: &'a HybridSystem,
     solver: &'a mut dyn Solver,
-    flaws: Vec<Flaw>,
+    flaws: Vec<IllPosedness>,
     /// The keys of the flaws reported so far.
     found: BTreeSet<[String; 3]>,
 }
@@ -155,19 +155,19 @@ impl Search<'_> {
         !self.found.contains(&[what, first, second].map(str::to_owned))
     }
 
-    fn report(&mut self, what: &str, first: &str, second: &str, flaw: Flaw) {
+    fn report(&mut self, what: &str, first: &str, second: &str, flaw: IllPosedness) {
         if self.found.insert([what, first, second].map(str::to_owned)) {
             self.flaws.push(flaw);
         }
     }
 
-    fn witness(&self, step: &Step, point: &[f64]) -> Witness {
+    fn witness(&self, step: &Step, point: &[f64]) -> WitnessPoint {
         let values = step.units.at(point);
         let (state, input) = values.split_at(self.system.states.len());
         let named = |names: Vec<&String>, values: &[f64]| {
             names.into_iter().cloned().zip(values.iter().copied()).collect()
         };
-        Witness {
+        WitnessPoint {
             step: step.number,
             state: named(self.system.states.iter().map(|(name, _)| name).collect(), state),
             input: named(self.system.inputs.iter().map(|(name, _)| name).collect(), input),
@@ -193,7 +193,7 @@ impl Search<'_> {
             if let Some(Found { point, margin }) =
                 gap(&step.in_range, &own, step.units.size(), self.solver)?
             {
-                let flaw = Flaw::Gap {
+                let flaw = IllPosedness::Gap {
                     choice: choice.name.clone(),
                     mode: mode.map(str::to_owned),
                     witness: self.witness(step, &point),
@@ -221,7 +221,7 @@ impl Search<'_> {
                 if let Some(Found { point, margin }) =
                     overlap(&step.base, pieces, step.units.size(), self.solver)?
                 {
-                    let flaw = Flaw::Overlap {
+                    let flaw = IllPosedness::Overlap {
                         choice: choice.name.clone(),
                         transitions: [a.name.clone(), b.name.clone()],
                         witness: self.witness(step, &point),

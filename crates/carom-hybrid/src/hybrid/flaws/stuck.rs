@@ -7,7 +7,7 @@
 use super::joint_transitions::{JointPiece, joined};
 use super::piece::{Facet, Piece};
 use super::programs::{Found, gap, is_empty_at};
-use super::{Flaw, Search, Step};
+use super::{IllPosedness, Search, Step};
 use crate::error::Error;
 
 /// The most half-spaces of a projection.
@@ -30,7 +30,7 @@ impl Search<'_> {
             if let Some(Found { point, margin }) = self.stuck_among(step, &own)? {
                 let mut witness = self.witness(step, &point);
                 witness.input.clear();
-                let flaw = Flaw::Stuck { modes: modes.to_vec(), witness, margin };
+                let flaw = IllPosedness::Stuck { modes: modes.to_vec(), witness, margin };
                 self.report("stuck", &key, "", flaw);
             }
         }

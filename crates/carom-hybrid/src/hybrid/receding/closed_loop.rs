@@ -5,7 +5,7 @@ use std::fmt::{self, Write as _};
 use web_time::Duration;
 
 use super::RecedingHorizon;
-use super::step::{Move, MoveSource};
+use super::step::{ControlMove, MoveSource};
 use crate::error::{Error, check_finite, check_length};
 use crate::interval::Interval;
 use crate::number::{DIGITS, rounded};
@@ -21,7 +21,7 @@ pub struct ClosedLoop {
     /// The state at every sample, the first one included, in the states' units.
     pub states: Vec<Vec<f64>>,
     /// The moves, one per step.
-    pub moves: Vec<Move>,
+    pub moves: Vec<ControlMove>,
 }
 
 /// A loop that an error ended: the error, and what happened until then.
@@ -70,7 +70,7 @@ impl RecedingHorizon<'_> {
     /// * `start`: the first state.
     /// * `plant`: the state after a move from a state: a simulation of the system with the whole
     ///   move, such as `system.simulate(state, next)?.end()`, or anything else with other dynamics,
-    ///   noise (see [`Disturbance`](super::Disturbance)), or a delay according to [`Move::time`].
+    ///   noise (see [`Disturbance`](super::Disturbance)), or a delay according to [`ControlMove::time`].
     ///   Modes with memory are taken to be those of the moves; where a plant measures them, call
     ///   [`step`](Self::step) and [`set_memory`](Self::set_memory) in a loop of your own.
     ///
@@ -83,7 +83,7 @@ impl RecedingHorizon<'_> {
         &mut self,
         start: &[f64],
         steps: usize,
-        mut plant: impl FnMut(&[f64], &Move) -> Result<Vec<f64>, Error>,
+        mut plant: impl FnMut(&[f64], &ControlMove) -> Result<Vec<f64>, Error>,
     ) -> Result<ClosedLoop, BrokenLoop> {
         let mut record = ClosedLoop { states: vec![start.to_vec()], moves: Vec::new() };
         let mut state = start.to_vec();
@@ -126,7 +126,7 @@ impl ClosedLoop {
 
     /// A table with a line per step: state, input, source, nodes, relaxations, time in s.
     pub fn to_csv(&self) -> String {
-        let width = |of: fn(&Move) -> &Vec<f64>| self.moves.first().map_or(0, |m| of(m).len());
+        let width = |of: fn(&ControlMove) -> &Vec<f64>| self.moves.first().map_or(0, |m| of(m).len());
         let (states, inputs) = (width(|m| &m.state), width(|m| &m.input));
         let mut text = String::from("step");
         (0..states).for_each(|i| _ = write!(text, ",x{i}"));
@@ -195,7 +195,7 @@ impl ClosedLoop {
 
 impl fmt::Display for ClosedLoop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sum = |of: fn(&Move) -> u64| self.moves.iter().map(of).sum::<u64>();
+        let sum = |of: fn(&ControlMove) -> u64| self.moves.iter().map(of).sum::<u64>();
         let milliseconds = |part: f64| 1e3 * self.time_exceeded_by(part).as_secs_f64();
         let mut sources: Vec<MoveSource> = self.moves.iter().map(|next| next.source).collect();
         sources.sort_unstable();

@@ -24,7 +24,7 @@ mod step;
 
 pub use closed_loop::{BrokenLoop, ClosedLoop};
 pub use disturbance::Disturbance;
-pub use step::{Move, MoveSource};
+pub use step::{ControlMove, MoveSource};
 
 use web_time::Duration;
 
@@ -72,7 +72,7 @@ use planner::{Clock, Handles, Planner};
 ///
 /// let mut solver = BranchAndBound::default();
 /// let mut controller = RecedingHorizon::new(program, &mut solver)?;
-/// let plant = |state: &[f64], next: &Move| cart.simulate(state, next)?.end();
+/// let plant = |state: &[f64], next: &ControlMove| cart.simulate(state, next)?.end();
 /// let run = controller.run(&[4.0, 0.0], 20, plant)?;
 /// assert!(run.states[20].iter().all(|x| x.abs() < 0.1));
 /// assert!(run.moves.iter().all(|next| next.source == MoveSource::Optimal));
@@ -209,7 +209,7 @@ impl<'a> RecedingHorizon<'a> {
     /// };
     /// let mut solver = BranchAndBound::default();
     /// let mut controller = RecedingHorizon::moving(build, &mut solver);
-    /// let plant = |state: &[f64], next: &Move| {
+    /// let plant = |state: &[f64], next: &ControlMove| {
     ///     cart.from_step(next.step).simulate(state, next)?.end()
     /// };
     /// let run = controller.run(&[0.0, 0.0], 14, plant)?;
@@ -298,7 +298,7 @@ impl<'a> RecedingHorizon<'a> {
     /// let controller = RecedingHorizon::new(program, &mut solver)?;
     /// let mut controller =
     ///     controller.with_forecast(demand, [vec![0.0; 6], vec![5.0, 0.0]].concat())?;
-    /// let plant = |state: &[f64], next: &Move| Ok(vec![state[0] + next.input[0] - 1.0]);
+    /// let plant = |state: &[f64], next: &ControlMove| Ok(vec![state[0] + next.input[0] - 1.0]);
     /// let run = controller.run(&[2.0], 8, plant)?;
     /// assert!(run.states[7][0] > 5.0 - 1e-6 && run.states[4][0] < 3.0);
     /// # Ok::<(), carom::Error>(())
@@ -394,7 +394,7 @@ impl<'a> RecedingHorizon<'a> {
     /// let mut controller = RecedingHorizon::new(program, &mut solver)?;
     /// // It has been off for a long time.
     /// controller.set_memory(Memory::default().with_mode("heater", "off", 9));
-    /// let run = controller.run(&[18.0], 12, |state: &[f64], next: &Move| {
+    /// let run = controller.run(&[18.0], 12, |state: &[f64], next: &ControlMove| {
     ///     room.simulate(state, next)?.end()
     /// })?;
     /// let modes: Vec<_> = run.moves.iter().filter_map(|next| next.mode("heater")).collect();

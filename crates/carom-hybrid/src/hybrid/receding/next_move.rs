@@ -7,7 +7,7 @@ use super::fallback::Present;
 use super::loop_plan::LoopPlan;
 use super::planner::{Planned, Question};
 use super::recovery::rounded_into;
-use super::step::{Move, MoveSource};
+use super::step::{ControlMove, MoveSource};
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
@@ -25,7 +25,7 @@ impl RecedingHorizon<'_> {
     /// step of a shrinking one; those of [`Model::set_parameter`] for
     /// [parameters](Self::with_parameters). A state outside the declared ranges, an infeasible
     /// program and a limit without a point are no errors: the move then comes from a fallback.
-    pub fn step(&mut self, state: &[f64]) -> Result<Move, Error> {
+    pub fn step(&mut self, state: &[f64]) -> Result<ControlMove, Error> {
         let began = Instant::now();
         check_finite("the measured state", "an entry", state.iter().copied())?;
         self.planner.begin(self.steps, &mut self.memory)?;
@@ -39,7 +39,7 @@ impl RecedingHorizon<'_> {
         let mut next = match planned {
             Planned::Found(solution, plan, excess) => {
                 self.rest = plan.clone();
-                Move::planned(&solution, plan, excess)
+                ControlMove::planned(&solution, plan, excess)
             }
             Planned::Nothing(solution, why) => {
                 let present = Present { system: self.system.as_ref(), state, memory: &memory };
@@ -49,7 +49,7 @@ impl RecedingHorizon<'_> {
                 let may_recover =
                     is_lost && solution.as_ref().is_none_or(|own| own.is_infeasible());
                 let recovered = if may_recover { self.recover(state, searched)? } else { None };
-                let mut next = recovered.unwrap_or_else(|| Move::of(substitute));
+                let mut next = recovered.unwrap_or_else(|| ControlMove::of(substitute));
                 next.reason = Some(why);
                 if let Some(solution) = solution.filter(|_| next.source != MoveSource::Recovery) {
                     next.count(&solution);

@@ -6,7 +6,7 @@ use super::RecedingHorizon;
 use super::fallback::{TOLERANCE, judging};
 use super::loop_plan::LoopPlan;
 use super::planner::Planned;
-use super::step::{Move, MoveSource};
+use super::step::{ControlMove, MoveSource};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
@@ -31,7 +31,7 @@ impl RecedingHorizon<'_> {
     /// A plan from a state near the measured one: from the nearest within the domains; or else from
     /// one on the way from there to the state that the last plan foresaw, as near to the measured
     /// one as a few halvings find.
-    pub(super) fn recover(&mut self, state: &[f64], since: Instant) -> Result<Option<Move>, Error> {
+    pub(super) fn recover(&mut self, state: &[f64], since: Instant) -> Result<Option<ControlMove>, Error> {
         let ranges = self.planner.ranges()?;
         let clamped = |state: &[f64]| -> Vec<f64> {
             state.iter().zip(&ranges).map(|(x, range)| x.clamp(range.lower, range.upper)).collect()
@@ -77,10 +77,10 @@ impl RecedingHorizon<'_> {
         &mut self,
         state: &[f64],
         since: Instant,
-    ) -> Result<Option<(Move, LoopPlan)>, Error> {
+    ) -> Result<Option<(ControlMove, LoopPlan)>, Error> {
         Ok(match self.plan(state, Some(since))? {
             Planned::Found(solution, plan, excess) => {
-                Some((Move::planned(&solution, plan.clone(), excess), plan))
+                Some((ControlMove::planned(&solution, plan.clone(), excess), plan))
             }
             Planned::Nothing(..) => None,
         })

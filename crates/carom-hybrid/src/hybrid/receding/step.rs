@@ -59,7 +59,7 @@ impl fmt::Display for MoveSource {
 /// Where the plan has chosen among transitions, a move is more than its input: a plant that is told
 /// the input alone runs another plan.
 /// [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) takes the whole move; a plant
-/// of another kind asks for the [`transition`](Move::transition) or the [`mode`](Move::mode) of a
+/// of another kind asks for the [`transition`](ControlMove::transition) or the [`mode`](ControlMove::mode) of a
 /// choice.
 ///
 /// ```
@@ -74,7 +74,7 @@ impl fmt::Display for MoveSource {
 /// program.minimize(program.sum((h - 2.0).square())?)?;
 /// let mut solver = BranchAndBound::default();
 /// let mut controller = RecedingHorizon::new(program, &mut solver)?;
-/// let run = controller.run(&[5.0], 5, |state: &[f64], next: &Move| {
+/// let run = controller.run(&[5.0], 5, |state: &[f64], next: &ControlMove| {
 ///     tank.simulate(state, next)?.end()
 /// })?;
 /// assert_eq!(run.states.concat(), [5.0, 4.0, 3.0, 2.0, 2.0, 2.0]);
@@ -90,7 +90,7 @@ impl fmt::Display for MoveSource {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Move {
+pub struct ControlMove {
     /// The number of the step, from 0 on.
     pub step: usize,
     /// The measured state, an entry per state in its unit.
@@ -139,7 +139,7 @@ pub struct Move {
     pub time: Duration,
 }
 
-impl Move {
+impl ControlMove {
     /// The transition that a choice (`mode` if there is only one) takes in this step; `None` if
     /// nothing says which.
     pub fn transition(&self, choice: &str) -> Option<&str> {
@@ -161,7 +161,7 @@ impl Move {
             _ if solution.is_optimal() => MoveSource::Optimal,
             _ => MoveSource::BestSoFar,
         };
-        let mut next = Move::of(Substitute { plan, source, is_admissible: Some(true) });
+        let mut next = ControlMove::of(Substitute { plan, source, is_admissible: Some(true) });
         next.excess = excess;
         next.objective = solution.objective();
         next.count(solution);
@@ -171,7 +171,7 @@ impl Move {
     /// From steps, where they come from, and whether they are admissible.
     pub(super) fn of(own: Substitute) -> Self {
         let Substitute { plan, source, is_admissible } = own;
-        let mut next = Move {
+        let mut next = ControlMove {
             step: 0,
             state: Vec::new(),
             input: plan.inputs.first().cloned().unwrap_or_default(),
@@ -210,7 +210,7 @@ impl Move {
     }
 }
 
-impl Decisions for Move {
+impl Decisions for ControlMove {
     #[expect(private_interfaces, reason = "as the trait")]
     fn decided(&self) -> Decided<'_> {
         Decided {

@@ -9,7 +9,7 @@ use crate::error::ErrorKind;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
 use crate::hybrid::shortest_horizon::{
-    HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon,
+    HorizonModel, ShortestHorizon, ShortestOptions, SolvedHorizon, Monotonicity, shortest_horizon,
 };
 use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
 use crate::solution::Solution;
@@ -53,7 +53,7 @@ impl HybridSystem {
         feedback: &Feedback,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-    ) -> Result<Shortest<RobustPlan>, Error> {
+    ) -> Result<ShortestHorizon<RobustPlan>, Error> {
         let (start, goal) = (start.stated().of(self)?, goal.stated().of(self)?);
         let task = self.task(&start, &goal, options)?;
         shortest_robust(&task, self, feedback, options, solver)
@@ -67,16 +67,16 @@ pub(crate) fn shortest_robust<M: HorizonModel<Program: Into<HybridProgram>>>(
     feedback: &Feedback,
     options: &ShortestOptions,
     solver: &mut dyn Solver,
-) -> Result<Shortest<RobustPlan>, Error> {
+) -> Result<ShortestHorizon<RobustPlan>, Error> {
     let waiting = match options.waiting(nominal.waiting()) {
-        Waiting::Free(_) if system.is_disturbed() => {
-            Waiting::NotFree("disturbances add up while a run waits".into())
+        Monotonicity::Free(_) if system.is_disturbed() => {
+            Monotonicity::NotFree("disturbances add up while a run waits".into())
         }
         own => own,
     };
     let task = RobustTask { nominal, feedback, options, waiting };
     let found = shortest_horizon(&task, &options.without_statements(), solver)?;
-    found.try_map(|Solved { program, solution }| program.plan(&solution))
+    found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))
 }
 
 /// The robust programs of a family of programs.
@@ -85,7 +85,7 @@ struct RobustTask<'a, M> {
     feedback: &'a Feedback,
     /// With the statements that are tightened as well.
     options: &'a ShortestOptions,
-    waiting: Waiting,
+    waiting: Monotonicity,
 }
 
 impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<'_, M> {
@@ -97,7 +97,7 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
         program.robust(self.feedback)
     }
 
-    fn waiting(&self) -> Waiting {
+    fn waiting(&self) -> Monotonicity {
         self.waiting.clone()
     }
 

@@ -7,7 +7,7 @@ use super::shortest::ScenePrograms;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::shortest_horizon::{
-    LeastTimeStep, Shortest, ShortestOptions, TimeStepGrid, Verdict, Waiting, decide, least_of,
+    LeastTimeStep, ShortestHorizon, ShortestOptions, TimeStepGrid, HorizonVerdict, Monotonicity, decide, least_of,
 };
 use crate::solver::Solver;
 
@@ -19,7 +19,7 @@ pub struct StepComparison {
     /// The plan.
     pub plan: ScenePlan,
     /// The shortest plan with half of its Δt.
-    pub halved: Shortest<ScenePlan>,
+    pub halved: ShortestHorizon<ScenePlan>,
 }
 
 impl fmt::Display for StepComparison {
@@ -138,10 +138,10 @@ impl ScenePlan {
         let grid = TimeStepGrid::new(steps, time_steps);
         least_of(&grid, options, |time_step, token| {
             let stated = Scene { time_step, ..scene.clone() }.stated()?;
-            let waiting = Waiting::NotFree("the number of steps is fixed".into());
+            let waiting = Monotonicity::NotFree("the number of steps is fixed".into());
             let task = ScenePrograms { stated, waiting };
             let (attempt, solved) = decide(&task, steps, options, token, solver)?;
-            let run = match solved.filter(|_| attempt.verdict == Verdict::Feasible) {
+            let run = match solved.filter(|_| attempt.verdict == HorizonVerdict::Feasible) {
                 Some((program, solution)) => Some(program.plan(&solution)?.run),
                 None => None,
             };

@@ -28,7 +28,7 @@ use crate::solver::{Interrupt, Solver, StopToken};
 /// Options of [`Scene::damage_interval`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct IntervalOptions {
+pub struct DamageLimitOptions {
     /// The resolution of each end, in m/s (`1e-5..=1e3`); default 1e-3. A finer one would be below
     /// the feasibility tolerance.
     pub resolution: f64,
@@ -38,13 +38,13 @@ pub struct IntervalOptions {
     pub interrupt: Interrupt,
 }
 
-impl Default for IntervalOptions {
+impl Default for DamageLimitOptions {
     fn default() -> Self {
-        IntervalOptions { resolution: 1e-3, time_limit: None, interrupt: Interrupt::new() }
+        DamageLimitOptions { resolution: 1e-3, time_limit: None, interrupt: Interrupt::new() }
     }
 }
 
-impl IntervalOptions {
+impl DamageLimitOptions {
     setters! {
         /// Sets the resolution of each end, in m/s.
         with_resolution(resolution: f64) => resolution = resolution;
@@ -59,7 +59,7 @@ impl IntervalOptions {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct IntervalEnd {
+pub struct DamageLimitEnd {
     /// The horizon is proved to have no plan under this limit, in m/s. Infinite if it has no plan
     /// under any limit; 0 if nothing is refuted.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
@@ -69,7 +69,7 @@ pub struct IntervalEnd {
     pub attained: f64,
 }
 
-impl IntervalEnd {
+impl DamageLimitEnd {
     /// Width of the enclosure, in m/s.
     pub fn resolution(&self) -> f64 {
         if self.bound == self.attained { 0.0 } else { self.attained - self.bound }
@@ -84,13 +84,13 @@ impl IntervalEnd {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[must_use]
-pub struct DamageInterval {
+pub struct DamageLimitRange {
     /// The horizon τ, in steps.
     pub steps: usize,
     /// The lower end, `d(τ)`.
-    pub lower: IntervalEnd,
+    pub lower: DamageLimitEnd,
     /// The upper end, `d(τ-1)`; infinite when τ-1 is infeasible under any limit.
-    pub upper: IntervalEnd,
+    pub upper: DamageLimitEnd,
     /// Why the search ended before both ends were known to the resolution, if it did.
     pub stopped: Option<Termination>,
     /// Number of solves, including those with fixed binaries.
@@ -101,7 +101,7 @@ pub struct DamageInterval {
     pub time: Duration,
 }
 
-impl DamageInterval {
+impl DamageLimitRange {
     /// The middle of the limits for which the horizon is certainly the shortest, in m/s. `None` if
     /// there is no such limit, or if they have no upper end.
     pub fn middle(&self) -> Option<f64> {
@@ -127,9 +127,9 @@ impl Scene {
     pub fn damage_interval(
         &self,
         steps: usize,
-        options: &IntervalOptions,
+        options: &DamageLimitOptions,
         solver: &mut dyn Solver,
-    ) -> Result<DamageInterval, Error> {
+    ) -> Result<DamageLimitRange, Error> {
         let mut scene = self.clone();
         for rule in &mut scene.rules {
             (rule.per_hit, rule.price, rule.price_per_hit) = (None, 0.0, 0.0);
@@ -155,11 +155,11 @@ impl Scene {
             Enclosure { open, resolution, solver, token, stopped: None, solves: 0, nodes: 0 };
         let lower = search.end(steps)?;
         let upper = match steps {
-            1 => IntervalEnd { bound: f64::INFINITY, attained: f64::INFINITY },
+            1 => DamageLimitEnd { bound: f64::INFINITY, attained: f64::INFINITY },
             _ => search.end(steps - 1)?,
         };
         let Enclosure { stopped, solves, nodes, token, .. } = search;
-        Ok(DamageInterval { steps, lower, upper, stopped, solves, nodes, time: token.elapsed() })
+        Ok(DamageLimitRange { steps, lower, upper, stopped, solves, nodes, time: token.elapsed() })
     }
 }
 
@@ -184,8 +184,8 @@ enum Answer {
 
 impl Enclosure<'_> {
     /// Encloses `d(steps)`.
-    fn end(&mut self, steps: usize) -> Result<IntervalEnd, Error> {
-        let mut end = IntervalEnd { bound: 0.0, attained: f64::INFINITY };
+    fn end(&mut self, steps: usize) -> Result<DamageLimitEnd, Error> {
+        let mut end = DamageLimitEnd { bound: 0.0, attained: f64::INFINITY };
         match self.feasible(steps, None)? {
             Answer::Plan(plan) => end.attained = self.gentlest(&plan)?,
             Answer::Refuted => end.bound = f64::INFINITY,

@@ -40,7 +40,7 @@ mod words;
 pub(crate) use axes::region_where;
 pub use body::{Body, Shape};
 pub use compare::StepComparison;
-pub use damage_interval::{DamageInterval, IntervalEnd, IntervalOptions};
+pub use damage_interval::{DamageLimitRange, DamageLimitEnd, DamageLimitOptions};
 pub use error::SceneError;
 pub use handles::{BodyHandle, ObstacleHandle};
 pub use mitigate::{Avoidable, Mitigation};

@@ -18,7 +18,7 @@ use crate::hybrid::robust::{Feedback, RobustPlan, shortest_robust};
 #[cfg(doc)]
 use crate::hybrid::shortest_horizon::shortest_horizon;
 use crate::hybrid::shortest_horizon::{
-    HorizonEvent, HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon_with,
+    HorizonEvent, HorizonModel, ShortestHorizon, ShortestOptions, SolvedHorizon, Monotonicity, shortest_horizon_with,
 };
 use crate::hybrid::system::{HybridSystem, Region, Restated};
 use crate::interval::Interval;
@@ -55,7 +55,7 @@ impl Scene {
         &self,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-    ) -> Result<Shortest<ScenePlan>, Error> {
+    ) -> Result<ShortestHorizon<ScenePlan>, Error> {
         self.shortest_plan_with(options, solver, &mut |_| {})
     }
 
@@ -69,10 +69,10 @@ impl Scene {
         options: &ShortestOptions,
         solver: &mut dyn Solver,
         progress: &mut dyn FnMut(&HorizonEvent),
-    ) -> Result<Shortest<ScenePlan>, Error> {
+    ) -> Result<ShortestHorizon<ScenePlan>, Error> {
         let (task, options) = self.task(options)?;
         let found = shortest_horizon_with(&task, &options, solver, progress)?;
-        found.try_map(|Solved { program, solution }| program.plan(&solution))
+        found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))
     }
 
     /// The smallest number of steps for which a plan brings all disturbed bodies from their starts
@@ -87,7 +87,7 @@ impl Scene {
         feedback: &Feedback,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-    ) -> Result<Shortest<RobustPlan>, Error> {
+    ) -> Result<ShortestHorizon<RobustPlan>, Error> {
         let (task, options) = self.task(options)?;
         shortest_robust(&task, &task.stated.system, feedback, &options, solver)
     }
@@ -273,7 +273,7 @@ impl Stated {
         self.system.states.iter().map(|(_, domain)| *domain).collect()
     }
 
-    pub(super) fn waiting(&self) -> Result<Waiting, Error> {
+    pub(super) fn waiting(&self) -> Result<Monotonicity, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
         // Who waits hits nothing.
         let mut system = self.system.clone();
@@ -294,7 +294,7 @@ impl Stated {
 /// From starts to goals, in any number of steps.
 pub(super) struct ScenePrograms {
     pub(super) stated: Stated,
-    pub(super) waiting: Waiting,
+    pub(super) waiting: Monotonicity,
 }
 
 impl HorizonModel for ScenePrograms {
@@ -312,7 +312,7 @@ impl HorizonModel for ScenePrograms {
         self.stated.contacts.iter().any(|contact| contact.other.is_some() && contact.bounces())
     }
 
-    fn waiting(&self) -> Waiting {
+    fn waiting(&self) -> Monotonicity {
         self.waiting.clone()
     }
 

@@ -1,6 +1,6 @@
 //! Events of a search while it runs.
 
-use super::outcome::{Attempt, HorizonProof};
+use super::outcome::{HorizonAttempt, HorizonProof};
 use crate::solver::Progress;
 
 /// A progress event of a search.
@@ -28,7 +28,7 @@ pub enum HorizonEvent {
         progress: Progress,
     },
     /// A horizon is decided, by reach sets or by a solve.
-    Decided(Attempt),
+    Decided(HorizonAttempt),
     /// The log of a horizon is written, or it is known that there is none.
     Logged(HorizonProof),
 }

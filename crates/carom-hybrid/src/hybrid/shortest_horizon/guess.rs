@@ -2,7 +2,7 @@
 
 use super::HorizonModel;
 use super::options::ShortestOptions;
-use super::outcome::Solved;
+use super::outcome::SolvedHorizon;
 use super::search::find;
 use crate::error::Error;
 use crate::hybrid::reach::HorizonVariables;
@@ -61,7 +61,7 @@ impl Guess {
         }
         // Nobody has asked for the coarser grid: what is wrong there is no error.
         let found = find(&*coarser, &options, solver, &mut |_| {}).ok();
-        let Some(Solved { program, solution }) = found.as_ref().and_then(|f| f.plan.as_ref())
+        let Some(SolvedHorizon { program, solution }) = found.as_ref().and_then(|f| f.plan.as_ref())
         else {
             return Ok(nothing);
         };

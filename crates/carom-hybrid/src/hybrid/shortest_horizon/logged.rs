@@ -4,7 +4,7 @@
 use super::HorizonModel;
 use super::event::HorizonEvent;
 use super::options::ShortestOptions;
-use super::outcome::{Shortest, Solved};
+use super::outcome::{ShortestHorizon, SolvedHorizon};
 use super::proofs::{HorizonLogs, without_logs};
 use super::search::find;
 use crate::error::Error;
@@ -20,7 +20,7 @@ pub fn shortest_horizon<B: HorizonModel + ?Sized>(
     builder: &B,
     options: &ShortestOptions,
     solver: &mut dyn Solver,
-) -> Result<Shortest<Solved<B::Program>>, Error> {
+) -> Result<ShortestHorizon<SolvedHorizon<B::Program>>, Error> {
     shortest_horizon_with(builder, options, solver, &mut |_| {})
 }
 
@@ -31,7 +31,7 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     options: &ShortestOptions,
     solver: &mut dyn Solver,
     progress: &mut dyn FnMut(&HorizonEvent),
-) -> Result<Shortest<Solved<B::Program>>, Error> {
+) -> Result<ShortestHorizon<SolvedHorizon<B::Program>>, Error> {
     without_logs(solver, |solver, folder| {
         let mut found = find(builder, options, solver, progress)?;
         let Some(folder) = folder else { return Ok(found) };

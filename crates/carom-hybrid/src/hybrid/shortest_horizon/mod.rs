@@ -18,7 +18,7 @@ mod watch;
 pub use event::HorizonEvent;
 pub use logged::{shortest_horizon, shortest_horizon_with};
 pub use options::ShortestOptions;
-pub use outcome::{Attempt, HorizonProof, Refutation, Shortest, ShortestStatus, Solved, Verdict};
+pub use outcome::{HorizonAttempt, HorizonProof, HorizonRefutation, ShortestHorizon, ShortestStatus, SolvedHorizon, HorizonVerdict};
 pub(crate) use proofs::{HorizonLogs, without_logs};
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
@@ -52,7 +52,7 @@ pub trait HorizonModel {
     fn build(&self, steps: usize) -> Result<Self::Program, Error>;
 
     /// Whether a feasible horizon makes every longer one feasible.
-    fn waiting(&self) -> Waiting;
+    fn waiting(&self) -> Monotonicity;
 
     /// The number of steps at which to begin, at least 1. A good guess saves solves; a bad one only
     /// costs time. Used only if waiting is free.
@@ -156,23 +156,23 @@ pub trait HorizonModel {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Waiting {
+pub enum Monotonicity {
     /// Feasibility is monotone in the horizon, so bisection is valid.
     Free(String),
     /// Feasibility may not be monotone, so every smaller horizon must be refuted.
     NotFree(String),
 }
 
-impl Waiting {
+impl Monotonicity {
     /// Whether bisection is valid.
     pub fn is_free(&self) -> bool {
-        matches!(self, Waiting::Free(_))
+        matches!(self, Monotonicity::Free(_))
     }
 
     /// The reason.
     pub fn reason(&self) -> &str {
         match self {
-            Waiting::Free(reason) | Waiting::NotFree(reason) => reason,
+            Monotonicity::Free(reason) | Monotonicity::NotFree(reason) => reason,
         }
     }
 }

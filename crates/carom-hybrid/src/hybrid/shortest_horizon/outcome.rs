@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use web_time::Duration;
 
-use super::Waiting;
+use super::Monotonicity;
 use crate::error::Error;
 use crate::hybrid::reach::{ReachSets, Tube};
 use crate::hybrid::simulate::RunError;
@@ -15,7 +15,7 @@ use crate::solution::{ProofReport, Solution, Statistics, Termination};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Refutation {
+pub enum HorizonRefutation {
     /// By reach sets, without a solve.
     Sets,
     /// By bound propagation alone, without a relaxation.
@@ -28,11 +28,11 @@ pub enum Refutation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Verdict {
+pub enum HorizonVerdict {
     /// A verified point exists.
     Feasible,
     /// The solver proved infeasibility.
-    Refuted(Refutation),
+    Refuted(HorizonRefutation),
     /// The solver stopped without a point and without a proof.
     Undecided(Termination),
     /// The program that was restricted to the modes of a plan on a coarser grid has no plan, or
@@ -42,15 +42,15 @@ pub enum Verdict {
 }
 
 /// In words: "refuted by reach sets".
-impl fmt::Display for Verdict {
+impl fmt::Display for HorizonVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Verdict::Feasible => f.write_str("a plan"),
-            Verdict::Refuted(Refutation::Sets) => f.write_str("refuted by reach sets"),
-            Verdict::Refuted(Refutation::Propagation) => f.write_str("refuted by propagation"),
-            Verdict::Refuted(Refutation::Relaxation) => f.write_str("refuted by relaxations"),
-            Verdict::Undecided(why) => write!(f, "open ({why} of this solve)"),
-            Verdict::NotAsGuessed => f.write_str(
+            HorizonVerdict::Feasible => f.write_str("a plan"),
+            HorizonVerdict::Refuted(HorizonRefutation::Sets) => f.write_str("refuted by reach sets"),
+            HorizonVerdict::Refuted(HorizonRefutation::Propagation) => f.write_str("refuted by propagation"),
+            HorizonVerdict::Refuted(HorizonRefutation::Relaxation) => f.write_str("refuted by relaxations"),
+            HorizonVerdict::Undecided(why) => write!(f, "open ({why} of this solve)"),
+            HorizonVerdict::NotAsGuessed => f.write_str(
                 "no plan with the modes of a coarser one, which says nothing about others",
             ),
         }
@@ -61,11 +61,11 @@ impl fmt::Display for Verdict {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Attempt {
+pub struct HorizonAttempt {
     /// The horizon, in steps.
     pub steps: usize,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: HorizonVerdict,
     /// Counts and time of the solve; all 0 if nothing was solved.
     pub statistics: Statistics,
     /// Whether the program was restricted to the mode sequence of a coarser plan. A restricted
@@ -74,7 +74,7 @@ pub struct Attempt {
 }
 
 /// In words: "17 steps: refuted by relaxations, 4711 nodes in 9.80 s".
-impl fmt::Display for Attempt {
+impl fmt::Display for HorizonAttempt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = |count: u64| if count == 1 { "" } else { "s" };
         write!(f, "{} step{}: {}", self.steps, plural(self.steps as u64), self.verdict)?;
@@ -87,32 +87,32 @@ impl fmt::Display for Attempt {
     }
 }
 
-impl Attempt {
+impl HorizonAttempt {
     /// A horizon that reach sets refuted.
     pub(super) fn by_sets(steps: usize) -> Self {
-        let (verdict, statistics) = (Verdict::Refuted(Refutation::Sets), Statistics::default());
-        Attempt { steps, verdict, statistics, restricted: false }
+        let (verdict, statistics) = (HorizonVerdict::Refuted(HorizonRefutation::Sets), Statistics::default());
+        HorizonAttempt { steps, verdict, statistics, restricted: false }
     }
 
     /// Whether a program was solved.
     pub fn is_solve(&self) -> bool {
-        self.verdict != Verdict::Refuted(Refutation::Sets)
+        self.verdict != HorizonVerdict::Refuted(HorizonRefutation::Sets)
     }
 
     /// Interprets a solution. A point or a proof decides, whatever the reason for stopping.
     pub(super) fn of(steps: usize, solution: &Solution) -> Self {
         let statistics = *solution.statistics();
         let verdict = if solution.point().is_some() {
-            Verdict::Feasible
+            HorizonVerdict::Feasible
         } else if solution.is_infeasible() {
-            Verdict::Refuted(match statistics.relaxations {
-                0 => Refutation::Propagation,
-                _ => Refutation::Relaxation,
+            HorizonVerdict::Refuted(match statistics.relaxations {
+                0 => HorizonRefutation::Propagation,
+                _ => HorizonRefutation::Relaxation,
             })
         } else {
-            Verdict::Undecided(solution.termination())
+            HorizonVerdict::Undecided(solution.termination())
         };
-        Attempt { steps, verdict, statistics, restricted: false }
+        HorizonAttempt { steps, verdict, statistics, restricted: false }
     }
 }
 
@@ -179,7 +179,7 @@ fn seconds(steps: usize, time_step: f64) -> String {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]
-pub struct Shortest<P> {
+pub struct ShortestHorizon<P> {
     /// How the search ended.
     pub status: ShortestStatus,
     /// The smallest horizon found feasible, in steps. It is the shortest one if the status is
@@ -195,14 +195,14 @@ pub struct Shortest<P> {
     pub time_step: Option<f64>,
     /// Whether waiting is free, and why: whether smaller horizons were refuted by monotonicity or
     /// each separately.
-    pub waiting: Waiting,
+    pub waiting: Monotonicity,
     /// The reach sets that were used, for further questions.
     pub sets: Option<ReachSets>,
     /// The tube of `steps`, if reach sets were used.
     pub tube: Option<Tube>,
     /// Every refuted horizon and every solve, in order. Restricted programs without a point are
     /// undecided.
-    pub attempts: Vec<Attempt>,
+    pub attempts: Vec<HorizonAttempt>,
     /// The horizons that are open because the solver's plan is not the run of its inputs and could
     /// not be corrected, with why. Their verdict is undecided.
     pub drifts: Vec<(usize, RunError)>,
@@ -228,14 +228,14 @@ pub struct Shortest<P> {
 /// The program of a horizon and its solution.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct Solved<P> {
+pub struct SolvedHorizon<P> {
     /// The program, with the bounds that reach sets tightened.
     pub program: P,
     /// Its solution.
     pub solution: Solution,
 }
 
-impl<P> fmt::Display for Shortest<P> {
+impl<P> fmt::Display for ShortestHorizon<P> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let law = match self.time_step {
             Some(time_step) => format!("the time-stepped law with Δt = {time_step} s"),
@@ -290,13 +290,13 @@ impl<P> fmt::Display for Shortest<P> {
     }
 }
 
-impl<P> Shortest<P> {
+impl<P> ShortestHorizon<P> {
     /// The same with a plan that is made of this one's.
     pub(crate) fn try_map<Q>(
         self,
         plan: impl FnOnce(P) -> Result<Q, Error>,
-    ) -> Result<Shortest<Q>, Error> {
-        Ok(Shortest {
+    ) -> Result<ShortestHorizon<Q>, Error> {
+        Ok(ShortestHorizon {
             status: self.status,
             steps: self.steps,
             plan: self.plan.map(plan).transpose()?,
@@ -321,8 +321,8 @@ impl<P> Shortest<P> {
     }
 
     /// The refuted horizons, in the order in which they were refuted.
-    pub fn refutations(&self) -> impl Iterator<Item = &Attempt> {
-        self.attempts.iter().filter(|attempt| matches!(attempt.verdict, Verdict::Refuted(_)))
+    pub fn refutations(&self) -> impl Iterator<Item = &HorizonAttempt> {
+        self.attempts.iter().filter(|attempt| matches!(attempt.verdict, HorizonVerdict::Refuted(_)))
     }
 
     /// The horizons whose claim is to be believed without a complete log: all of them if none was

@@ -12,7 +12,7 @@ use std::path::Path;
 use super::HorizonModel;
 use super::event::HorizonEvent;
 use super::options::ShortestOptions;
-use super::outcome::{HorizonProof, Solved};
+use super::outcome::{HorizonProof, SolvedHorizon};
 use super::search::{ANY_GAP, build, settled};
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
@@ -102,7 +102,7 @@ impl<'a> HorizonLogs<'a> {
         &mut self,
         builder: &B,
         steps: usize,
-        plan: &mut Solved<B::Program>,
+        plan: &mut SolvedHorizon<B::Program>,
     ) -> Result<(), Error> {
         let program = build(builder, steps, self.options)?;
         let (own, searched) = (program.borrow(), plan.program.borrow());
@@ -120,7 +120,7 @@ impl<'a> HorizonLogs<'a> {
         if let Some(solution) = solved?
             && let Ok(solution) = settled(builder, &program, solution, self.solver, &self.token)?
         {
-            *plan = Solved { program, solution };
+            *plan = SolvedHorizon { program, solution };
         }
         Ok(())
     }

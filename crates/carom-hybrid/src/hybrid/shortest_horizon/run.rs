@@ -2,8 +2,8 @@
 
 use super::logged::shortest_horizon;
 use super::options::ShortestOptions;
-use super::outcome::{Shortest, Solved};
-use super::{HorizonModel, Waiting};
+use super::outcome::{ShortestHorizon, SolvedHorizon};
+use super::{HorizonModel, Monotonicity};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
@@ -53,7 +53,7 @@ impl HybridSystem {
         start: impl IntoRegion,
         goal: impl IntoRegion,
         solver: &mut dyn Solver,
-    ) -> Result<Shortest<HybridPlan>, Error> {
+    ) -> Result<ShortestHorizon<HybridPlan>, Error> {
         self.shortest_with(start, goal, &ShortestOptions::default(), solver)
     }
 
@@ -69,11 +69,11 @@ impl HybridSystem {
         goal: impl IntoRegion,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-    ) -> Result<Shortest<HybridPlan>, Error> {
+    ) -> Result<ShortestHorizon<HybridPlan>, Error> {
         let (start, goal) = (&start.stated().of(self)?, &goal.stated().of(self)?);
         let task = self.task(start, goal, options)?;
         let found = shortest_horizon(&task, options, solver)?;
-        found.try_map(|Solved { program, solution }| program.plan(&solution))
+        found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))
     }
 }
 
@@ -109,7 +109,7 @@ pub(in crate::hybrid) struct Task<'a> {
     pub(super) system: &'a HybridSystem,
     pub(super) start: &'a Region,
     pub(super) goal: &'a Region,
-    pub(super) waiting: Waiting,
+    pub(super) waiting: Monotonicity,
 }
 
 impl HorizonModel for Task<'_> {
@@ -122,7 +122,7 @@ impl HorizonModel for Task<'_> {
         Ok(program)
     }
 
-    fn waiting(&self) -> Waiting {
+    fn waiting(&self) -> Monotonicity {
         self.waiting.clone()
     }
 

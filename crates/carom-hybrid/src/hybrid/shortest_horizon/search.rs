@@ -8,7 +8,7 @@ use super::event::HorizonEvent;
 use super::guess::{Guess, restricted};
 use super::look::look_token;
 use super::options::ShortestOptions;
-use super::outcome::{Attempt, Shortest, ShortestStatus, Solved, Verdict};
+use super::outcome::{HorizonAttempt, ShortestHorizon, ShortestStatus, SolvedHorizon, HorizonVerdict};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::program::as_drift;
@@ -34,7 +34,7 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
     options: &ShortestOptions,
     solver: &mut dyn Solver,
     progress: &mut dyn FnMut(&HorizonEvent),
-) -> Result<Shortest<Solved<B::Program>>, Error> {
+) -> Result<ShortestHorizon<SolvedHorizon<B::Program>>, Error> {
     check_steps("the largest number of steps", options.max_steps)?;
     let progress = &mut |event: &HorizonEvent| {
         options.tell(event);
@@ -71,10 +71,10 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
     // A longer look may have decided a horizon later.
     let is_open = |steps: usize| {
         let of = attempts.iter().rev().find(|attempt| attempt.steps == steps);
-        steps > refuted && of.is_some_and(|last| matches!(last.verdict, Verdict::Undecided(_)))
+        steps > refuted && of.is_some_and(|last| matches!(last.verdict, HorizonVerdict::Undecided(_)))
     };
     let drifts = search.drifts.into_iter().filter(|(steps, _)| is_open(*steps)).collect();
-    let mut found = Shortest {
+    let mut found = ShortestHorizon {
         status,
         steps: None,
         plan: None,
@@ -96,7 +96,7 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
     }
     if let Some(best) = search.best {
         found.steps = Some(best.steps);
-        found.plan = Some(Solved { program: best.program, solution: best.solution });
+        found.plan = Some(SolvedHorizon { program: best.program, solution: best.solution });
         found.tube = best.tube;
     }
     Ok(found)
@@ -123,7 +123,7 @@ pub(super) struct Search<'a, B: HorizonModel + ?Sized> {
     pub(super) best: Option<Feasible<B::Program>>,
     /// Undecided horizons, with the reason.
     pub(super) undecided: Vec<(usize, Termination)>,
-    pub(super) attempts: Vec<Attempt>,
+    pub(super) attempts: Vec<HorizonAttempt>,
     /// Horizons whose point is no run, and why.
     drifts: Vec<(usize, RunError)>,
     /// How many of the attempts came before the search proper: the first ascent by forward sets,
@@ -173,7 +173,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             if let Some(reason) = self.token.ended() {
                 return Ok(Some(reason));
             }
-            let attempt = Attempt::by_sets(steps);
+            let attempt = HorizonAttempt::by_sets(steps);
             self.refuted = steps;
             self.attempts.push(attempt);
             self.ascended = self.attempts.len();
@@ -270,7 +270,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             None => None,
         };
         if tube.as_ref().is_some_and(|tube| tube.is_empty()) {
-            self.file(Attempt::by_sets(steps), None);
+            self.file(HorizonAttempt::by_sets(steps), None);
             return Ok(());
         }
         let mut program = build(self.builder, steps, self.options)?;
@@ -279,7 +279,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         if let Some(tube) = &tube {
             let report = tube.tighten(program.borrow_mut(), &variables)?;
             if report.infeasible {
-                self.file(Attempt::by_sets(steps), None);
+                self.file(HorizonAttempt::by_sets(steps), None);
                 return Ok(());
             }
             open = if variables.states.is_empty() { open } else { report.open };
@@ -289,18 +289,18 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
                 self.solve_restricted(steps, nodes, program.borrow_mut(), &variables)?
             && let Ok(solution) = self.settled(&program, solution)?
         {
-            let attempt = Attempt { restricted: true, ..Attempt::of(steps, &solution) };
+            let attempt = HorizonAttempt { restricted: true, ..HorizonAttempt::of(steps, &solution) };
             self.file(attempt, Some(Feasible { steps, program, solution, tube }));
             return Ok(());
         }
         let solution = self.solve(steps, nodes, program.borrow())?;
-        let attempt = Attempt::of(steps, &solution);
+        let attempt = HorizonAttempt::of(steps, &solution);
         match self.settled(&program, solution)? {
             Ok(solution) => self.file(attempt, Some(Feasible { steps, program, solution, tube })),
             Err(drift) => {
                 self.drifts.push((steps, drift));
-                let verdict = Verdict::Undecided(Termination::Stalled);
-                self.file(Attempt { verdict, ..attempt }, None);
+                let verdict = HorizonVerdict::Undecided(Termination::Stalled);
+                self.file(HorizonAttempt { verdict, ..attempt }, None);
             }
         }
         Ok(())
@@ -362,32 +362,32 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             return Ok(Some(solution));
         }
         // This shows only that the guess does not fit this horizon.
-        self.attempts.push(Attempt {
+        self.attempts.push(HorizonAttempt {
             restricted: true,
-            verdict: Verdict::NotAsGuessed,
-            ..Attempt::of(steps, &solution)
+            verdict: HorizonVerdict::NotAsGuessed,
+            ..HorizonAttempt::of(steps, &solution)
         });
         Ok(None)
     }
 
     /// Records the result for a horizon.
-    fn file(&mut self, attempt: Attempt, solved: Option<Feasible<B::Program>>) {
+    fn file(&mut self, attempt: HorizonAttempt, solved: Option<Feasible<B::Program>>) {
         let steps = attempt.steps;
         match attempt.verdict {
-            Verdict::Feasible => {
+            HorizonVerdict::Feasible => {
                 if self.best.as_ref().is_none_or(|best| steps < best.steps) {
                     self.best = solved;
                 }
             }
-            Verdict::Refuted(_) => {
+            HorizonVerdict::Refuted(_) => {
                 // If waiting is free, every smaller horizon is refuted as well; otherwise only an
                 // unbroken chain from 1 counts.
                 if self.is_free || steps == self.refuted + 1 {
                     self.refuted = self.refuted.max(steps);
                 }
             }
-            Verdict::Undecided(reason) => self.undecided.push((steps, reason)),
-            Verdict::NotAsGuessed => {}
+            HorizonVerdict::Undecided(reason) => self.undecided.push((steps, reason)),
+            HorizonVerdict::NotAsGuessed => {}
         }
         self.attempts.push(attempt);
         (self.progress)(&HorizonEvent::Decided(attempt));

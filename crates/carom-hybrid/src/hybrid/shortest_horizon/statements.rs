@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use super::Waiting;
+use super::Monotonicity;
 use super::options::ShortestOptions;
 use crate::error::Error;
 use crate::hybrid::mission::Mission;
@@ -195,10 +195,10 @@ impl ShortestOptions {
     }
 
     /// Whether waiting is free, where it is without windows and rows.
-    pub(crate) fn waiting(&self, own: Waiting) -> Waiting {
+    pub(crate) fn waiting(&self, own: Monotonicity) -> Monotonicity {
         match own {
-            Waiting::Free(_) if self.has_statements() => {
-                Waiting::NotFree("windows and rows may depend on the step".into())
+            Monotonicity::Free(_) if self.has_statements() => {
+                Monotonicity::NotFree("windows and rows may depend on the step".into())
             }
             own => own,
         }

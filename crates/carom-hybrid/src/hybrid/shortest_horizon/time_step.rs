@@ -3,9 +3,9 @@
 use std::borrow::{Borrow, BorrowMut};
 
 use super::HorizonModel;
-use super::Waiting;
+use super::Monotonicity;
 use super::options::ShortestOptions;
-use super::outcome::{Attempt, Verdict};
+use super::outcome::{HorizonAttempt, HorizonVerdict};
 use super::run::Task;
 use super::search::{build, settled};
 use crate::error::Error;
@@ -74,7 +74,7 @@ pub struct LeastTimeStep {
     /// The run with `time_step`. It is [certified](HybridSystem::certify).
     pub run: Option<HybridRun>,
     /// Each time step tried and its verdict, in order.
-    pub attempts: Vec<(f64, Attempt)>,
+    pub attempts: Vec<(f64, HorizonAttempt)>,
 }
 
 /// Finds the least time step of a grid with which a system gets from a start to a goal in a fixed
@@ -120,10 +120,10 @@ pub fn least_time_step<R: IntoRegion>(
     least_of(grid, options, |time_step, token| {
         let (system, start, goal) = task(time_step)?;
         let (start, goal) = (&start.stated().of(&system)?, &goal.stated().of(&system)?);
-        let waiting = Waiting::NotFree("the number of steps is fixed".into());
+        let waiting = Monotonicity::NotFree("the number of steps is fixed".into());
         let task = Task { system: &system, start, goal, waiting };
         let (attempt, solved) = decide(&task, grid.steps, options, token, solver)?;
-        let run = match solved.filter(|_| attempt.verdict == Verdict::Feasible) {
+        let run = match solved.filter(|_| attempt.verdict == HorizonVerdict::Feasible) {
             Some((program, solution)) => Some(program.plan(&solution)?.run),
             None => None,
         };
@@ -135,7 +135,7 @@ pub fn least_time_step<R: IntoRegion>(
 pub(crate) fn least_of(
     grid: &TimeStepGrid,
     options: &ShortestOptions,
-    mut decide: impl FnMut(f64, &StopToken) -> Result<(Attempt, Option<HybridRun>), Error>,
+    mut decide: impl FnMut(f64, &StopToken) -> Result<(HorizonAttempt, Option<HybridRun>), Error>,
 ) -> Result<LeastTimeStep, Error> {
     grid.check()?;
     let token = StopToken::new(options.time_limit, &options.interrupt);
@@ -154,12 +154,12 @@ pub(crate) fn least_of(
         let (attempt, run) = decide(time_step, &token)?;
         found.attempts.push((time_step, attempt));
         match (attempt.verdict, run) {
-            (Verdict::Feasible, Some(run)) => {
+            (HorizonVerdict::Feasible, Some(run)) => {
                 found.run = Some(run);
                 found.time_step = Some(time_step);
                 high = middle;
             }
-            (Verdict::Refuted(_), _) => {
+            (HorizonVerdict::Refuted(_), _) => {
                 found.refuted = Some(time_step);
                 low = middle + 1;
             }
@@ -174,7 +174,7 @@ pub(crate) fn least_of(
 }
 
 /// The program of a horizon and its solution, if it was solved.
-type Solved<M> = Option<(<M as HorizonModel>::Program, Solution)>;
+type SolvedHorizon<M> = Option<(<M as HorizonModel>::Program, Solution)>;
 
 /// Decides one horizon, by sets or by a solve.
 pub(crate) fn decide<M: HorizonModel>(
@@ -183,7 +183,7 @@ pub(crate) fn decide<M: HorizonModel>(
     options: &ShortestOptions,
     token: &StopToken,
     solver: &mut dyn Solver,
-) -> Result<(Attempt, Solved<M>), Error> {
+) -> Result<(HorizonAttempt, SolvedHorizon<M>), Error> {
     let mut program = build(task, steps, options)?;
     // A log takes nothing from sets as given.
     let uses_sets = options.reach_sets && solver.options().proof.is_none();
@@ -192,13 +192,13 @@ pub(crate) fn decide<M: HorizonModel>(
     {
         let variables = task.variables(&program);
         if tube.is_empty() || tube.tighten(program.borrow_mut(), &variables)?.infeasible {
-            return Ok((Attempt::by_sets(steps), None));
+            return Ok((HorizonAttempt::by_sets(steps), None));
         }
     }
     let solution = token.solve(solver, program.borrow(), &mut |_| {})?;
-    let attempt = Attempt::of(steps, &solution);
+    let attempt = HorizonAttempt::of(steps, &solution);
     Ok(match settled(task, &program, solution, solver, token)? {
         Ok(solution) => (attempt, Some((program, solution))),
-        Err(_) => (Attempt { verdict: Verdict::Undecided(Termination::Stalled), ..attempt }, None),
+        Err(_) => (HorizonAttempt { verdict: HorizonVerdict::Undecided(Termination::Stalled), ..attempt }, None),
     })
 }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::event::HorizonEvent;
 use super::options::ShortestOptions;
-use super::outcome::{Refutation, Verdict};
+use super::outcome::{HorizonRefutation, HorizonVerdict};
 use crate::solver::Log;
 
 /// Receives the events of searches.
@@ -81,7 +81,7 @@ impl HorizonEvent {
             }
             HorizonEvent::Decided(attempt) => {
                 let steps = attempt.steps;
-                if attempt.verdict == Verdict::Refuted(Refutation::Sets) {
+                if attempt.verdict == HorizonVerdict::Refuted(HorizonRefutation::Sets) {
                     log.refuted_by_sets().push(steps);
                     return;
                 }

@@ -11,7 +11,7 @@ use crate::hybrid::rows::HybridRun;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Candidate {
+pub struct TransitionCandidate {
     /// Its name.
     pub transition: String,
     /// Whether all its conditions hold to the tolerance. With several choices, it must also be part
@@ -25,9 +25,9 @@ pub struct Candidate {
     pub slack: f64,
 }
 
-impl fmt::Display for Candidate {
+impl fmt::Display for TransitionCandidate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Candidate { transition, slack, .. } = self;
+        let TransitionCandidate { transition, slack, .. } = self;
         match &self.tightest {
             None => write!(f, "`{transition}` is possible"),
             Some(condition) if self.is_possible => {
@@ -51,7 +51,7 @@ pub struct SimulatedStep {
     /// The name of the transition that was taken, by choice.
     pub taken: Vec<String>,
     /// All transitions, by choice, whether they were possible or not.
-    pub candidates: Vec<Vec<Candidate>>,
+    pub candidates: Vec<Vec<TransitionCandidate>>,
     /// How many combinations of transitions, one per choice, were possible. More than 1 means that
     /// the system does not determine the next state alone. It is counted up to 65,536.
     pub moves: usize,
@@ -83,7 +83,7 @@ pub enum DeadEnd {
         /// The choice.
         choice: String,
         /// Its transitions, with what they violate and by how much.
-        candidates: Vec<Candidate>,
+        candidates: Vec<TransitionCandidate>,
     },
     /// Transitions of every choice are possible, but no combination of them is.
     Combination {
@@ -103,7 +103,7 @@ pub enum DeadEnd {
         /// The planned transition; with what it violates, unless it does not exist.
         transition: String,
         /// The transition and the condition that it violates; `None` if it does not exist.
-        candidate: Option<Candidate>,
+        candidate: Option<TransitionCandidate>,
     },
     /// Several transitions of a choice are possible that lead to different states or modes, and
     /// nothing says which one is taken. It is the source of an error, not the end of a run.

@@ -3,7 +3,7 @@
 use super::condition::{Condition, Slack, tightest};
 use super::memory;
 use super::options::SimulationOptions;
-use super::simulation::{Candidate, DeadEnd, SimulatedStep};
+use super::simulation::{TransitionCandidate, DeadEnd, SimulatedStep};
 use super::step::{Flown, StepStart};
 use crate::error::Error;
 use crate::hybrid::memory::Memory;
@@ -96,7 +96,7 @@ impl<'a> Stepper<'a> {
             .map(|ways| (0..ways.len()).filter(|&k| ways[k].holds(tolerance)).collect())
             .collect();
         let PossibleMoves { moves, mut best, mut rival } = self.combine(&mut ways, &alone)?;
-        let candidates: Vec<Vec<Candidate>> =
+        let candidates: Vec<Vec<TransitionCandidate>> =
             ways.iter().map(|ways| ways.iter().map(Way::candidate).collect()).collect();
         if plan.iter().any(Option::is_some) {
             let named = match self.named(plan, alone, &ways, &candidates) {
@@ -249,7 +249,7 @@ impl<'a> Stepper<'a> {
         plan: &[Option<&str>],
         mut alone: Vec<Vec<usize>>,
         ways: &[Vec<Way<'a>>],
-        candidates: &[Vec<Candidate>],
+        candidates: &[Vec<TransitionCandidate>],
     ) -> Result<Vec<Vec<usize>>, Box<DeadEnd>> {
         let choices = &self.start.system.choices;
         for (c, (choice, name)) in choices.iter().zip(plan).enumerate() {
@@ -282,9 +282,9 @@ impl Way<'_> {
         self.own.as_ref().is_none_or(|slack| slack.holds(tolerance))
     }
 
-    fn candidate(&self) -> Candidate {
+    fn candidate(&self) -> TransitionCandidate {
         let tightest = tightest(self.own.iter().chain(&self.joint).cloned());
-        Candidate {
+        TransitionCandidate {
             transition: self.transition.name.clone(),
             is_possible: self.is_possible,
             slack: tightest.as_ref().map_or(f64::INFINITY, |slack| slack.slack),
@@ -293,7 +293,7 @@ impl Way<'_> {
     }
 }
 
-fn report(picked: &[&Way<'_>], candidates: Vec<Vec<Candidate>>, moves: usize) -> SimulatedStep {
+fn report(picked: &[&Way<'_>], candidates: Vec<Vec<TransitionCandidate>>, moves: usize) -> SimulatedStep {
     let outputs = picked.iter().flat_map(|way| {
         let names = way.transition.outputs.iter().map(|output| output.name.clone());
         names.zip(way.flown.outputs.iter().copied())
