@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let refuted = found.refutations().count();
     println!("refuted: {refuted} horizons, with {} solves in all", found.solves());
     println!("presolve: {}", lift.program(steps)?.tighten(tube)?);
-    println!("waiting: {}", found.waiting.reason());
+    println!("waiting: {}", found.monotonicity.reason());
     println!("the plan takes high gear in {} of {steps} steps", plan.count(high)?);
 
     if let Some(path) = std::env::args().nth(1) {

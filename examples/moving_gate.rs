@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut solver = BranchAndBound::default();
     solver.options_mut().proof.clone_from(&folder);
     let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
-    println!("waiting: {}", found.waiting.reason());
+    println!("waiting: {}", found.monotonicity.reason());
     let Some(plan) = &found.plan else { return Err(format!("{}", found.status).into()) };
     let solves = found.solves();
     println!(

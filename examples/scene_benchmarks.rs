@@ -21,7 +21,7 @@ use std::time::Instant;
 
 use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario};
 use carom::hybrid::ImpactEstimate;
-use carom::hybrid::scene::{DamageMeasure, DamageRule, DamageLimitOptions};
+use carom::hybrid::scene::{DamageLimitOptions, DamageMeasure, DamageRule};
 use carom::interval::Interval;
 use carom::prelude::*;
 use interrupts::{INTERRUPTED, Signals};
@@ -112,7 +112,7 @@ fn rows(interrupt: &Interrupt) -> Result<Vec<(String, Scenario)>, Error> {
     for e in [0.0, 0.025] {
         let open = paper.clone().with_restitution(e)?;
         let options = DamageLimitOptions::default().with_interrupt(interrupt);
-        let found = open.damage_interval(478, &options, &mut BranchAndBound::default())?;
+        let found = open.damage_limit_range(478, &options, &mut BranchAndBound::default())?;
         if interrupt.is_triggered() {
             return Ok(rows);
         }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use carom::collision_tolerant::{PlanningOptions, Scenario};
-use carom::hybrid::{HorizonRefutation, ShortestOptions, ShortestStatus, HorizonVerdict};
+use carom::hybrid::{HorizonRefutation, HorizonVerdict, ShortestOptions, ShortestStatus};
 use carom::prelude::*;
 use carom::sweep::{Sweep, SweepRecord, SweepResults};
 use indicatif::{ProgressBar, ProgressStyle};

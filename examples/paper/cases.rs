@@ -6,8 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
-use carom::hybrid::scene::{DamageLimitRange, DamageRule, DamageLimitOptions};
-use carom::hybrid::{HorizonEvent, HorizonRefutation, ShortestHorizon, ShortestOptions, ShortestStatus, HorizonVerdict};
+use carom::hybrid::scene::{DamageLimitOptions, DamageLimitRange, DamageRule};
+use carom::hybrid::{
+    HorizonEvent, HorizonRefutation, HorizonVerdict, ShortestHorizon, ShortestOptions,
+    ShortestStatus,
+};
 use carom::prelude::*;
 
 use super::progress::{Bars, Line};
@@ -60,7 +63,7 @@ impl Case {
 }
 
 /// A solved experiment.
-pub(crate) struct SolvedHorizon {
+pub(crate) struct SolvedCase {
     pub(crate) case: Case,
     pub(crate) scenario: Scenario,
     pub(crate) shortest: ShortestHorizon<Plan>,
@@ -70,7 +73,7 @@ pub(crate) struct SolvedHorizon {
     pub(crate) without: Option<ShortestHorizon<Plan>>,
 }
 
-impl SolvedHorizon {
+impl SolvedCase {
     /// Whether all of it is proved.
     pub(crate) fn is_done(&self) -> bool {
         let stopped = |of: &ShortestHorizon<Plan>| matches!(of.status, ShortestStatus::Stopped(_));
@@ -122,7 +125,7 @@ impl SolvedHorizon {
 pub(crate) fn solve_all(
     interrupt: &Interrupt,
     proofs: Option<&Path>,
-) -> Result<Vec<SolvedHorizon>, Error> {
+) -> Result<Vec<SolvedCase>, Error> {
     let tolerant = |restitution| Case::CollisionTolerant { restitution };
     let mut cases = vec![Case::CollisionFree];
     cases.extend(PAPER_RESTITUTIONS.map(tolerant));
@@ -163,7 +166,7 @@ fn solve(
     interrupt: &Interrupt,
     proofs: Option<&Path>,
     line: &Line,
-) -> Result<SolvedHorizon, Error> {
+) -> Result<SolvedCase, Error> {
     let folder = |what: &str| proofs.map(|folder| folder.join(case.folder()).join(what));
     let mut solver = BranchAndBound::default();
     // For each solve, and once more for its log. Without a log, no solve comes near it.
@@ -177,7 +180,7 @@ fn solve(
             line.say(&format!("{}: which limits give {LIMITED_STEPS} steps?", case.label()));
             let open = paper.with_restitution(restitution)?;
             let options = DamageLimitOptions::default().with_interrupt(interrupt);
-            let found = open.damage_interval(LIMITED_STEPS, &options, &mut solver)?;
+            let found = open.damage_limit_range(LIMITED_STEPS, &options, &mut solver)?;
             let limit = found.middle().unwrap_or(found.lower.attained);
             interval = Some(found);
             if limit.is_finite() {
@@ -197,7 +200,7 @@ fn solve(
     };
     solver.options_mut().proof = folder("");
     let shortest = search(&scenario, case.label(), interrupt, &mut solver, line)?;
-    Ok(SolvedHorizon { case, scenario, shortest, interval, without })
+    Ok(SolvedCase { case, scenario, shortest, interval, without })
 }
 
 /// The shortest plan; refuted and open horizons are shown on their own line.
@@ -208,7 +211,7 @@ fn search(
     solver: &mut dyn Solver,
     line: &Line,
 ) -> Result<ShortestHorizon<Plan>, Error> {
-    let mut horizons = line.search(label, scenario.waiting().is_free());
+    let mut horizons = line.search(label, scenario.monotonicity().is_monotone());
     let mut show = |event: &HorizonEvent| horizons.note(event);
     let options = ShortestOptions::default().with_interrupt(interrupt);
     let options = PlanningOptions::default().with_search(options);

@@ -7,7 +7,7 @@ use carom::interval::Interval;
 use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
 
-use super::cases::{Case, PAPER_RESTITUTIONS, SolvedHorizon};
+use super::cases::{Case, PAPER_RESTITUTIONS, SolvedCase};
 use super::tube;
 
 /// What the bars are.
@@ -17,7 +17,7 @@ type Curve<'a> = (String, &'a Trajectory);
 
 /// Writes the figures into a folder and returns their paths.
 pub(crate) fn write_all(
-    results: &[SolvedHorizon],
+    results: &[SolvedCase],
     folder: &Path,
 ) -> Result<Vec<PathBuf>, Box<dyn std::error::Error>> {
     std::fs::create_dir_all(folder)?;

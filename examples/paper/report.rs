@@ -5,7 +5,7 @@ use std::path::Path;
 use carom::collision_tolerant::Plan;
 use carom::hybrid::HorizonRefutation;
 
-use super::cases::{Case, FURTHER_RESTITUTIONS, LIMITED_STEPS, PAPER_RESTITUTIONS, SolvedHorizon};
+use super::cases::{Case, FURTHER_RESTITUTIONS, LIMITED_STEPS, PAPER_RESTITUTIONS, SolvedCase};
 use super::proofs::line;
 
 /// How much less time one plan takes than another, relative to either time, in percent. The paper's
@@ -23,7 +23,7 @@ impl Saving {
 }
 
 /// Prints the CSV header and one row per case.
-pub(crate) fn print_csv(results: &[SolvedHorizon]) {
+pub(crate) fn print_csv(results: &[SolvedCase]) {
     println!("case,restitution,impact_limit,goal,steps,refuted_steps,time_s,impacts,nodes,seconds");
     for solved in results {
         let (name, restitution, limit) = match solved.case {
@@ -57,7 +57,7 @@ pub(crate) fn print_csv(results: &[SolvedHorizon]) {
 }
 
 /// Prints what is known after an interrupt: some cases are proved, of some a part.
-pub(crate) fn print_interrupted(results: &[SolvedHorizon], unfinished: &[SolvedHorizon]) {
+pub(crate) fn print_interrupted(results: &[SolvedCase], unfinished: &[SolvedCase]) {
     println!("interrupted: {} cases are proved, {} are not", results.len(), unfinished.len());
     for solved in results.iter().chain(unfinished) {
         println!("  {}: {}", solved.case.label(), solved.shortest);
@@ -65,7 +65,7 @@ pub(crate) fn print_interrupted(results: &[SolvedHorizon], unfinished: &[SolvedH
 }
 
 /// Prints Table 3, Table 4 and the destination study, our figures next to the paper's.
-pub(crate) fn print_tables(results: &[SolvedHorizon]) {
+pub(crate) fn print_tables(results: &[SolvedCase]) {
     let find = |case: Case| results.iter().find(|solved| solved.case == case);
     let Some(free) = find(Case::CollisionFree) else { return };
     let baseline = free.seconds();
@@ -76,7 +76,7 @@ pub(crate) fn print_tables(results: &[SolvedHorizon]) {
             "test", "steps", "refuted", "time", "of baseline", "of own time", "paper"
         );
     };
-    let row = |label: &str, solved: &SolvedHorizon, paper: &str| {
+    let row = |label: &str, solved: &SolvedCase, paper: &str| {
         let saving = Saving::new(baseline, solved.seconds());
         let own = |value: Option<usize>| value.map_or("-".into(), |v: usize| v.to_string());
         println!(
@@ -146,7 +146,7 @@ pub(crate) fn print_tables(results: &[SolvedHorizon]) {
 }
 
 /// Walls that return more of the speed than the paper's.
-fn print_further(free: &SolvedHorizon, tolerant: &[Option<&SolvedHorizon>]) {
+fn print_further(free: &SolvedCase, tolerant: &[Option<&SolvedCase>]) {
     println!("\nFurther restitutions: where the wall gives back more");
     println!(
         "  {:>5} {:>6} {:>8} {:>9} {:>12} {:>8}",
@@ -166,7 +166,7 @@ fn print_further(free: &SolvedHorizon, tolerant: &[Option<&SolvedHorizon>]) {
     }
 }
 
-fn print_destinations(results: &[SolvedHorizon]) {
+fn print_destinations(results: &[SolvedCase]) {
     println!("\nDestinations: collisions considered, but not necessarily pursued (e = 0)");
     println!("  {:>6} {:>12} {:>12} {:>8} {:>8}", "goal", "without", "tolerant", "impacts", "");
     for solved in results {
@@ -187,7 +187,7 @@ fn print_destinations(results: &[SolvedHorizon]) {
 }
 
 /// How each of the shorter horizons was refuted.
-fn print_proofs(results: &[SolvedHorizon]) {
+fn print_proofs(results: &[SolvedCase]) {
     println!("\nProofs: the shorter horizons, by what refuted them");
     println!(
         "  {:<28} {:>8} {:>8} {:>12} {:>11} {:>8} {:>9}",
@@ -209,7 +209,7 @@ fn print_proofs(results: &[SolvedHorizon]) {
 }
 
 /// What was logged of each search.
-pub(crate) fn print_logs(results: &[SolvedHorizon], folder: &Path) {
+pub(crate) fn print_logs(results: &[SolvedCase], folder: &Path) {
     println!("Logs of every shorter horizon and of the plan, for `carom-proof check`:");
     for solved in results {
         let folder = folder.join(solved.case.folder());
@@ -221,7 +221,7 @@ pub(crate) fn print_logs(results: &[SolvedHorizon], folder: &Path) {
     println!();
 }
 
-fn print_replays(results: &[SolvedHorizon]) {
+fn print_replays(results: &[SolvedCase]) {
     let plans = || results.iter().filter_map(|solved| solved.shortest.plan.as_ref());
     let worst = |value: fn(&Plan) -> f64| plans().map(value).fold(0.0, f64::max);
     println!(

@@ -1,7 +1,7 @@
 //! Searches for a shortest horizon that are interrupted.
 
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, ShortestOptions, ShortestStatus, HorizonVerdict, Monotonicity,
+    HorizonEvent, HorizonModel, HorizonVerdict, Monotonicity, ShortestOptions, ShortestStatus,
     shortest_horizon, shortest_horizon_with,
 };
 use carom::prelude::*;
@@ -44,10 +44,10 @@ impl HorizonModel for Stubborn {
         Ok(model)
     }
 
-    fn waiting(&self) -> Monotonicity {
+    fn monotonicity(&self) -> Monotonicity {
         match self.waits {
-            true => Monotonicity::Free("it is a test".into()),
-            false => Monotonicity::NotFree("it is a test".into()),
+            true => Monotonicity::Monotone("it is a test".into()),
+            false => Monotonicity::NotMonotone("it is a test".into()),
         }
     }
 }
@@ -118,10 +118,10 @@ fn looks_change_no_answer() {
             Ok(model)
         }
 
-        fn waiting(&self) -> Monotonicity {
+        fn monotonicity(&self) -> Monotonicity {
             match self.0 {
-                true => Monotonicity::Free("it is a test".into()),
-                false => Monotonicity::NotFree("it is a test".into()),
+                true => Monotonicity::Monotone("it is a test".into()),
+                false => Monotonicity::NotMonotone("it is a test".into()),
             }
         }
     }

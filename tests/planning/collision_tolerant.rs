@@ -2,8 +2,10 @@
 
 use carom::ErrorKind;
 use carom::collision_tolerant::{Collisions, Endpoint, Objective, Plan, PlanningOptions, Scenario};
-use carom::hybrid::scene::{DamageMeasure, DamageRule, DamageLimitOptions};
-use carom::hybrid::{ContactLaw, ImpactEstimate, ShortestOptions, ShortestStatus, HorizonVerdict, Wall};
+use carom::hybrid::scene::{DamageLimitOptions, DamageMeasure, DamageRule};
+use carom::hybrid::{
+    ContactLaw, HorizonVerdict, ImpactEstimate, ShortestOptions, ShortestStatus, Wall,
+};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -26,7 +28,10 @@ fn shortest(scenario: &Scenario) -> (usize, usize) {
     let steps = found.steps.unwrap();
     assert_eq!(found.refuted_steps, Some(steps - 1));
     let neighbour = found.attempts.iter().find(|attempt| attempt.steps == steps - 1);
-    assert!(matches!(neighbour.unwrap().verdict, HorizonVerdict::Refuted(_)), "refuted, not assumed");
+    assert!(
+        matches!(neighbour.unwrap().verdict, HorizonVerdict::Refuted(_)),
+        "refuted, not assumed"
+    );
     let plan = found.plan.expect("a found horizon has a plan");
     assert!(plan.certificate.verification.holds());
     assert!(plan.certificate.replay.drift <= 1e-6);
@@ -69,8 +74,9 @@ fn the_literal_law_never_pays_off() {
 
 #[test]
 fn the_damage_limit_of_table_4_is_an_interval() {
-    let interval =
-        Scenario::paper().damage_interval(478, &DamageLimitOptions::default(), &mut solver()).unwrap();
+    let interval = Scenario::paper()
+        .damage_limit_range(478, &DamageLimitOptions::default(), &mut solver())
+        .unwrap();
     assert_eq!(interval.stopped, None);
     assert!(interval.lower.resolution() <= 1.01e-3 && interval.upper.resolution() <= 1.01e-3);
     assert!((interval.lower.attained - 6.1709).abs() < 2e-3, "{interval:?}");
@@ -88,7 +94,7 @@ fn the_damage_limit_of_table_4_is_an_interval() {
 fn minimising_the_largest_damage_agrees_with_the_interval() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let options = DamageLimitOptions::default();
-    let interval = scenario.damage_interval(49, &options, &mut solver()).unwrap();
+    let interval = scenario.damage_limit_range(49, &options, &mut solver()).unwrap();
     for (steps, end) in [(49, interval.lower), (48, interval.upper)] {
         let plan = scenario.plan(steps, Objective::LargestDamage, &mut solver()).unwrap();
         assert_eq!(plan.termination, Termination::Optimal);
@@ -150,18 +156,18 @@ fn a_domain_that_no_plan_leaves_changes_nothing() {
 #[test]
 fn waiting_is_free_only_where_the_vehicle_can_rest() {
     let paper = Scenario::paper();
-    assert!(paper.waiting().is_free());
+    assert!(paper.monotonicity().is_monotone());
     let rest = Endpoint::at_rest(5.0);
     let moving = rest.with_velocity(-1.0);
     let pushed = rest.with_acceleration(1.0);
-    assert!(paper.clone().with_start(rest).with_goal(moving).waiting().is_free());
-    assert!(paper.clone().with_start(moving).with_goal(rest).waiting().is_free());
+    assert!(paper.clone().with_start(rest).with_goal(moving).monotonicity().is_monotone());
+    assert!(paper.clone().with_start(moving).with_goal(rest).monotonicity().is_monotone());
     // a(0) applies: a start with a push is no equilibrium. a(τ) does not.
-    let no = paper.clone().with_start(pushed).with_goal(moving).waiting();
-    assert!(!no.is_free());
+    let no = paper.clone().with_start(pushed).with_goal(moving).monotonicity();
+    assert!(!no.is_monotone());
     assert_eq!(no.reason(), "the vehicle can rest neither at its start nor at its goal");
-    assert!(paper.clone().with_start(moving).with_goal(pushed).waiting().is_free());
-    let thrust = paper.with_acceleration(1.0..=6.0).waiting();
+    assert!(paper.clone().with_start(moving).with_goal(pushed).monotonicity().is_monotone());
+    let thrust = paper.with_acceleration(1.0..=6.0).monotonicity();
     assert_eq!(thrust.reason(), "zero acceleration is not admissible");
 }
 
@@ -175,14 +181,14 @@ fn without_waiting_every_smaller_horizon_is_refuted() {
         .with_goal(goal)
         .with_restitution(0.8)
         .unwrap();
-    assert!(!scenario.waiting().is_free());
+    assert!(!scenario.monotonicity().is_monotone());
     let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
     let steps = found.steps.unwrap();
     assert!(found.is_found());
     let tried: Vec<usize> = found.attempts.iter().map(|attempt| attempt.steps).collect();
     assert_eq!(tried, (1..=steps).collect::<Vec<_>>());
 
-    let error = scenario.damage_interval(steps, &DamageLimitOptions::default(), &mut solver());
+    let error = scenario.damage_limit_range(steps, &DamageLimitOptions::default(), &mut solver());
     let text = error.unwrap_err().to_string();
     assert!(text.starts_with("the scene has no damage interval: its shortest horizon"), "{text}");
 }
@@ -289,7 +295,7 @@ fn interrupts_and_limits_are_answers() {
     assert!(found.plan.is_none() && found.refuted_steps.is_none());
 
     let options = DamageLimitOptions::default().with_interrupt(&interrupt);
-    let interval = Scenario::paper().damage_interval(478, &options, &mut solver()).unwrap();
+    let interval = Scenario::paper().damage_limit_range(478, &options, &mut solver()).unwrap();
     assert_eq!(interval.stopped, Some(Termination::Interrupted));
     assert_eq!(interval.middle(), None);
 
@@ -421,7 +427,7 @@ fn scenarios_that_contradict_themselves_are_refused() {
         let options = PlanningOptions::default();
         assert!(scenario.shortest_plan(&options, &mut solver()).is_err());
         let options = DamageLimitOptions::default();
-        assert!(scenario.damage_interval(10, &options, &mut solver()).is_err());
+        assert!(scenario.damage_limit_range(10, &options, &mut solver()).is_err());
     }
 }
 
@@ -438,10 +444,10 @@ fn horizons_and_resolutions_out_of_range_are_refused() {
     let free = paper.clone().collision_free();
     assert_eq!(free.collisions, Collisions::Forbidden);
     let options = DamageLimitOptions::default();
-    assert!(free.damage_interval(478, &options, &mut solver()).is_err());
+    assert!(free.damage_limit_range(478, &options, &mut solver()).is_err());
     let fine = options.with_resolution(1e-9);
     assert_eq!(
-        paper.damage_interval(478, &fine, &mut solver()).unwrap_err().to_string(),
+        paper.damage_limit_range(478, &fine, &mut solver()).unwrap_err().to_string(),
         "the resolution (m/s) is 1e-9; it must be within [1e-5, 1e3]"
     );
 }

@@ -49,7 +49,7 @@ fn last(trajectory: &Trajectory) -> [f64; 2] {
 fn a_point_as_a_region_is_the_point() {
     for scenario in [coarse(), coarse().collision_free(), coarse().with_law(ContactLaw::Literal)] {
         let region = scenario.clone().with_goal_region(Region::point([0.3, 0.0]));
-        assert_eq!(region.waiting(), scenario.waiting());
+        assert_eq!(region.monotonicity(), scenario.monotonicity());
         assert_eq!(steps(&region), steps(&scenario));
     }
     // The next goal replaces the region.
@@ -113,10 +113,10 @@ proptest! {
 fn waiting_at_a_region_needs_rest_in_all_of_it() {
     let moving = coarse().with_start(Endpoint::at_rest(10.0).with_velocity(-1.0));
     let anywhere = [Interval::new(0.2, 0.4), Interval::point(0.0)];
-    assert!(moving.clone().with_goal_region(anywhere).waiting().is_free());
+    assert!(moving.clone().with_goal_region(anywhere).monotonicity().is_monotone());
     let slow = [Interval::point(0.3), Interval::new(-0.1, 0.1)];
-    assert!(!moving.with_goal_region(slow).waiting().is_free());
-    assert!(coarse().with_goal_region(slow).waiting().is_free());
+    assert!(!moving.with_goal_region(slow).monotonicity().is_monotone());
+    assert!(coarse().with_goal_region(slow).monotonicity().is_monotone());
 }
 
 #[test]

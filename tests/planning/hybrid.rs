@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use crate::common::config;
 use carom::hybrid::{
-    Contact, ContactLaw, HorizonEvent, HorizonModel, HybridRun, HybridSystem, LinearSystem, Matrix,
-    HorizonRefutation, Restitution, ShortestOptions, ShortestStatus, HorizonVerdict, Monotonicity, Wall,
-    shortest_horizon, shortest_horizon_with,
+    Contact, ContactLaw, HorizonEvent, HorizonModel, HorizonRefutation, HorizonVerdict, HybridRun,
+    HybridSystem, LinearSystem, Matrix, Monotonicity, Restitution, ShortestOptions, ShortestStatus,
+    Wall, shortest_horizon, shortest_horizon_with,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -347,18 +347,22 @@ fn restitution_outside_its_range_is_refused() {
 
 /// Programs whose feasibility is told to a scripted solver by their names.
 struct Scripted {
-    waiting: Monotonicity,
+    monotonicity: Monotonicity,
     lower_hint: usize,
     upper_hint: Option<usize>,
 }
 
 impl Scripted {
     fn free() -> Self {
-        Scripted { waiting: Monotonicity::Free("test".into()), lower_hint: 1, upper_hint: None }
+        Scripted {
+            monotonicity: Monotonicity::Monotone("test".into()),
+            lower_hint: 1,
+            upper_hint: None,
+        }
     }
 
     fn not_free() -> Self {
-        Scripted { waiting: Monotonicity::NotFree("test".into()), ..Scripted::free() }
+        Scripted { monotonicity: Monotonicity::NotMonotone("test".into()), ..Scripted::free() }
     }
 }
 
@@ -371,8 +375,8 @@ impl HorizonModel for Scripted {
         Ok(model)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        self.waiting.clone()
+    fn monotonicity(&self) -> Monotonicity {
+        self.monotonicity.clone()
     }
 
     fn lower_hint(&self) -> usize {

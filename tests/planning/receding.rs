@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Disturbance, HybridProgram, HybridSystem, LinearSystem, Lqr, ControlMove, MoveSource, RecedingHorizon,
-    Region, State, TerminalOptions, TerminalSet, When,
+    ControlMove, Disturbance, HybridProgram, HybridSystem, LinearSystem, Lqr, MoveSource,
+    RecedingHorizon, Region, State, TerminalOptions, TerminalSet, When,
 };
 use carom::interval::Interval;
 use carom::prelude::*;

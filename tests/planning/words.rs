@@ -7,7 +7,7 @@ use std::time::Duration;
 use carom::ErrorKind;
 use carom::explain::{ExplainOptions, infeasibility};
 use carom::hybrid::scene::ScenePlan;
-use carom::hybrid::{Feedback, Mission, HorizonRefutation, RobustError, HorizonVerdict};
+use carom::hybrid::{Feedback, HorizonRefutation, HorizonVerdict, Mission, RobustError};
 use carom::prelude::*;
 
 fn solver() -> BranchAndBound {

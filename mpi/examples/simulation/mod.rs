@@ -65,7 +65,7 @@ struct Actor {
     busy: f64,
     /// For supervisors: until when messages are handled, who waits, and who was asked.
     until: f64,
-    waiting: VecDeque<usize>,
+    monotonicity: VecDeque<usize>,
     awaited: usize,
     members: Vec<usize>,
 }
@@ -151,7 +151,7 @@ impl Simulation<'_> {
             What::End { rank } => self.end(rank),
             What::Handled { supervisor, from, nodes, wants } => {
                 if wants {
-                    self.actors[supervisor].waiting.push_back(from);
+                    self.actors[supervisor].monotonicity.push_back(from);
                 }
                 if nodes > 0 {
                     let awaited = &mut self.actors[supervisor].awaited;
@@ -224,17 +224,17 @@ impl Simulation<'_> {
 
     /// Hands out what a supervisor has, and asks the one above where its ranks have too little.
     fn share(&mut self, supervisor: usize) {
-        while let Some(to) = self.actors[supervisor].waiting.pop_front() {
-            let (open, waiting) =
-                (self.actors[supervisor].open, self.actors[supervisor].waiting.len());
+        while let Some(to) = self.actors[supervisor].monotonicity.pop_front() {
+            let (open, monotonicity) =
+                (self.actors[supervisor].open, self.actors[supervisor].monotonicity.len());
             if open == 0 {
-                self.actors[supervisor].waiting.push_front(to);
+                self.actors[supervisor].monotonicity.push_front(to);
                 break;
             }
             let most = if to < self.setting.ranks { BATCH } else { GROUP * BATCH };
             let nodes = match self.setting.protocol {
                 Protocol::NodeByNode => 1,
-                _ => (open / (waiting + 1)).clamp(1, most),
+                _ => (open / (monotonicity + 1)).clamp(1, most),
             };
             self.actors[supervisor].open -= nodes;
             let until = self.actors[supervisor].until.max(self.now) + PER_NODE * nodes as f64;
@@ -243,12 +243,12 @@ impl Simulation<'_> {
         }
         let is_group = supervisor + 1 < self.actors.len();
         let actor = &self.actors[supervisor];
-        let poor = !actor.waiting.is_empty()
+        let poor = !actor.monotonicity.is_empty()
             && actor.members.iter().all(|&member| self.actors[member].open < 2);
         if is_group && poor && !actor.has_asked {
             self.tell(supervisor, 0, true);
         }
-        if !is_group && !self.actors[supervisor].waiting.is_empty() {
+        if !is_group && !self.actors[supervisor].monotonicity.is_empty() {
             // Groups are few, so rank 0 asks all that have nodes.
             let (members, ranks) = (self.actors[supervisor].members.clone(), self.setting.ranks);
             for group in members.into_iter().filter(|&member| member >= ranks) {
@@ -260,7 +260,7 @@ impl Simulation<'_> {
     /// Asks a rank or a group that has spoken for nodes, if the stock is short.
     fn ask(&mut self, supervisor: usize, from: usize) {
         let actor = &self.actors[supervisor];
-        let wanted = 2 * actor.waiting.len() + actor.members.len();
+        let wanted = 2 * actor.monotonicity.len() + actor.members.len();
         // A group has a stock for others too, and rank 0 moves as many nodes as a group needs.
         let is_group = supervisor + 1 < self.actors.len();
         let wanted = match (is_group, from < self.setting.ranks) {

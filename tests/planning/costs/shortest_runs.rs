@@ -2,8 +2,8 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    HybridRun, HybridSystem, LinearSystem, Region, ShortestOptions, ShortestStatus, State,
-    TimeStepGrid, Monotonicity, least_time_step,
+    HybridRun, HybridSystem, LinearSystem, Monotonicity, Region, ShortestOptions, ShortestStatus,
+    State, TimeStepGrid, least_time_step,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -208,7 +208,7 @@ fn the_elevator_takes_72_steps() {
     assert!(found.is_found());
     assert_eq!(found.steps, Some(72));
     let expected = "the start is held by `low gear` with u = 0, and nothing depends on the step";
-    assert_eq!(found.waiting, Monotonicity::Free(expected.into()));
+    assert_eq!(found.monotonicity, Monotonicity::Monotone(expected.into()));
     let run = found.plan.unwrap().run;
     assert!((run.state("x").unwrap()[72] - 12.0).abs() < 1e-6);
     replayed(&elevator(), &run);
@@ -217,29 +217,30 @@ fn the_elevator_takes_72_steps() {
 #[test]
 fn waiting_is_free_only_with_an_argument() {
     let rest = |x: f64| Region::point([x, 0.0]);
-    let why =
-        |system: &HybridSystem, start: &Region, goal: &Region| system.waiting(start, goal).unwrap();
+    let why = |system: &HybridSystem, start: &Region, goal: &Region| {
+        system.monotonicity(start, goal).unwrap()
+    };
     let elevator = elevator();
     // A moving start, then a goal at rest.
     let free = why(&elevator, &Region::point([1.0, 1.0]), &rest(12.0));
-    assert!(free.is_free() && free.reason().starts_with("the goal is held"), "{free:?}");
+    assert!(free.is_monotone() && free.reason().starts_with("the goal is held"), "{free:?}");
     let region = Region::from([Interval::new(1.0, 2.0), Interval::point(0.0)]);
     let fixed = why(&elevator, &region, &Region::point([3.0, 1.0]));
     let expected = "the start is not a single state; the goal cannot be held";
-    assert_eq!(fixed, Monotonicity::NotFree(expected.into()));
+    assert_eq!(fixed, Monotonicity::NotMonotone(expected.into()));
     // Outside its domain nothing is held.
-    assert!(!why(&elevator, &rest(16.0), &rest(-1.0)).is_free());
+    assert!(!why(&elevator, &rest(16.0), &rest(-1.0)).is_monotone());
     // A limit by step.
     let door = Halfspace::limit("door", [1.0, 0.0], vec![5.0, 15.0]);
     let timed = why(&elevator.clone().with_limit(door), &rest(0.0), &rest(12.0));
-    assert!(!timed.is_free() && timed.reason().contains("depend on the step"));
+    assert!(!timed.is_monotone() && timed.reason().contains("depend on the step"));
     // A limit that the held input breaks.
     let push = Halfspace::limit("push", [0.0, 0.0, -1.0], -0.1);
-    assert!(!why(&elevator.clone().with_limit(push), &rest(0.0), &rest(12.0)).is_free());
+    assert!(!why(&elevator.clone().with_limit(push), &rest(0.0), &rest(12.0)).is_monotone());
     // Only events hold it, and they are limited.
     let mut events = elevator.with_most_events(3);
     events.choices[0].transitions.iter_mut().for_each(|transition| transition.is_event = true);
-    assert!(!why(&events, &rest(0.0), &rest(12.0)).is_free());
+    assert!(!why(&events, &rest(0.0), &rest(12.0)).is_monotone());
 }
 
 #[test]
@@ -261,13 +262,13 @@ fn waiting_holds_in_every_mode_of_the_end() {
     let (off, on) =
         (point.clone().with_mode("heater", "off"), point.clone().with_mode("heater", "on"));
     // Off is held by u = 1; on would need u = -2.
-    assert!(system.waiting(&off, &on).unwrap().is_free());
-    let stuck = system.waiting(&point, &on).unwrap();
+    assert!(system.monotonicity(&off, &on).unwrap().is_monotone());
+    let stuck = system.monotonicity(&point, &on).unwrap();
     let expected = "the start cannot be held in mode `on`; the goal cannot be held in mode `on`";
     assert_eq!(stuck.reason(), expected);
     // Off ends after three samples.
     let limited = with(heater.with_dwell("off", 1, 3));
-    assert!(!limited.waiting(&off, &off).unwrap().is_free());
+    assert!(!limited.monotonicity(&off, &off).unwrap().is_monotone());
 }
 
 #[test]
@@ -321,7 +322,7 @@ fn a_single_feasible_horizon_is_found() {
         let options = ShortestOptions::default().with_max_steps(8).with_reach_sets(sets);
         let mut solver = BranchAndBound::default();
         let found = system.shortest_with(&start, &goal, &options, &mut solver).unwrap();
-        assert!(!found.waiting.is_free());
+        assert!(!found.monotonicity.is_monotone());
         assert!(found.is_found());
         assert_eq!((found.steps, found.refuted_steps), (Some(5), Some(4)));
     }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use carom::hybrid::{HybridProgram, HybridSystem, ControlMove, MoveSource, RecedingHorizon, State};
+use carom::hybrid::{ControlMove, HybridProgram, HybridSystem, MoveSource, RecedingHorizon, State};
 use carom::prelude::*;
 use carom::solver::Prepared;
 

@@ -3,7 +3,8 @@
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    HybridProgram, HybridSystem, LinearSystem, ControlMove, MoveSource, RecedingHorizon, Schedule, State,
+    ControlMove, HybridProgram, HybridSystem, LinearSystem, MoveSource, RecedingHorizon, Schedule,
+    State,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -85,8 +86,9 @@ fn a_reference_by_step_is_followed() {
     };
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
-    let plant =
-        |state: &[f64], next: &ControlMove| Ok(system.simulate(state, &[&next.input])?.last().to_vec());
+    let plant = |state: &[f64], next: &ControlMove| {
+        Ok(system.simulate(state, &[&next.input])?.last().to_vec())
+    };
     let run = controller.run(&[0.0, 0.5 / H], 24, plant).unwrap();
     for (state, place) in run.states.iter().zip(&course).skip(3) {
         assert!((state[0] - place).abs() < 0.2, "{state:?}, {place:?}");
@@ -190,8 +192,9 @@ fn forecasts_move_with_the_loop() {
             vec![(wanted, 2.0)]
         })
         .unwrap();
-    let plant =
-        |state: &[f64], next: &ControlMove| Ok(system.simulate(state, &[&next.input])?.last().to_vec());
+    let plant = |state: &[f64], next: &ControlMove| {
+        Ok(system.simulate(state, &[&next.input])?.last().to_vec())
+    };
     let run = controller.run(&[0.0, 0.0], 16, plant).unwrap();
     assert_eq!(run.count(MoveSource::Optimal), 16);
     drop(controller);

@@ -1,7 +1,7 @@
 //! A controller among boxes that may be entered at a price, with noise and hardly any nodes, from a
 //! cold start.
 
-use carom::hybrid::{Disturbance, ControlMove, RecedingHorizon};
+use carom::hybrid::{ControlMove, Disturbance, RecedingHorizon};
 use carom::interval::Interval;
 use carom::prelude::*;
 

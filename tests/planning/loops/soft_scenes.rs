@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, SceneProgram, Shape, Solid, Surface};
-use carom::hybrid::{HybridProgram, ControlMove, MoveSource, RecedingHorizon, Region};
+use carom::hybrid::{ControlMove, HybridProgram, MoveSource, RecedingHorizon, Region};
 use carom::interval::Interval;
 use carom::prelude::*;
 

@@ -8,8 +8,8 @@ use carom::collision_tolerant::{Endpoint, Plan, PlanningOptions, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, HorizonRefutation, ShortestHorizon,
-    ShortestOptions, ShortestStatus, HorizonVerdict, Monotonicity, Wall, shortest_horizon,
+    HorizonEvent, HorizonModel, HorizonRefutation, HorizonVerdict, HybridSystem, LinearSystem,
+    Matrix, Monotonicity, ShortestHorizon, ShortestOptions, ShortestStatus, Wall, shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -96,8 +96,8 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
             let feasible = carom::collision_tolerant::Objective::Feasibility;
             self.0.program(steps, feasible)
         }
-        fn waiting(&self) -> Monotonicity {
-            self.0.waiting()
+        fn monotonicity(&self) -> Monotonicity {
+            self.0.monotonicity()
         }
         fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
             let system = self.0.hybrid_system()?;
@@ -119,7 +119,11 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
         found.refutations().filter(|a| a.verdict == HorizonVerdict::Refuted(refutation)).count()
     };
     let solved = by(HorizonRefutation::Propagation) + by(HorizonRefutation::Relaxation);
-    assert!(by(HorizonRefutation::Sets) > 20 && solved > 0, "{} and {solved}", by(HorizonRefutation::Sets));
+    assert!(
+        by(HorizonRefutation::Sets) > 20 && solved > 0,
+        "{} and {solved}",
+        by(HorizonRefutation::Sets)
+    );
 }
 
 #[test]
@@ -282,8 +286,8 @@ impl HorizonModel for Planar {
         Ok(model)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        Monotonicity::Free("it can rest where it starts".into())
+    fn monotonicity(&self) -> Monotonicity {
+        Monotonicity::Monotone("it can rest where it starts".into())
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
@@ -338,8 +342,8 @@ impl HorizonModel for Unnamed {
         self.0.build(steps)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        self.0.waiting()
+    fn monotonicity(&self) -> Monotonicity {
+        self.0.monotonicity()
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
@@ -358,7 +362,12 @@ fn a_users_own_planner_profits_as_well() {
     let unnamed = shortest_horizon(&Unnamed(Planar { dt: 0.1, sets: true }), &options, &mut solver);
     let unnamed = unnamed.unwrap();
     assert_eq!((unnamed.steps, unnamed.refuted_steps), (without.steps, without.refuted_steps));
-    assert!(unnamed.attempts.iter().any(|own| own.verdict == HorizonVerdict::Refuted(HorizonRefutation::Sets)));
+    assert!(
+        unnamed
+            .attempts
+            .iter()
+            .any(|own| own.verdict == HorizonVerdict::Refuted(HorizonRefutation::Sets))
+    );
     assert!(with.is_found() && without.is_found());
     assert_eq!((with.steps, with.refuted_steps), (without.steps, without.refuted_steps));
     assert!(with.attempts.iter().filter(|attempt| attempt.is_solve()).count() <= 2);

@@ -261,7 +261,8 @@ fn a_controller_plans_with_cases_of_a_scene() -> Result<(), Error> {
         let world = start_free(e)?.hybrid_system()?;
         let mut solver = BranchAndBound::default();
         let mut controller = RecedingHorizon::shrinking(STEPS, build, &mut solver);
-        let plant = |state: &[f64], next: &ControlMove| world.simulate(state, &[&next.input])?.end();
+        let plant =
+            |state: &[f64], next: &ControlMove| world.simulate(state, &[&next.input])?.end();
         let run = controller.run(&[0.4, 0.5, 1.0, 0.0], STEPS - 2, plant)?;
         assert!(run.moves.iter().all(|next| next.state.len() == 4 && next.input.len() == 2));
         assert!(run.moves[0].source == MoveSource::Optimal);

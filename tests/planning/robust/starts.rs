@@ -140,7 +140,7 @@ fn the_shortest_robust_plan_is_the_first_that_solves() -> Result<(), Error> {
         let found =
             cart.shortest_robust(start.clone(), goal.clone(), &feedback, &options, &mut solver)?;
         assert_eq!(found.steps, first);
-        assert!(first.is_none() || !found.waiting.is_free());
+        assert!(first.is_none() || !found.monotonicity.is_monotone());
         let nominal = cart.shortest_with(start, goal, &options, &mut solver)?;
         assert!(nominal.steps <= found.steps);
         longer += usize::from(nominal.steps < found.steps);

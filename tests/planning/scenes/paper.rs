@@ -78,7 +78,7 @@ fn a_scene_on_a_line_needs_as_many_steps_as_the_papers_planner() {
         let expected = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
         let found = scene(&scenario).shortest_plan(&ShortestOptions::default(), &mut solver);
         let found = found.unwrap();
-        assert!(found.is_found() && found.waiting.is_free());
+        assert!(found.is_found() && found.monotonicity.is_monotone());
         let plan = expected.plan.unwrap();
         assert_eq!(found.steps, Some(plan.trajectory.steps()));
         let replayed = found.plan.unwrap();

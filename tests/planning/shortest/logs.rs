@@ -10,8 +10,8 @@ use carom::ErrorKind;
 use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
 use carom::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, HybridSystem, Mission, Restitution, ShortestHorizon, ShortestOptions,
-    ShortestStatus, Monotonicity, When, shortest_horizon,
+    HorizonEvent, HorizonModel, HybridSystem, Mission, Monotonicity, Restitution, ShortestHorizon,
+    ShortestOptions, ShortestStatus, When, shortest_horizon,
 };
 use carom::prelude::*;
 use carom::solver::{Control, Interrupt};
@@ -222,8 +222,8 @@ impl HorizonModel for Own {
         Ok(model)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        Monotonicity::NotFree("nobody knows".into())
+    fn monotonicity(&self) -> Monotonicity {
+        Monotonicity::NotMonotone("nobody knows".into())
     }
 }
 

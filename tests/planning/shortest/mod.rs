@@ -75,7 +75,10 @@ fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<Shortes
 }
 
 /// A plan that was found.
-fn checked(scenario: &Scenario, found: &hybrid::ShortestHorizon<Plan>) -> Result<ShortestHorizon, String> {
+fn checked(
+    scenario: &Scenario,
+    found: &hybrid::ShortestHorizon<Plan>,
+) -> Result<ShortestHorizon, String> {
     let steps = found.steps.ok_or("found without steps")?;
     let plan = found.plan.as_ref().ok_or("found without a plan")?;
     if found.refuted_steps.unwrap_or(0) + 1 != steps {

@@ -6,7 +6,7 @@ use proptest::sample::select;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-use super::brute_force::{Horizons, ShortestHorizon, HorizonVerdict, shortest};
+use super::brute_force::{HorizonVerdict, Horizons, ShortestHorizon, shortest};
 use super::scenes::{RollOut, Scene, place, scene};
 use super::{REGRESSIONS, answer_with, compare, options};
 use crate::common::config;
@@ -113,7 +113,9 @@ fn the_scenarios_are_of_all_kinds() {
     let answers: [(&str, usize, usize, Is<ShortestHorizon>); 5] = [
         ("hits", 84, 250, |answer| matches!(answer, ShortestHorizon::Found { impacts: 1.., .. })),
         ("bounces", 5, 250, |answer| matches!(answer, ShortestHorizon::Found { impacts: 2.., .. })),
-        ("3 to 10 steps", 125, 250, |answer| matches!(answer, ShortestHorizon::Found { steps: 3.., .. })),
+        ("3 to 10 steps", 125, 250, |answer| {
+            matches!(answer, ShortestHorizon::Found { steps: 3.., .. })
+        }),
         ("no plan", 25, 87, |answer| matches!(answer, ShortestHorizon::NoneWithin { .. })),
         ("passed over", 0, 2, |answer| answer == ShortestHorizon::TooClose),
     ];
@@ -128,8 +130,8 @@ fn the_scenarios_are_of_all_kinds() {
         ("elastic", 40, |scene| scene.restitution == 1.0),
         ("pinned first acceleration", 50, |scene| scene.start.pull.is_some()),
         ("zero is no acceleration", 40, |s| s.limits.0 > 0.0 || s.limits.1 < 0.0),
-        ("waiting is not free", 50, |scene| !scene.plain().waiting().is_free()),
-        ("waiting is free", 50, |scene| scene.plain().waiting().is_free()),
+        ("waiting is not free", 50, |scene| !scene.plain().monotonicity().is_monotone()),
+        ("waiting is free", 50, |scene| scene.plain().monotonicity().is_monotone()),
         ("goal in motion", 75, |scene| scene.goal.rate != 0.0),
         ("starts at the wall", 20, |scene| scene.start.gap == 0.0),
         ("collisions forbidden", 5, |scene| !scene.collisions),
@@ -160,12 +162,14 @@ fn feasibility_is_not_monotone_in_many_scenarios() {
     // A feasible horizon with an infeasible one after it: only refuting one by one is sound.
     let broken = |scene: &Scene| {
         let scenario = scene.plain();
-        let mut later = Horizons::new(&scenario).take(8).skip_while(|v| *v == HorizonVerdict::Infeasible);
+        let mut later =
+            Horizons::new(&scenario).take(8).skip_while(|v| *v == HorizonVerdict::Infeasible);
         later.any(|verdict| verdict == HorizonVerdict::Infeasible)
     };
     let scenes = sample(100);
     let of = |free: bool| {
-        let some = scenes.iter().filter(|(scene, _)| scene.plain().waiting().is_free() == free);
+        let some =
+            scenes.iter().filter(|(scene, _)| scene.plain().monotonicity().is_monotone() == free);
         some.filter(|(scene, _)| broken(scene)).count()
     };
     assert!(of(false) >= 5, "{}", of(false));

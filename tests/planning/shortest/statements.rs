@@ -7,7 +7,8 @@ use crate::common::config;
 use carom::collision_tolerant::{PlanningOptions, Scenario};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    HorizonModel, HybridSystem, Region, ShortestOptions, State, Monotonicity, When, shortest_horizon,
+    HorizonModel, HybridSystem, Monotonicity, Region, ShortestOptions, State, When,
+    shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::model::{Method, Reformulation};
@@ -94,7 +95,7 @@ proptest! {
         prop_assert_eq!(found.steps, wanted, "{:?} in {:?} to {}", when, region, goal);
         prop_assert_eq!(found.plan.is_some(), wanted.is_some());
         if let (Some(steps), Some(plan)) = (wanted, &found.plan) {
-            prop_assert!(!found.waiting.is_free());
+            prop_assert!(!found.monotonicity.is_monotone());
             prop_assert_eq!(found.refuted_steps.unwrap_or(0), steps - 1);
             prop_assert_eq!(plan.values(x).unwrap().len(), steps + 1);
             prop_assert_eq!(plan.values(v).unwrap().len(), steps);
@@ -127,7 +128,7 @@ fn rows_are_in_every_program() {
         cart.shortest_with([x.equals(0.0)], [x.equals(3.0)], &options, &mut solver).unwrap();
     assert_eq!(found.steps, Some(6));
     assert!(found.is_found());
-    assert!(!found.waiting.is_free());
+    assert!(!found.monotonicity.is_monotone());
     // The sets have refuted the first two without a program.
     assert_eq!(called.load(Ordering::Relaxed), 4);
 }
@@ -180,8 +181,8 @@ impl HorizonModel for Bare {
         Ok(model)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        Monotonicity::Free("more is more".into())
+    fn monotonicity(&self) -> Monotonicity {
+        Monotonicity::Monotone("more is more".into())
     }
 }
 

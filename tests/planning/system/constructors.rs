@@ -2,7 +2,8 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    IllPosedness, HybridSystem, LinearSystem, Matrix, MixedLogicalDynamical, Restitution, SimulationOptions,
+    HybridSystem, IllPosedness, LinearSystem, Matrix, MixedLogicalDynamical, Restitution,
+    SimulationOptions,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -30,7 +31,7 @@ fn products_are_eliminated() {
         assert_eq!(transition.guards.len(), 1);
         assert_eq!(transition.guards[0].normal, [-sign, 0.0]);
     }
-    assert_eq!(system.flaws(&mut BranchAndBound::default()).unwrap(), []);
+    assert_eq!(system.well_posedness(&mut BranchAndBound::default()).unwrap(), []);
     for x in [-7.0, -0.5, 0.5, 8.0_f64] {
         let run = system.simulate(&[x], &[[0.25]]).unwrap();
         assert!((run.last()[0] - 0.8 * x.abs() - 0.25).abs() < 1e-12);
@@ -217,7 +218,7 @@ fn a_ball_loses_energy_at_the_floor_only() {
     let hit = run.steps.iter().position(|step| step.events == 1).unwrap();
     let top = run.state("height").unwrap()[hit + 1..].iter().copied().fold(0.0, f64::max);
     assert!((top - e * e * 2.0).abs() < 0.02, "{top}");
-    let flaws = ball.flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = ball.well_posedness(&mut BranchAndBound::default()).unwrap();
     // It may fall out of the range of speeds.
     let [IllPosedness::Stuck { witness, .. }] = &flaws[..] else { panic!("{flaws:?}") };
     assert!(witness.states()[1].abs() > 9.9, "{witness}");
@@ -229,7 +230,7 @@ fn a_ball_loses_energy_at_the_floor_only() {
 fn a_thermostat_keeps_its_band() {
     let room = |band| HybridSystem::thermostat(60.0, 1800.0, 5.0, 40.0, band);
     let system = room(Interval::new(19.0, 21.0)).unwrap();
-    assert_eq!(system.flaws(&mut BranchAndBound::default()).unwrap(), []);
+    assert_eq!(system.well_posedness(&mut BranchAndBound::default()).unwrap(), []);
     let off = SimulationOptions::default().with_mode("heater", "off");
     let run = system.simulate_with(&[20.0], &[[]; 600], &off).unwrap();
     assert!(run.is_complete() && run.ambiguous_steps().is_empty());

@@ -3,8 +3,8 @@
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{
-    HybridRun, HybridSystem, LinearSystem, Lqr, Region, ShortestOptions, TerminalOptions,
-    TerminalSet, Monotonicity,
+    HybridRun, HybridSystem, LinearSystem, Lqr, Monotonicity, Region, ShortestOptions,
+    TerminalOptions, TerminalSet,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -123,9 +123,9 @@ fn waiting_and_terminal_sets_have_the_same_ranges() {
     let lqr = Lqr::new(&flow(2.0), [[1.0]], [[1.0]]).unwrap();
     for (other, is_held) in [(None, true), (Some(2.5), true), (Some(1.5), false)] {
         let (rest, away) = (Region::point([0.0]), Region::from([Interval::new(1.0, 2.0)]));
-        let waiting = system(other).waiting(&rest, &away).unwrap();
-        assert_eq!(waiting.is_free(), is_held, "{waiting:?}");
-        if let Monotonicity::Free(reason) = waiting {
+        let monotonicity = system(other).monotonicity(&rest, &away).unwrap();
+        assert_eq!(monotonicity.is_monotone(), is_held, "{monotonicity:?}");
+        if let Monotonicity::Monotone(reason) = monotonicity {
             assert!(reason.contains("u = -2"), "{reason}");
         }
         let (options, solver) = (TerminalOptions::default(), &mut BranchAndBound::default());

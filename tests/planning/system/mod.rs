@@ -3,7 +3,6 @@
 mod certify;
 mod complementarity;
 mod constructors;
-mod flaws;
 mod handles;
 mod input_ranges;
 mod literature;
@@ -14,6 +13,7 @@ mod serde;
 mod simulate;
 mod tables;
 mod text;
+mod well_posedness;
 
 use carom::hybrid::{Contact, HybridSystem, Restitution, Wall};
 use carom::interval::Interval;

@@ -310,7 +310,7 @@ fn explanations_flaws_and_terminal_sets_know_lengths() {
     // Nothing is said beyond the disc.
     let mut gap = puck(1.0);
     gap.system.mode("slow").unwrap().guard(norm(gap.v).le(2.0)).unwrap();
-    let flaws = gap.system.flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = gap.system.well_posedness(&mut BranchAndBound::default()).unwrap();
     assert!(flaws.iter().any(|flaw| flaw.to_string().starts_with("gap in `mode`")), "{flaws:?}");
 
     // A feedback that brakes within its disc for ever.

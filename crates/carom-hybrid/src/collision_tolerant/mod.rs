@@ -13,7 +13,7 @@
 //! | read the result | [`Plan`]: a [`Trajectory`] and its [`PlanCertificate`] | two replays |
 //! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`] | [`reach`](crate::hybrid::reach) |
 //! | ask which limits prevent a plan | [`Scenario::explainable_program`] | `explain` |
-//! | find limits on damage | [`Scenario::damage_interval`] | |
+//! | find limits on damage | [`Scenario::damage_limit_range`] | |
 //!
 //! Every plan is replayed by two simulators that share no code with the programs' rows. A plan that
 //! disagrees with the discrete replay is an error.
@@ -30,7 +30,7 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
-mod damage_interval;
+mod damage_limit_range;
 mod explainable;
 mod plan;
 mod program;

@@ -11,8 +11,8 @@ use crate::hybrid::scene::line::half_line;
 use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use crate::hybrid::system::Transition;
 use crate::hybrid::{
-    ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem, Region,
-    Monotonicity,
+    ContactLaw, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem,
+    Monotonicity, Region,
 };
 use crate::interval::Interval;
 use crate::solution::Solution;
@@ -172,8 +172,8 @@ impl HorizonModel for Programs {
         self.scenario.program(steps, Objective::Feasibility)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        self.scenario.waiting()
+    fn monotonicity(&self) -> Monotonicity {
+        self.scenario.monotonicity()
     }
 
     fn lower_hint(&self) -> usize {

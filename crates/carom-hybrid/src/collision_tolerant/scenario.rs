@@ -8,8 +8,8 @@ use crate::hybrid::horizon::Horizon;
 use crate::hybrid::scene::{DamageRule, SceneUnits, region_where};
 use crate::hybrid::system::{Coordinates, Restated, check_digits};
 use crate::hybrid::{
-    Contact, ContactLaw, FreeSide, HybridSystem, ImpactEstimate, Region, Restitution, State,
-    Monotonicity, Wall,
+    Contact, ContactLaw, FreeSide, HybridSystem, ImpactEstimate, Monotonicity, Region, Restitution,
+    State, Wall,
 };
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -401,18 +401,20 @@ impl Scenario {
     /// there and zero acceleration is admissible (a(τ) is never applied, so its value does not
     /// matter). Limits, wall and damage do not depend on the step, and the search has no running
     /// cost.
-    pub fn waiting(&self) -> Monotonicity {
+    pub fn monotonicity(&self) -> Monotonicity {
         let coasting = self.acceleration.contains(0.0);
         if !coasting {
-            return Monotonicity::NotFree("zero acceleration is not admissible".into());
+            return Monotonicity::NotMonotone("zero acceleration is not admissible".into());
         }
         if self.start.velocity == 0.0 && self.start.acceleration.unwrap_or(0.0) == 0.0 {
-            return Monotonicity::Free("the vehicle can rest at its start".into());
+            return Monotonicity::Monotone("the vehicle can rest at its start".into());
         }
         if self.goal_velocities() == Interval::point(0.0) {
-            return Monotonicity::Free("the vehicle can rest at its goal".into());
+            return Monotonicity::Monotone("the vehicle can rest at its goal".into());
         }
-        Monotonicity::NotFree("the vehicle can rest neither at its start nor at its goal".into())
+        Monotonicity::NotMonotone(
+            "the vehicle can rest neither at its start nor at its goal".into(),
+        )
     }
 
     /// Largest magnitude of an acceleration in free flight, in m/s².

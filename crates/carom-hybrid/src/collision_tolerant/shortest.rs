@@ -11,7 +11,9 @@ use crate::hybrid::reach::Tube;
 use crate::hybrid::robust::shortest_robust;
 use crate::hybrid::shortest_horizon::{HorizonLogs, without_logs};
 use crate::hybrid::{Feedback, RobustPlan};
-use crate::hybrid::{HorizonEvent, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon_with};
+use crate::hybrid::{
+    HorizonEvent, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon_with,
+};
 use crate::setters::setters;
 use crate::solution::Solution;
 use crate::solver::{MipStart, Solver, StopToken};
@@ -112,7 +114,8 @@ impl Scenario {
     ) -> Result<ShortestHorizon<Plan>, Error> {
         let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
         let found = shortest_horizon_with(programs, &options.search, solver, progress)?;
-        let mut found = found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))?;
+        let mut found =
+            found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))?;
         if options.fewest_impacts && found.is_found() {
             let search = &options.search;
             let mut refinement = Refinement { scenario: self, solver, token: &token, search };

@@ -3,7 +3,6 @@
 pub mod contact;
 pub mod damage;
 pub(crate) mod exponential;
-mod flaws;
 pub(crate) mod horizon;
 pub mod linear;
 mod matrix;
@@ -23,12 +22,12 @@ pub(crate) mod step;
 pub(crate) mod system;
 mod terminal;
 pub mod wall;
+mod well_posedness;
 
 #[doc(alias("coefficient of restitution", "bounce"))]
 pub use contact::Restitution;
 pub use contact::{Contact, ContactLaw};
 pub use damage::ImpactEstimate;
-pub use flaws::{IllPosedness, WitnessPoint};
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
 pub use memory::Memory;
@@ -37,19 +36,19 @@ pub use program::When;
 pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit};
 #[doc(alias("MPC", "model predictive control", "receding horizon"))]
 pub use receding::RecedingHorizon;
-pub use receding::{BrokenLoop, ClosedLoop, Disturbance, ControlMove, MoveSource};
+pub use receding::{BrokenLoop, ClosedLoop, ControlMove, Disturbance, MoveSource};
 #[doc(alias("tube", "robust control"))]
 pub use robust::RobustProgram;
 pub use robust::{Feedback, RobustCertificate, RobustError, RobustPlan};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
-    HorizonAttempt, HorizonEvent, HorizonModel, HorizonProof, LeastTimeStep, HorizonRefutation, ShortestHorizon,
-    ShortestOptions, ShortestStatus, SolvedHorizon, TimeStepGrid, HorizonVerdict, Monotonicity, least_time_step,
-    shortest_horizon, shortest_horizon_with,
+    HorizonAttempt, HorizonEvent, HorizonModel, HorizonProof, HorizonRefutation, HorizonVerdict,
+    LeastTimeStep, Monotonicity, ShortestHorizon, ShortestOptions, ShortestStatus, SolvedHorizon,
+    TimeStepGrid, least_time_step, shortest_horizon, shortest_horizon_with,
 };
 pub use simulate::{
-    TransitionCandidate, Condition, DeadEnd, Decisions, DisturbedRun, RunCertificate, RunError,
-    SimulatedStep, Simulation, SimulationOptions,
+    Condition, DeadEnd, Decisions, DisturbedRun, RunCertificate, RunError, SimulatedStep,
+    Simulation, SimulationOptions, TransitionCandidate,
 };
 #[doc(alias("LCP", "complementarity"))]
 pub use system::LinearComplementarity;
@@ -64,3 +63,4 @@ pub use terminal::TerminalSet;
 pub use terminal::{TerminalError, TerminalOptions};
 pub(crate) use wall::FreeSide;
 pub use wall::Wall;
+pub use well_posedness::{IllPosedness, WitnessPoint};

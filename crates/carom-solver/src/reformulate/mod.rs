@@ -49,7 +49,7 @@ mod sos;
 pub use compare::{MethodComparison, MethodSize, compare_methods};
 pub(crate) use conic::with_slack;
 pub use relaxed::relaxed;
-pub use report::{BigMEntry, BigMReport, BigMSource, BigMShare, Side};
+pub use report::{BigMEntry, BigMReport, BigMShare, BigMSource, Side};
 
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;

@@ -139,7 +139,13 @@ impl BigMEntry {
                 widest = spread;
                 self.largest = Some(name.clone());
             }
-            self.shares.push(BigMShare { variable: name, bound, value, part: slope * value, implied });
+            self.shares.push(BigMShare {
+                variable: name,
+                bound,
+                value,
+                part: slope * value,
+                implied,
+            });
         }
         Ok(())
     }

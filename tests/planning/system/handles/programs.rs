@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    HybridSystem, ControlMove, MoveSource, RecedingHorizon, SimulationOptions, State, When,
+    ControlMove, HybridSystem, MoveSource, RecedingHorizon, SimulationOptions, State, When,
 };
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -143,8 +143,9 @@ fn two_systems_are_controlled_together() {
     let mut solver = BranchAndBound::default();
     let controller = RecedingHorizon::new(program, &mut solver).unwrap();
     let mut controller = controller.with_excess(apart.excess);
-    let plant =
-        |state: &[f64], next: &ControlMove| Ok(vec![state[0] + next.input[0], state[1] + next.input[1]]);
+    let plant = |state: &[f64], next: &ControlMove| {
+        Ok(vec![state[0] + next.input[0], state[1] + next.input[1]])
+    };
     let run = controller.run(&[-2.0, 2.0], 6, plant).unwrap();
     assert_eq!(run.count(MoveSource::Optimal), 6, "{run}");
     assert!(run.states.iter().all(|state| state[1] - state[0] >= 1.0 - 1e-5), "{:?}", run.states);

@@ -38,7 +38,7 @@ pub struct ReachExplanation {
     pub steps: usize,
     /// The sample at which no state is left.
     pub sample: usize,
-    /// The obstacle for each number of events with which a plan can get that far.
+    /// The reason for each number of events with which a plan can get that far.
     pub findings: Vec<Finding>,
     /// Single changes that might make a plan possible, in words.
     pub remedies: Vec<String>,
@@ -58,13 +58,13 @@ pub struct Finding {
     /// Modes of the choices with memory, each with its choice's name; empty if they do not matter.
     pub modes: Vec<(String, String)>,
     /// The reason.
-    pub obstacle: Obstacle,
+    pub reason: EmptinessReason,
 }
 
 /// The reason why a set is empty.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Obstacle {
+pub enum EmptinessReason {
     /// A limit that no state satisfies.
     Limit {
         /// Its name.
@@ -98,17 +98,17 @@ pub enum Obstacle {
     },
 }
 
-/// The obstacles that tell why no transition is left: the first one, and rules of the user's.
-fn reported(obstacles: impl Iterator<Item = Obstacle>) -> Vec<Obstacle> {
-    let mut told: Vec<Obstacle> = Vec::new();
-    let name_of = |obstacle: &Obstacle| match obstacle {
-        Obstacle::Limit { name, transition: None, .. } => Some(name.clone()),
+/// The reasons that tell why no transition is left: the first one, and rules of the user's.
+fn reported(reasons: impl Iterator<Item = EmptinessReason>) -> Vec<EmptinessReason> {
+    let mut told: Vec<EmptinessReason> = Vec::new();
+    let name_of = |reason: &EmptinessReason| match reason {
+        EmptinessReason::Limit { name, transition: None, .. } => Some(name.clone()),
         _ => None,
     };
-    for obstacle in obstacles {
-        let name = name_of(&obstacle);
+    for reason in reasons {
+        let name = name_of(&reason);
         if told.is_empty() || name.is_some() && !told.iter().any(|known| name_of(known) == name) {
-            told.push(obstacle);
+            told.push(reason);
         }
     }
     told
@@ -146,8 +146,8 @@ impl ReachSets {
         let Some(tube) = self.tube_until(steps, token)? else { return Ok(None) };
         let Some(sample) = tube.died() else { return Ok(None) };
         let (sample, findings) = match self.missing_end(steps) {
-            Some((at_start, obstacle)) => {
-                let finding = Finding::of_all(obstacle);
+            Some((at_start, reason)) => {
+                let finding = Finding::of_all(reason);
                 (if at_start { 0 } else { steps }, vec![finding])
             }
             None => self.findings(&tube, sample),
@@ -158,7 +158,7 @@ impl ReachSets {
     }
 
     /// The limit that excludes the start or the goal itself.
-    fn missing_end(&self, steps: usize) -> Option<(bool, Obstacle)> {
+    fn missing_end(&self, steps: usize) -> Option<(bool, EmptinessReason)> {
         let (start, goal) = self.ends();
         let ends = [(true, start), (false, goal)];
         ends.into_iter().find_map(|(at_start, end)| {
@@ -174,16 +174,16 @@ impl ReachSets {
                 let nearest = measure.outward(emptied.nearest);
                 return Some((
                     at_start,
-                    Obstacle::Limit { name, transition: None, limit, nearest },
+                    EmptinessReason::Limit { name, transition: None, limit, nearest },
                 ));
             }
-            Some((at_start, self.obstacle(sample, &emptied)?))
+            Some((at_start, self.reason(sample, &emptied)?))
         })
     }
 
-    /// The obstacle that emptied a set of a sample, or a set on the way there from the sample
+    /// The reason that emptied a set of a sample, or a set on the way there from the sample
     /// before.
-    fn obstacle(&self, sample: usize, emptied: &Emptied) -> Option<Obstacle> {
+    fn reason(&self, sample: usize, emptied: &Emptied) -> Option<EmptinessReason> {
         let system = self.system_at(sample.saturating_sub(1));
         let block = &system.blocks[emptied.block];
         let (name, limit, taken) = match emptied.place {
@@ -211,7 +211,7 @@ impl ReachSets {
             system.joint_transitions[m].members.iter().any(|t| self.is_rule(*t, name))
         }) {
             let name = format!("{name} ({})", number(limit));
-            return Some(Obstacle::Limit { name, transition: None, limit, nearest });
+            return Some(EmptinessReason::Limit { name, transition: None, limit, nearest });
         }
         // Of the transitions that a step combines, the one that has the guard.
         let owner = |m: usize| {
@@ -222,7 +222,12 @@ impl ReachSets {
                 None => system.name(m),
             }
         };
-        Some(Obstacle::Limit { name: name.clone(), transition: taken.map(owner), limit, nearest })
+        Some(EmptinessReason::Limit {
+            name: name.clone(),
+            transition: taken.map(owner),
+            limit,
+            nearest,
+        })
     }
 
     /// How the values of a condition of the system are computed, by its name.
@@ -270,8 +275,8 @@ impl ReachSets {
         if tube.reached(sample).next().is_none() {
             // The forward sets became empty by themselves.
             let Some((step, emptied)) = &self.emptied else { return (sample, Vec::new()) };
-            let obstacles = emptied.iter().filter_map(|emptied| self.obstacle(step + 1, emptied));
-            return (step + 1, reported(obstacles).into_iter().map(Finding::of_all).collect());
+            let reasons = emptied.iter().filter_map(|emptied| self.reason(step + 1, emptied));
+            return (step + 1, reported(reasons).into_iter().map(Finding::of_all).collect());
         }
         let needed = self.needed(tube, sample);
         let has_events = self.system().transitions().any(|transition| transition.is_event);
@@ -283,14 +288,14 @@ impl ReachSets {
             let mut same = needed.iter().filter(|(at, _)| *at == node);
             let same = same.find_map(|(_, goal)| between(set, goal));
             let any = || needed.iter().find_map(|(_, goal)| between(set, goal));
-            let obstacle = same.or_else(any);
+            let reason = same.or_else(any);
             let modes = graph.modes(node).to_vec();
             // Different dwell times of the same modes are one finding.
             let told = has_events.then_some(events);
             let known = |f: &Finding| f.events == told && f.modes == modes;
-            if let Some(obstacle) = obstacle.filter(|_| !findings.iter().any(known)) {
+            if let Some(reason) = reason.filter(|_| !findings.iter().any(known)) {
                 let or_more = events == graph.events && !graph.is_limited;
-                findings.push(Finding { events: told, or_more, modes, obstacle });
+                findings.push(Finding { events: told, or_more, modes, reason });
             }
         }
         (sample, findings)
@@ -381,14 +386,14 @@ impl ReachSets {
 
 impl Finding {
     /// For any number of events, in any mode.
-    fn of_all(obstacle: Obstacle) -> Self {
-        Finding { events: None, or_more: false, modes: Vec::new(), obstacle }
+    fn of_all(reason: EmptinessReason) -> Self {
+        Finding { events: None, or_more: false, modes: Vec::new(), reason }
     }
 }
 
 /// The range or combination of states that separates two sets of one system; `None` if none is
 /// found.
-fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
+fn between(reached: &ReachSet, needed: &ReachSet) -> Option<EmptinessReason> {
     let system = Arc::clone(&reached.system);
     let mut rest = reached.clone();
     let goal = needed.own_box();
@@ -398,7 +403,12 @@ fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
         let range = rest.own_box()[i];
         if range.lower > goal[i].upper || range.upper < goal[i].lower {
             let (state, needed) = (name.clone(), stated(i, goal[i]));
-            return Some(Obstacle::Range { state, reached: stated(i, range), needed, given });
+            return Some(EmptinessReason::Range {
+                state,
+                reached: stated(i, range),
+                needed,
+                given,
+            });
         }
         if !rest.keep(i, goal[i]) {
             break;
@@ -417,6 +427,6 @@ fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
         let named = block.states.iter().zip(&normal).filter(|(_, n)| **n != 0.0);
         let factors = named.map(|(&i, n)| (system.states[i].0.clone(), n / size)).collect();
         let [reached, needed] = [first, second].map(|value| (value + shift) / size);
-        Some(Obstacle::Combination { factors, reached, needed })
+        Some(EmptinessReason::Combination { factors, reached, needed })
     })
 }

@@ -23,7 +23,7 @@ mod tighten;
 mod tube;
 mod words;
 
-pub use explain::{Finding, Obstacle, ReachExplanation};
+pub use explain::{EmptinessReason, Finding, ReachExplanation};
 pub use options::SetOptions;
 pub use set::ReachSet;
 #[doc(alias("reachability", "reachable set"))]

@@ -2,23 +2,23 @@
 
 use std::fmt;
 
-use super::explain::{Finding, Obstacle, ReachExplanation};
+use super::explain::{EmptinessReason, Finding, ReachExplanation};
 use super::words::{Words, apart, number, range, two_numbers};
 
-impl fmt::Display for Obstacle {
+impl fmt::Display for EmptinessReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.in_words(&Words::default()))
     }
 }
 
-impl Obstacle {
+impl EmptinessReason {
     fn in_words(&self, words: &Words) -> String {
         match self {
-            Obstacle::Limit { name, transition: None, limit, nearest } => {
+            EmptinessReason::Limit { name, transition: None, limit, nearest } => {
                 let (name, unit) = words.limit(name);
                 format!("{name} is missed by at least {}{unit}", number(nearest - limit))
             }
-            Obstacle::Limit { name, transition: Some(transition), limit, nearest } => {
+            EmptinessReason::Limit { name, transition: Some(transition), limit, nearest } => {
                 let miss = number(nearest - limit);
                 let (undone, unit) = match words.undone(transition) {
                     Some((undone, unit)) => (undone.to_owned(), unit),
@@ -29,7 +29,7 @@ impl Obstacle {
                     None => format!("{undone}: `{name}` is missed by at least {miss}"),
                 }
             }
-            Obstacle::Range { state, reached, needed, given } => {
+            EmptinessReason::Range { state, reached, needed, given } => {
                 let at = |(name, at): &(String, _)| {
                     format!("{} is {}", words.name(name), range(at, &words.unit(name)))
                 };
@@ -41,7 +41,7 @@ impl Obstacle {
                 let (own, unit) = (words.name(state), words.unit(state));
                 format!("{place}{own} is {}", apart(reached, needed, &unit))
             }
-            Obstacle::Combination { factors, reached, needed } => {
+            EmptinessReason::Combination { factors, reached, needed } => {
                 let term = |(name, factor): &(String, f64)| {
                     let own = words.name(name);
                     match *factor {
@@ -70,7 +70,7 @@ impl Finding {
         for (choice, mode) in &self.modes {
             text += &format!("with {choice} {mode}, ");
         }
-        text + &self.obstacle.in_words(words)
+        text + &self.reason.in_words(words)
     }
 }
 

@@ -126,7 +126,8 @@ impl ClosedLoop {
 
     /// A table with a line per step: state, input, source, nodes, relaxations, time in s.
     pub fn to_csv(&self) -> String {
-        let width = |of: fn(&ControlMove) -> &Vec<f64>| self.moves.first().map_or(0, |m| of(m).len());
+        let width =
+            |of: fn(&ControlMove) -> &Vec<f64>| self.moves.first().map_or(0, |m| of(m).len());
         let (states, inputs) = (width(|m| &m.state), width(|m| &m.input));
         let mut text = String::from("step");
         (0..states).for_each(|i| _ = write!(text, ",x{i}"));

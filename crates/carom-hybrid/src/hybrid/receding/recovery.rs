@@ -31,7 +31,11 @@ impl RecedingHorizon<'_> {
     /// A plan from a state near the measured one: from the nearest within the domains; or else from
     /// one on the way from there to the state that the last plan foresaw, as near to the measured
     /// one as a few halvings find.
-    pub(super) fn recover(&mut self, state: &[f64], since: Instant) -> Result<Option<ControlMove>, Error> {
+    pub(super) fn recover(
+        &mut self,
+        state: &[f64],
+        since: Instant,
+    ) -> Result<Option<ControlMove>, Error> {
         let ranges = self.planner.ranges()?;
         let clamped = |state: &[f64]| -> Vec<f64> {
             state.iter().zip(&ranges).map(|(x, range)| x.clamp(range.lower, range.upper)).collect()

@@ -9,7 +9,7 @@ use crate::error::ErrorKind;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
 use crate::hybrid::shortest_horizon::{
-    HorizonModel, ShortestHorizon, ShortestOptions, SolvedHorizon, Monotonicity, shortest_horizon,
+    HorizonModel, Monotonicity, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon,
 };
 use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
 use crate::solution::Solution;
@@ -68,13 +68,13 @@ pub(crate) fn shortest_robust<M: HorizonModel<Program: Into<HybridProgram>>>(
     options: &ShortestOptions,
     solver: &mut dyn Solver,
 ) -> Result<ShortestHorizon<RobustPlan>, Error> {
-    let waiting = match options.waiting(nominal.waiting()) {
-        Monotonicity::Free(_) if system.is_disturbed() => {
-            Monotonicity::NotFree("disturbances add up while a run waits".into())
+    let monotonicity = match options.monotonicity(nominal.monotonicity()) {
+        Monotonicity::Monotone(_) if system.is_disturbed() => {
+            Monotonicity::NotMonotone("disturbances add up while a run waits".into())
         }
         own => own,
     };
-    let task = RobustTask { nominal, feedback, options, waiting };
+    let task = RobustTask { nominal, feedback, options, monotonicity };
     let found = shortest_horizon(&task, &options.without_statements(), solver)?;
     found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))
 }
@@ -85,7 +85,7 @@ struct RobustTask<'a, M> {
     feedback: &'a Feedback,
     /// With the statements that are tightened as well.
     options: &'a ShortestOptions,
-    waiting: Monotonicity,
+    monotonicity: Monotonicity,
 }
 
 impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<'_, M> {
@@ -97,8 +97,8 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
         program.robust(self.feedback)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        self.waiting.clone()
+    fn monotonicity(&self) -> Monotonicity {
+        self.monotonicity.clone()
     }
 
     /// Those of nominal runs: the plan of a robust program is one.

@@ -7,7 +7,8 @@ use super::shortest::ScenePrograms;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::shortest_horizon::{
-    LeastTimeStep, ShortestHorizon, ShortestOptions, TimeStepGrid, HorizonVerdict, Monotonicity, decide, least_of,
+    HorizonVerdict, LeastTimeStep, Monotonicity, ShortestHorizon, ShortestOptions, TimeStepGrid,
+    decide, least_of,
 };
 use crate::solver::Solver;
 
@@ -138,8 +139,8 @@ impl ScenePlan {
         let grid = TimeStepGrid::new(steps, time_steps);
         least_of(&grid, options, |time_step, token| {
             let stated = Scene { time_step, ..scene.clone() }.stated()?;
-            let waiting = Monotonicity::NotFree("the number of steps is fixed".into());
-            let task = ScenePrograms { stated, waiting };
+            let monotonicity = Monotonicity::NotMonotone("the number of steps is fixed".into());
+            let task = ScenePrograms { stated, monotonicity };
             let (attempt, solved) = decide(&task, steps, options, token, solver)?;
             let run = match solved.filter(|_| attempt.verdict == HorizonVerdict::Feasible) {
                 Some((program, solution)) => Some(program.plan(&solution)?.run),

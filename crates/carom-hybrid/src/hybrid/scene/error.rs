@@ -133,7 +133,7 @@ pub enum SceneError {
     },
     /// An interval of damage limits that the scene does not have.
     #[error("the scene has no damage interval: {reason}")]
-    NoDamageInterval {
+    NoDamageLimitRange {
         /// Why.
         reason: String,
     },

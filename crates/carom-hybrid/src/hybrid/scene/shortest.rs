@@ -18,7 +18,8 @@ use crate::hybrid::robust::{Feedback, RobustPlan, shortest_robust};
 #[cfg(doc)]
 use crate::hybrid::shortest_horizon::shortest_horizon;
 use crate::hybrid::shortest_horizon::{
-    HorizonEvent, HorizonModel, ShortestHorizon, ShortestOptions, SolvedHorizon, Monotonicity, shortest_horizon_with,
+    HorizonEvent, HorizonModel, Monotonicity, ShortestHorizon, ShortestOptions, SolvedHorizon,
+    shortest_horizon_with,
 };
 use crate::hybrid::system::{HybridSystem, Region, Restated};
 use crate::interval::Interval;
@@ -95,12 +96,12 @@ impl Scene {
     /// The programs of the scene, and options with steps for which its courses last.
     fn task(&self, options: &ShortestOptions) -> Result<(ScenePrograms, ShortestOptions), Error> {
         let stated = self.stated()?;
-        let waiting = options.waiting(stated.waiting()?);
+        let monotonicity = options.monotonicity(stated.monotonicity()?);
         let mut options = options.clone();
         if let Some((_, longest)) = stated.scene.longest() {
             options.max_steps = options.max_steps.min(longest);
         }
-        Ok((ScenePrograms { stated, waiting }, options))
+        Ok((ScenePrograms { stated, monotonicity }, options))
     }
 
     /// Reach sets of the scene, from its starts to its goals. They refute horizons, say why in
@@ -273,7 +274,7 @@ impl Stated {
         self.system.states.iter().map(|(_, domain)| *domain).collect()
     }
 
-    pub(super) fn waiting(&self) -> Result<Monotonicity, Error> {
+    pub(super) fn monotonicity(&self) -> Result<Monotonicity, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
         // Who waits hits nothing.
         let mut system = self.system.clone();
@@ -294,7 +295,7 @@ impl Stated {
 /// From starts to goals, in any number of steps.
 pub(super) struct ScenePrograms {
     pub(super) stated: Stated,
-    pub(super) waiting: Monotonicity,
+    pub(super) monotonicity: Monotonicity,
 }
 
 impl HorizonModel for ScenePrograms {
@@ -312,8 +313,8 @@ impl HorizonModel for ScenePrograms {
         self.stated.contacts.iter().any(|contact| contact.other.is_some() && contact.bounces())
     }
 
-    fn waiting(&self) -> Monotonicity {
-        self.waiting.clone()
+    fn monotonicity(&self) -> Monotonicity {
+        self.monotonicity.clone()
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
@@ -359,7 +360,7 @@ impl HorizonModel for ScenePrograms {
         let still = scene.obstacles.iter().all(|obstacle| obstacle.course.is_empty());
         let coarse = Scene { time_step: COARSER * scene.time_step, ..scene.clone() };
         let stated = coarse.stated().ok().filter(|_| still)?;
-        let waiting = stated.waiting().ok()?;
-        Some(Box::new(ScenePrograms { stated, waiting }))
+        let monotonicity = stated.monotonicity().ok()?;
+        Some(Box::new(ScenePrograms { stated, monotonicity }))
     }
 }

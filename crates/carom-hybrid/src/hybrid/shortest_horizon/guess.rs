@@ -61,7 +61,8 @@ impl Guess {
         }
         // Nobody has asked for the coarser grid: what is wrong there is no error.
         let found = find(&*coarser, &options, solver, &mut |_| {}).ok();
-        let Some(SolvedHorizon { program, solution }) = found.as_ref().and_then(|f| f.plan.as_ref())
+        let Some(SolvedHorizon { program, solution }) =
+            found.as_ref().and_then(|f| f.plan.as_ref())
         else {
             return Ok(nothing);
         };

@@ -18,7 +18,10 @@ mod watch;
 pub use event::HorizonEvent;
 pub use logged::{shortest_horizon, shortest_horizon_with};
 pub use options::ShortestOptions;
-pub use outcome::{HorizonAttempt, HorizonProof, HorizonRefutation, ShortestHorizon, ShortestStatus, SolvedHorizon, HorizonVerdict};
+pub use outcome::{
+    HorizonAttempt, HorizonProof, HorizonRefutation, HorizonVerdict, ShortestHorizon,
+    ShortestStatus, SolvedHorizon,
+};
 pub(crate) use proofs::{HorizonLogs, without_logs};
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
@@ -52,7 +55,7 @@ pub trait HorizonModel {
     fn build(&self, steps: usize) -> Result<Self::Program, Error>;
 
     /// Whether a feasible horizon makes every longer one feasible.
-    fn waiting(&self) -> Monotonicity;
+    fn monotonicity(&self) -> Monotonicity;
 
     /// The number of steps at which to begin, at least 1. A good guess saves solves; a bad one only
     /// costs time. Used only if waiting is free.
@@ -158,21 +161,21 @@ pub trait HorizonModel {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Monotonicity {
     /// Feasibility is monotone in the horizon, so bisection is valid.
-    Free(String),
+    Monotone(String),
     /// Feasibility may not be monotone, so every smaller horizon must be refuted.
-    NotFree(String),
+    NotMonotone(String),
 }
 
 impl Monotonicity {
     /// Whether bisection is valid.
-    pub fn is_free(&self) -> bool {
-        matches!(self, Monotonicity::Free(_))
+    pub fn is_monotone(&self) -> bool {
+        matches!(self, Monotonicity::Monotone(_))
     }
 
     /// The reason.
     pub fn reason(&self) -> &str {
         match self {
-            Monotonicity::Free(reason) | Monotonicity::NotFree(reason) => reason,
+            Monotonicity::Monotone(reason) | Monotonicity::NotMonotone(reason) => reason,
         }
     }
 }

@@ -46,9 +46,15 @@ impl fmt::Display for HorizonVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             HorizonVerdict::Feasible => f.write_str("a plan"),
-            HorizonVerdict::Refuted(HorizonRefutation::Sets) => f.write_str("refuted by reach sets"),
-            HorizonVerdict::Refuted(HorizonRefutation::Propagation) => f.write_str("refuted by propagation"),
-            HorizonVerdict::Refuted(HorizonRefutation::Relaxation) => f.write_str("refuted by relaxations"),
+            HorizonVerdict::Refuted(HorizonRefutation::Sets) => {
+                f.write_str("refuted by reach sets")
+            }
+            HorizonVerdict::Refuted(HorizonRefutation::Propagation) => {
+                f.write_str("refuted by propagation")
+            }
+            HorizonVerdict::Refuted(HorizonRefutation::Relaxation) => {
+                f.write_str("refuted by relaxations")
+            }
             HorizonVerdict::Undecided(why) => write!(f, "open ({why} of this solve)"),
             HorizonVerdict::NotAsGuessed => f.write_str(
                 "no plan with the modes of a coarser one, which says nothing about others",
@@ -90,7 +96,8 @@ impl fmt::Display for HorizonAttempt {
 impl HorizonAttempt {
     /// A horizon that reach sets refuted.
     pub(super) fn by_sets(steps: usize) -> Self {
-        let (verdict, statistics) = (HorizonVerdict::Refuted(HorizonRefutation::Sets), Statistics::default());
+        let (verdict, statistics) =
+            (HorizonVerdict::Refuted(HorizonRefutation::Sets), Statistics::default());
         HorizonAttempt { steps, verdict, statistics, restricted: false }
     }
 
@@ -195,7 +202,7 @@ pub struct ShortestHorizon<P> {
     pub time_step: Option<f64>,
     /// Whether waiting is free, and why: whether smaller horizons were refuted by monotonicity or
     /// each separately.
-    pub waiting: Monotonicity,
+    pub monotonicity: Monotonicity,
     /// The reach sets that were used, for further questions.
     pub sets: Option<ReachSets>,
     /// The tube of `steps`, if reach sets were used.
@@ -302,7 +309,7 @@ impl<P> ShortestHorizon<P> {
             plan: self.plan.map(plan).transpose()?,
             refuted_steps: self.refuted_steps,
             time_step: self.time_step,
-            waiting: self.waiting,
+            monotonicity: self.monotonicity,
             sets: self.sets,
             tube: self.tube,
             attempts: self.attempts,

@@ -21,7 +21,7 @@ impl HybridSystem {
     /// single state that some input holds in place, in every mode that is allowed there, by
     /// transitions that can be repeated. If this cannot be shown, waiting counts as not free.
     #[doc(hidden)]
-    pub fn waiting(&self, start: &Region, goal: &Region) -> Result<Monotonicity, Error> {
+    pub fn monotonicity(&self, start: &Region, goal: &Region) -> Result<Monotonicity, Error> {
         self.check()?;
         start.check(self, "the start")?;
         goal.check(self, "the goal")?;
@@ -38,20 +38,20 @@ impl HybridSystem {
     ) -> Result<Monotonicity, Error> {
         if self.settles() > 0 {
             let reason = "limits, ranges or guards of the system depend on the step";
-            return Ok(Monotonicity::NotFree(reason.into()));
+            return Ok(Monotonicity::NotMonotone(reason.into()));
         }
         let mut obstacles = Vec::new();
         for (place, region) in [("start", start), ("goal", goal)] {
             match self.rest(coordinates, region)? {
                 Ok(how) => {
-                    return Ok(Monotonicity::Free(format!(
+                    return Ok(Monotonicity::Monotone(format!(
                         "the {place} is held by {how}, and nothing depends on the step"
                     )));
                 }
                 Err(obstacle) => obstacles.push(format!("the {place} {obstacle}")),
             }
         }
-        Ok(Monotonicity::NotFree(obstacles.join("; ")))
+        Ok(Monotonicity::NotMonotone(obstacles.join("; ")))
     }
 
     /// How the only state of a region can be held in all its modes, or why not.

@@ -30,7 +30,7 @@ impl HybridSystem {
     /// cart.mode("roll")?.rates([x.is(v), v.is(a)])?;
     /// let (start, goal) = ([x.equals(0.0), v.equals(0.0)], [x.equals(1.0), v.equals(0.0)]);
     /// let found = cart.shortest(start, goal, &mut BranchAndBound::default())?;
-    /// assert!(found.is_found() && found.waiting.is_free());
+    /// assert!(found.is_found() && found.monotonicity.is_monotone());
     /// assert_eq!(
     ///     found.to_string(),
     ///     "20 steps at least, 2 s: fewer are refuted for the time-stepped law with Δt = 0.1 s"
@@ -87,8 +87,8 @@ impl HybridSystem {
     ) -> Result<Task<'a>, Error> {
         self.check_reachable(start, "the start")?;
         self.check_reachable(goal, "the goal")?;
-        let waiting = options.waiting(self.waiting(start, goal)?);
-        Ok(Task { system: self, start, goal, waiting })
+        let monotonicity = options.monotonicity(self.monotonicity(start, goal)?);
+        Ok(Task { system: self, start, goal, monotonicity })
     }
 
     /// Refuses a region outside the domains of the states.
@@ -109,7 +109,7 @@ pub(in crate::hybrid) struct Task<'a> {
     pub(super) system: &'a HybridSystem,
     pub(super) start: &'a Region,
     pub(super) goal: &'a Region,
-    pub(super) waiting: Monotonicity,
+    pub(super) monotonicity: Monotonicity,
 }
 
 impl HorizonModel for Task<'_> {
@@ -122,8 +122,8 @@ impl HorizonModel for Task<'_> {
         Ok(program)
     }
 
-    fn waiting(&self) -> Monotonicity {
-        self.waiting.clone()
+    fn monotonicity(&self) -> Monotonicity {
+        self.monotonicity.clone()
     }
 
     fn time_step(&self) -> Option<f64> {

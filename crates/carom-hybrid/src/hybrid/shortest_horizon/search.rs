@@ -8,7 +8,9 @@ use super::event::HorizonEvent;
 use super::guess::{Guess, restricted};
 use super::look::look_token;
 use super::options::ShortestOptions;
-use super::outcome::{HorizonAttempt, ShortestHorizon, ShortestStatus, SolvedHorizon, HorizonVerdict};
+use super::outcome::{
+    HorizonAttempt, HorizonVerdict, ShortestHorizon, ShortestStatus, SolvedHorizon,
+};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::program::as_drift;
@@ -40,9 +42,9 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         options.tell(event);
         progress(event);
     };
-    let waiting = options.waiting(builder.waiting());
+    let monotonicity = options.monotonicity(builder.monotonicity());
     let mut search = Search {
-        is_free: waiting.is_free(),
+        is_free: monotonicity.is_monotone(),
         builder,
         options,
         solver,
@@ -71,7 +73,8 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
     // A longer look may have decided a horizon later.
     let is_open = |steps: usize| {
         let of = attempts.iter().rev().find(|attempt| attempt.steps == steps);
-        steps > refuted && of.is_some_and(|last| matches!(last.verdict, HorizonVerdict::Undecided(_)))
+        steps > refuted
+            && of.is_some_and(|last| matches!(last.verdict, HorizonVerdict::Undecided(_)))
     };
     let drifts = search.drifts.into_iter().filter(|(steps, _)| is_open(*steps)).collect();
     let mut found = ShortestHorizon {
@@ -80,7 +83,7 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         plan: None,
         refuted_steps: (refuted > 0).then_some(refuted),
         time_step: builder.time_step(),
-        waiting,
+        monotonicity,
         sets,
         tube: None,
         attempts,
@@ -289,7 +292,8 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
                 self.solve_restricted(steps, nodes, program.borrow_mut(), &variables)?
             && let Ok(solution) = self.settled(&program, solution)?
         {
-            let attempt = HorizonAttempt { restricted: true, ..HorizonAttempt::of(steps, &solution) };
+            let attempt =
+                HorizonAttempt { restricted: true, ..HorizonAttempt::of(steps, &solution) };
             self.file(attempt, Some(Feasible { steps, program, solution, tube }));
             return Ok(());
         }

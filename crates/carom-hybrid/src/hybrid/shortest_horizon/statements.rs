@@ -195,10 +195,10 @@ impl ShortestOptions {
     }
 
     /// Whether waiting is free, where it is without windows and rows.
-    pub(crate) fn waiting(&self, own: Monotonicity) -> Monotonicity {
+    pub(crate) fn monotonicity(&self, own: Monotonicity) -> Monotonicity {
         match own {
-            Monotonicity::Free(_) if self.has_statements() => {
-                Monotonicity::NotFree("windows and rows may depend on the step".into())
+            Monotonicity::Monotone(_) if self.has_statements() => {
+                Monotonicity::NotMonotone("windows and rows may depend on the step".into())
             }
             own => own,
         }

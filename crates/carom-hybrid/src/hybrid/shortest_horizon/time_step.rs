@@ -120,8 +120,8 @@ pub fn least_time_step<R: IntoRegion>(
     least_of(grid, options, |time_step, token| {
         let (system, start, goal) = task(time_step)?;
         let (start, goal) = (&start.stated().of(&system)?, &goal.stated().of(&system)?);
-        let waiting = Monotonicity::NotFree("the number of steps is fixed".into());
-        let task = Task { system: &system, start, goal, waiting };
+        let monotonicity = Monotonicity::NotMonotone("the number of steps is fixed".into());
+        let task = Task { system: &system, start, goal, monotonicity };
         let (attempt, solved) = decide(&task, grid.steps, options, token, solver)?;
         let run = match solved.filter(|_| attempt.verdict == HorizonVerdict::Feasible) {
             Some((program, solution)) => Some(program.plan(&solution)?.run),
@@ -174,7 +174,7 @@ pub(crate) fn least_of(
 }
 
 /// The program of a horizon and its solution, if it was solved.
-type SolvedHorizon<M> = Option<(<M as HorizonModel>::Program, Solution)>;
+type TriedHorizon<M> = Option<(<M as HorizonModel>::Program, Solution)>;
 
 /// Decides one horizon, by sets or by a solve.
 pub(crate) fn decide<M: HorizonModel>(
@@ -183,7 +183,7 @@ pub(crate) fn decide<M: HorizonModel>(
     options: &ShortestOptions,
     token: &StopToken,
     solver: &mut dyn Solver,
-) -> Result<(HorizonAttempt, SolvedHorizon<M>), Error> {
+) -> Result<(HorizonAttempt, TriedHorizon<M>), Error> {
     let mut program = build(task, steps, options)?;
     // A log takes nothing from sets as given.
     let uses_sets = options.reach_sets && solver.options().proof.is_none();
@@ -199,6 +199,9 @@ pub(crate) fn decide<M: HorizonModel>(
     let attempt = HorizonAttempt::of(steps, &solution);
     Ok(match settled(task, &program, solution, solver, token)? {
         Ok(solution) => (attempt, Some((program, solution))),
-        Err(_) => (HorizonAttempt { verdict: HorizonVerdict::Undecided(Termination::Stalled), ..attempt }, None),
+        Err(_) => (
+            HorizonAttempt { verdict: HorizonVerdict::Undecided(Termination::Stalled), ..attempt },
+            None,
+        ),
     })
 }

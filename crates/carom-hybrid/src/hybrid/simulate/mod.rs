@@ -33,4 +33,4 @@ pub use disturbed::DisturbedRun;
 pub use error::RunError;
 pub(crate) use follow::Followed;
 pub use options::SimulationOptions;
-pub use simulation::{TransitionCandidate, DeadEnd, SimulatedStep, Simulation};
+pub use simulation::{DeadEnd, SimulatedStep, Simulation, TransitionCandidate};

@@ -3,7 +3,7 @@
 use super::condition::{Condition, Slack, tightest};
 use super::memory;
 use super::options::SimulationOptions;
-use super::simulation::{TransitionCandidate, DeadEnd, SimulatedStep};
+use super::simulation::{DeadEnd, SimulatedStep, TransitionCandidate};
 use super::step::{Flown, StepStart};
 use crate::error::Error;
 use crate::hybrid::memory::Memory;
@@ -293,7 +293,11 @@ impl Way<'_> {
     }
 }
 
-fn report(picked: &[&Way<'_>], candidates: Vec<Vec<TransitionCandidate>>, moves: usize) -> SimulatedStep {
+fn report(
+    picked: &[&Way<'_>],
+    candidates: Vec<Vec<TransitionCandidate>>,
+    moves: usize,
+) -> SimulatedStep {
     let outputs = picked.iter().flat_map(|way| {
         let names = way.transition.outputs.iter().map(|output| output.name.clone());
         names.zip(way.flown.outputs.iter().copied())

@@ -191,7 +191,7 @@ impl HybridSystem {
         Ok(())
     }
 
-    /// Says which findings of [`flaws`](HybridSystem::flaws) are meant, in a choice (`mode` if
+    /// Says which findings of [`well_posedness`](HybridSystem::well_posedness) are meant, in a choice (`mode` if
     /// there is only one). It changes no program and no simulation.
     ///
     /// ```
@@ -205,9 +205,9 @@ impl HybridSystem {
     /// car.mode("first gear")?.rates([x.is(v), v.is(u)])?;
     /// car.mode("second gear")?.rates([x.is(v), v.is(2.0 * u)])?.guard(v.ge(1.0))?;
     /// let mut solver = BranchAndBound::default();
-    /// assert_eq!(car.flaws(&mut solver)?.len(), 2);
+    /// assert_eq!(car.well_posedness(&mut solver)?.len(), 2);
     /// car.expect("mode", true, true)?;
-    /// assert_eq!(car.flaws(&mut solver)?.len(), 0);
+    /// assert_eq!(car.well_posedness(&mut solver)?.len(), 0);
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///

@@ -4,12 +4,12 @@ use super::scenario::Scenario;
 use crate::error::Error;
 use crate::hybrid::ContactLaw;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::scene::{DamageLimitRange, DamageLimitOptions, SceneError};
+use crate::hybrid::scene::{DamageLimitOptions, DamageLimitRange, SceneError};
 use crate::solver::Solver;
 
 impl Scenario {
     /// Finds the limits `D_max` for which a horizon is the shortest one, as
-    /// [`Scene::damage_interval`](crate::hybrid::scene::Scene::damage_interval) does.
+    /// [`Scene::damage_limit_range`](crate::hybrid::scene::Scene::damage_limit_range) does.
     ///
     /// ```
     /// use carom::collision_tolerant::Scenario;
@@ -18,7 +18,7 @@ impl Scenario {
     ///
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let (options, mut solver) = (DamageLimitOptions::default(), BranchAndBound::default());
-    /// let interval = scenario.damage_interval(49, &options, &mut solver)?;
+    /// let interval = scenario.damage_limit_range(49, &options, &mut solver)?;
     /// assert!((interval.lower.attained - 5.895).abs() < 2e-3);
     /// assert!((interval.upper.attained - 6.947).abs() < 2e-3);
     /// # Ok::<(), carom::Error>(())
@@ -26,9 +26,9 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// As for [`Scene::damage_interval`](crate::hybrid::scene::Scene::damage_interval), and
-    /// [`SceneError::NoDamageInterval`] under the literal law.
-    pub fn damage_interval(
+    /// As for [`Scene::damage_limit_range`](crate::hybrid::scene::Scene::damage_limit_range), and
+    /// [`SceneError::NoDamageLimitRange`] under the literal law.
+    pub fn damage_limit_range(
         &self,
         steps: usize,
         options: &DamageLimitOptions,
@@ -37,9 +37,9 @@ impl Scenario {
         self.check()?;
         if self.contact.law == ContactLaw::Literal {
             let reason = "scenes do not have the literal law; choose the reflecting one".into();
-            return Err(SceneError::NoDamageInterval { reason }.into());
+            return Err(SceneError::NoDamageLimitRange { reason }.into());
         }
         let horizon = Horizon::new(steps, self.time_step)?;
-        self.scene(&horizon).damage_interval(steps, options, solver)
+        self.scene(&horizon).damage_limit_range(steps, options, solver)
     }
 }

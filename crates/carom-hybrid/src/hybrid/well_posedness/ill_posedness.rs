@@ -40,7 +40,7 @@ impl fmt::Display for WitnessPoint {
 }
 
 /// Something in the statement of a hybrid system that is probably a slip, found by
-/// [`HybridSystem::flaws`](crate::hybrid::HybridSystem::flaws).
+/// [`HybridSystem::well_posedness`](crate::hybrid::HybridSystem::well_posedness).
 ///
 /// `{}` says in words what is wrong and where.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@
 //! gaps and overlaps (`programs.rs`) and for states that must leave the domain (`stuck.rs`), and
 //! every point is evaluated again before it is reported.
 
-mod flaw;
+mod ill_posedness;
 mod joint_transitions;
 mod piece;
 mod programs;
@@ -12,7 +12,7 @@ mod stuck;
 
 use std::collections::BTreeSet;
 
-pub use flaw::{IllPosedness, WitnessPoint};
+pub use ill_posedness::{IllPosedness, WitnessPoint};
 
 use super::step::{self, Dynamics};
 use super::system::{Approximation, Choice, HybridSystem, Transition};
@@ -52,7 +52,7 @@ impl HybridSystem {
     /// vehicle.mode("slow")?.rates([v.is(thrust - 0.1 * v)])?.guard(v.le(10.0))?;
     /// vehicle.mode("fast")?.rates([v.is(thrust - 0.2 * v)])?.guard(v.ge(12.0))?;
     ///
-    /// let flaws = vehicle.flaws(&mut BranchAndBound::default())?;
+    /// let flaws = vehicle.well_posedness(&mut BranchAndBound::default())?;
     /// let what = "gap in `mode`: no transition is possible at v = 11";
     /// assert!(flaws[0].to_string().starts_with(what));
     /// # Ok::<(), carom::Error>(())
@@ -66,7 +66,7 @@ impl HybridSystem {
     ///
     /// Those of [`HybridSystem::check`] and of the solver;
     /// [`ErrorKind::NoPoint`](crate::error::ErrorKind::NoPoint) if a limit stops it.
-    pub fn flaws(&self, solver: &mut dyn Solver) -> Result<Vec<IllPosedness>, Error> {
+    pub fn well_posedness(&self, solver: &mut dyn Solver) -> Result<Vec<IllPosedness>, Error> {
         self.check()?;
         let system = &self.polyhedral(Approximation::Outer);
         let mut search = Search { system, solver, flaws: Vec::new(), found: BTreeSet::new() };

@@ -25,7 +25,7 @@ use crate::setters::setters;
 use crate::solution::Termination;
 use crate::solver::{Interrupt, Solver, StopToken};
 
-/// Options of [`Scene::damage_interval`].
+/// Options of [`Scene::damage_limit_range`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct DamageLimitOptions {
@@ -121,10 +121,10 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`SceneError::NoDamageInterval`] if nothing may be hit or waiting is not free;
+    /// [`SceneError::NoDamageLimitRange`] if nothing may be hit or waiting is not free;
     /// [`ErrorKind::OutOfRange`] for a resolution out of its range; otherwise as for
     /// [`program`](Scene::program) and [`SceneProgram::plan`].
-    pub fn damage_interval(
+    pub fn damage_limit_range(
         &self,
         steps: usize,
         options: &DamageLimitOptions,
@@ -135,15 +135,15 @@ impl Scene {
             (rule.per_hit, rule.price, rule.price_per_hit) = (None, 0.0, 0.0);
         }
         let open = scene.stated()?;
-        let no_interval = |reason: String| SceneError::NoDamageInterval { reason };
+        let no_interval = |reason: String| SceneError::NoDamageLimitRange { reason };
         if !open.contacts.iter().any(|contact| contact.bounces()) {
             let reason = "nothing may be hit, so that a limit means nothing; let bodies bounce";
             return Err(no_interval(reason.into()).into());
         }
-        let waiting = open.waiting()?;
-        if !waiting.is_free() {
+        let monotonicity = open.monotonicity()?;
+        if !monotonicity.is_monotone() {
             let reason = "its shortest horizon need not shrink as the limit grows, because ";
-            return Err(no_interval(format!("{reason}{}", waiting.reason())).into());
+            return Err(no_interval(format!("{reason}{}", monotonicity.reason())).into());
         }
         if !(1e-5..=1e3).contains(&(options.resolution / open.units.speed())) {
             let (what, range) = ("the resolution (m/s)", "within [1e-5, 1e3]");

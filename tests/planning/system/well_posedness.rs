@@ -1,6 +1,6 @@
 //! Slips in the statement of a hybrid system are named, and nothing else is.
 
-use carom::hybrid::{Contact, IllPosedness, HybridSystem, LinearSystem, Restitution, Wall};
+use carom::hybrid::{Contact, HybridSystem, IllPosedness, LinearSystem, Restitution, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom_hybrid::internals::{Choice, Halfspace, Transition};
@@ -10,7 +10,7 @@ use crate::common::config;
 
 /// The findings in a few words, sorted.
 fn findings(system: &HybridSystem) -> Vec<String> {
-    let flaws = system.flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = system.well_posedness(&mut BranchAndBound::default()).unwrap();
     let mut words: Vec<String> = flaws.iter().map(words).collect();
     words.sort();
     words
@@ -39,8 +39,10 @@ fn wall(e: f64) -> HybridSystem {
 #[test]
 fn the_wall_has_a_gap_and_ends_at_full_speed() {
     for e in [0.0, 0.5, 1.0] {
-        let flaws = wall(e).flaws(&mut BranchAndBound::default()).unwrap();
-        let [IllPosedness::Gap { witness, .. }, IllPosedness::Stuck { witness: end, .. }] = &flaws[..] else {
+        let flaws = wall(e).well_posedness(&mut BranchAndBound::default()).unwrap();
+        let [IllPosedness::Gap { witness, .. }, IllPosedness::Stuck { witness: end, .. }] =
+            &flaws[..]
+        else {
             panic!("{flaws:?}")
         };
         // At full speed at the far end of the domain.
@@ -118,7 +120,7 @@ fn a_flipped_sign_a_gap_and_an_overlap_are_named() {
     assert_eq!(findings(&tank(below(2.0), nowhere)), ["gap mode -", "never taken high"]);
 
     let system = tank(below(1.9), above(2.0));
-    let flaws = system.flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = system.well_posedness(&mut BranchAndBound::default()).unwrap();
     let IllPosedness::Gap { witness, margin, .. } = &flaws[0] else { panic!() };
     assert!((witness.states()[0] - 1.95).abs() < 1e-4 && (margin - 0.01).abs() < 1e-5);
     assert_eq!(
@@ -135,7 +137,7 @@ fn resets_that_leave_the_domain_are_dead_ends() {
     wrong.choices[0].transitions[1] = impact.with_reset([[0.5, 0.0], [0.0, -0.5]], [0.0, 0.0]);
     let wrong = wrong.with_limit(Halfspace::new("towards the wall", [0.0, 1.0], 0.0));
     assert_eq!(findings(&wrong), ["gap mode -", "stuck "]);
-    let flaws = wrong.flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = wrong.well_posedness(&mut BranchAndBound::default()).unwrap();
     let IllPosedness::Stuck { witness, .. } = &flaws[1] else { panic!("{flaws:?}") };
     // Near the wall, so fast that it is hit whatever the input.
     let at = witness.states();
@@ -170,7 +172,7 @@ fn states_without_a_way_to_stay_are_named() {
         .with_state("v", Interval::new(-1.0, 1.0))
         .with_input("a", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("roll", line));
-    let flaws = cart.flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = cart.well_posedness(&mut BranchAndBound::default()).unwrap();
     assert_eq!(
         flaws[0].to_string(),
         "no input keeps the state in its domain at x = 10.000000, v = 1.000000; widen the domain, \
@@ -249,7 +251,7 @@ proptest! {
         let width = 0.03 + 0.02;
         prop_assert!(found || worst <= width, "missed: {worst}");
         if let Some(IllPosedness::Stuck { witness, .. }) = system
-            .flaws(&mut BranchAndBound::default())
+            .well_posedness(&mut BranchAndBound::default())
             .unwrap()
             .into_iter()
             .find(|flaw| matches!(flaw, IllPosedness::Stuck { .. }))
@@ -271,7 +273,7 @@ fn modes_without_a_way_on_are_gaps() {
         HybridSystem::new(1.0).with_state("T", Interval::new(0.0, 40.0)).with_choice(heater)
     };
     assert_eq!(findings(&system(heater.clone())), ["gap heater broken"]);
-    let flaws = system(heater.clone()).flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = system(heater.clone()).well_posedness(&mut BranchAndBound::default()).unwrap();
     let text = flaws[0].to_string();
     assert!(text.starts_with("gap in `heater`: no transition is possible in the mode `broken`"));
     assert_eq!(findings(&system(heater.with_dead_ends(true))), [""; 0]);
@@ -302,7 +304,7 @@ fn steps_and_choices_are_looked_at() {
     // The door between the modes opens a gap in step 2 only.
     let below = Halfspace::new("below", [1.0], vec![2.0, 2.0, 1.5, 2.0]);
     let above = Halfspace::new("above", [-1.0], -2.0);
-    let flaws = tank(below, above).flaws(&mut BranchAndBound::default()).unwrap();
+    let flaws = tank(below, above).well_posedness(&mut BranchAndBound::default()).unwrap();
     let [IllPosedness::Gap { witness, .. }] = &flaws[..] else { panic!("{flaws:?}") };
     assert_eq!(witness.step, 2);
 
