@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Twice as fast cannot be: which part of the mission says so?
     let hurry = Mission::parse("F[0,2s](in A & F[0,1.5s] in B) & G !in D", places)?;
     let bare = scene.program(STEPS)?;
-    if let Some(parts) = bare.mission_conflict(&hurry, solver)? {
+    if let Some(parts) = bare.program().mission_conflict(&hurry, solver)? {
         let parts: Vec<String> = parts.iter().map(Mission::to_string).collect();
         println!("no plan for: {hurry}\nbecause of: {}", parts.join(" and "));
     }

@@ -24,6 +24,7 @@ pub mod model {
     pub use crate::model::logic::normal::Formula;
     pub use crate::model::name::is_name;
     pub use crate::model::name_table::NameTable;
+    pub use crate::model::statement::SealedStatement;
     pub use crate::model::stored::{StoredRow, StoredTerm};
     pub use crate::model::subset::{AnyStatement, statements, subset};
     pub use crate::model::text::quadratic_rows::with_quadratic_rows;

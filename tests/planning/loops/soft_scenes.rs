@@ -102,7 +102,7 @@ fn soft_obstacles_move_along_their_course() {
     let reach = |from: usize| {
         let mut program = scene.program(6).unwrap();
         let depth = program.soften_obstacle(&gate(20).from_step(from)).unwrap();
-        let end = program.variables().states()[0][6];
+        let end = program.program().variables().states()[0][6];
         program.minimize(PRICE * depth - end).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();
         solution.value(end).unwrap()

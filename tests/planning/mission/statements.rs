@@ -221,7 +221,7 @@ fn a_model_without_a_system() -> Result<(), Error> {
     let full = Mission::holds_by_sample("full", (0..6).map(|k| [level[k].ge(4.0)]));
     let empty = Mission::holds_by_sample("empty", (0..6).map(|k| [level[k].le(1.0)]));
     let mission = (full & empty.eventually(1..=2)).eventually(0..=5);
-    mission.require_in(&mut model, "mission", 6, 1.0)?;
+    model.add("mission", mission.over(6, 1.0))?;
     model.maximize(level[5])?;
     let solution = BranchAndBound::default().solve(&model)?;
     assert!((solution.objective().expect("there is one") - 3.0).abs() < 1e-6);

@@ -59,7 +59,7 @@ fn check(plan: &Plan) -> Result<TighteningReport, TestCaseError> {
     let steps = plan.contact.len();
     let mut program = plan.scenario.program(steps, Objective::Feasibility).unwrap();
     let tube = plan.scenario.reach_sets().unwrap().tube(steps).unwrap();
-    let variables = program.variables().horizon_variables();
+    let variables = program.program().variables().horizon_variables();
     let report = tube.tighten(program.model_mut(), &variables).unwrap();
     prop_assert!(!report.infeasible, "there is a plan");
     let bounds = |variable| program.model().variable_ref(variable).unwrap().bounds();
@@ -127,7 +127,7 @@ proptest! {
 fn the_report_says_what_was_done_and_why() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let mut program = scenario.program(48, Objective::Feasibility).unwrap();
-    let variables = program.variables().horizon_variables();
+    let variables = program.program().variables().horizon_variables();
     let tube = scenario.reach_sets().unwrap().tube(48).unwrap();
     let report = tube.tighten(program.model_mut(), &variables).unwrap();
 
@@ -153,7 +153,7 @@ fn the_report_says_what_was_done_and_why() {
 
     // The row is optional.
     let mut plain = scenario.program(48, Objective::Feasibility).unwrap();
-    let variables = plain.variables().horizon_variables().with_event_row(false);
+    let variables = plain.program().variables().horizon_variables().with_event_row(false);
     let without = tube.tighten(plain.model_mut(), &variables).unwrap();
     assert_eq!((without.rows.len(), without.fixed.len()), (0, report.fixed.len()));
 
@@ -193,7 +193,7 @@ fn a_user_may_exclude_what_the_sets_need() {
     // Every plan of 47 steps hits the wall; a program that forbids it has none.
     let scenario = Scenario::paper().with_time_step(0.05);
     let mut program = scenario.program(47, Objective::Feasibility).unwrap();
-    let variables = program.variables().horizon_variables();
+    let variables = program.program().variables().horizon_variables();
     let tube = scenario.reach_sets().unwrap().tube(47).unwrap();
     assert_eq!(tube.fewest_events(), Some(1));
     let only: Vec<usize> = (0..47).filter(|&t| !tube.is_possible(t, 0)).collect();

@@ -107,7 +107,7 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
             ReachSets::new(&system, start, goal, options).map(Some)
         }
         fn variables(&self, program: &Self::Program) -> HorizonVariables {
-            program.variables().horizon_variables()
+            program.program().variables().horizon_variables()
         }
     }
     let scenario = Scenario::paper().with_time_step(0.05);

@@ -160,5 +160,5 @@ fn beside_a_wall(draw: &mut Draw, factor: f64) -> Result<HybridProgram, Error> {
     let mut from = Endpoint::at_rest(draw.within(4.0, 5.0));
     from.velocity = -9.0;
     let program = scenario.with_start(from).program(9, Objective::Effort)?;
-    Ok(HybridProgram::clone(&program))
+    Ok(program.program().clone())
 }

@@ -126,7 +126,7 @@ fn bad_cases_leave_a_scene_as_it_was() -> Result<(), Error> {
         Some(ErrorKind::DuplicateName { .. })
     ));
     assert!(matches!(
-        kind(program.share_inputs(["second", "third"], 2)),
+        kind(program.program_mut().share_inputs(["second", "third"], 2)),
         Some(ErrorKind::UnknownName { .. })
     ));
     program.in_case("second", |case| case.add("speedy", case.hits().ge(0.5)).map(drop))?;
@@ -134,7 +134,7 @@ fn bad_cases_leave_a_scene_as_it_was() -> Result<(), Error> {
     assert_ne!(program.model().to_string(), both);
     // A tube is around one system, and the error says so.
     let feedback = carom::hybrid::Feedback::none(program.system())?;
-    assert!(program.robust(&feedback).is_err());
+    assert!(program.program().robust(&feedback).is_err());
     Ok(())
 }
 
@@ -144,7 +144,7 @@ fn cases_that_part_together_share_on() -> Result<(), Error> {
     let mut program = scenes[0].program(STEPS)?;
     program.add_case("middle", &scenes[1], 1)?;
     program.add_case("lively", &scenes[2], 1)?;
-    program.share_inputs(["middle", "lively"], 4)?;
+    program.program_mut().share_inputs(["middle", "lively"], 4)?;
     let mut cost = program.effort()?;
     for name in ["middle", "lively"] {
         cost += program.in_case(name, |case| case.effort())?;

@@ -171,7 +171,7 @@ fn scenes_and_the_papers_vehicle_have_shortest_robust_plans() -> Result<(), Erro
     let nominal = scene(0.03).shortest_plan(&options, &mut solver)?;
     assert!(found.steps.is_some() && nominal.steps <= found.steps);
     let steps = found.steps.unwrap_or(0);
-    let fewer = scene(0.03).program(steps - 1)?.robust(&feedback)?.solve(&mut solver);
+    let fewer = scene(0.03).program(steps - 1)?.program().robust(&feedback)?.solve(&mut solver);
     assert!(matches!(fewer.map_err(|e| e.kind().clone()), Err(ErrorKind::NoPlan { .. })));
 
     let mut from = Endpoint::at_rest(4.5);

@@ -155,7 +155,7 @@ fn bodies_stick_within_the_true_cone() {
         let mut program = scene.program(1)?;
         let ball = scene.body_named("ball")?;
         let speed = [ball.velocity(0), ball.velocity(1)];
-        let speed = program.norm("end", speed, 1)?;
+        let speed = program.program_mut().norm("end", speed, 1)?;
         program.minimize(speed)?;
         let plan = program.solve(&mut BranchAndBound::default())?;
         assert_eq!(plan.hits.len(), 1);

@@ -170,7 +170,7 @@ fn lawful_hits_at_corners_in_space_are_certified() {
             scene = scene.with_obstacle(solid);
         }
         let Ok(mut program) = scene.program(2) else { continue };
-        let states = program.variables().states().to_vec();
+        let states = program.program().variables().states().to_vec();
         let wish: Affine = states.iter().map(|s| numbers.within(-1.0, 1.0) * s[2]).sum();
         let wish = wish - 5.0 * program.hits();
         program.minimize(wish).unwrap();

@@ -219,7 +219,7 @@ fn damage_covers_motion_that_is_no_parabola() {
         scene.bodies[0].start = Some(Region::point([x, v]));
         let mut program = scene.program(2).unwrap();
         let push = numbers.within(-1.0, 1.0);
-        let inputs = program.variables().inputs()[0].clone();
+        let inputs = program.program().variables().inputs()[0].clone();
         let wish: Affine = inputs.iter().map(|u| push * u).sum();
         program.minimize(wish).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();

@@ -56,7 +56,7 @@ fn rows_of_ones_own_and_soft_limits_are_stated_with_handles() {
     let mut program = scene.program(6).unwrap();
     program.require("slow", [far.velocity(0).le(0.0)], When::Throughout(3..=6)).unwrap();
     program.add("moved", program.at(far.position(1), 6).unwrap().ge(0.7)).unwrap();
-    let low = program.soften("low", far.position(1).le(0.6), 1.0, 0.0).unwrap();
+    let low = program.program_mut().soften("low", far.position(1).le(0.6), 1.0, 0.0).unwrap();
     program.minimize(low.cost.clone()).unwrap();
     let plan = program.solve(&mut BranchAndBound::default()).unwrap();
     let path = plan.body("far").unwrap();

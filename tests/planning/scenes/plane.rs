@@ -49,7 +49,7 @@ fn friction_stays_in_its_cone() {
         let floor = Solid::halfspace("floor", [0.0, 1.0], 0.0, floor);
         let scene = Scene::new(0.05).with_body(ball).with_obstacle(floor);
         let mut program = scene.program(8).unwrap();
-        let speed = program.variables().state("ball vx").unwrap()[8];
+        let speed = program.program().variables().state("ball vx").unwrap()[8];
         program.minimize(speed).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();
         let plan = program.plan(&solution).unwrap();

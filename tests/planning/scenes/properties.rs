@@ -122,7 +122,7 @@ proptest! {
         let scene = build(&case);
         // A start behind the slanted wall is refused.
         let Ok(mut program) = scene.program(4) else { return Ok(()) };
-        let states = program.variables().states().to_vec();
+        let states = program.program().variables().states().to_vec();
         let wish: Affine = states.iter().zip(&case.wish).map(|(s, w)| *w * s[4]).sum();
         program.minimize(wish).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();
@@ -171,7 +171,7 @@ fn rules_limit_hits_sums_and_numbers() {
     let most = |rules: Vec<DamageRule>| {
         let scene = rules.into_iter().fold(scene.clone(), Scene::with_rule);
         let mut program = scene.program(12).unwrap();
-        let outputs = program.variables().output("impact speed").unwrap().to_vec();
+        let outputs = program.program().variables().output("impact speed").unwrap().to_vec();
         program.maximize(outputs.into_iter().sum::<Affine>()).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();
         solution.point().map(|_| program.plan(&solution).unwrap())

@@ -200,7 +200,7 @@ fn random_scenes_do_what_their_laws_say() {
         let random = random(&mut numbers);
         // Starts inside something are refused.
         let Ok(mut program) = random.scene.program(STEPS) else { continue };
-        let states = program.variables().states().to_vec();
+        let states = program.program().variables().states().to_vec();
         let wish: Affine = states.iter().map(|s| numbers.within(-1.0, 1.0) * s[STEPS]).sum();
         let wish = wish - 3.0 * program.hits();
         program.minimize(wish).unwrap();

@@ -173,7 +173,7 @@ fn starts_that_are_regions() {
     // Partly inside: plans start in the part outside, whatever counts of a step.
     for estimate in [ImpactEstimate::Sound, ImpactEstimate::EndOfStep] {
         let mut program = within(0.45, 0.9).with_estimate(estimate).program(2).unwrap();
-        let place = |axis: &str| program.variables().state(axis).unwrap()[0];
+        let place = |axis: &str| program.program().variables().state(axis).unwrap()[0];
         let middle = place("puck x") + place("puck y");
         program.maximize(middle).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();

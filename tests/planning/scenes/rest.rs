@@ -222,7 +222,7 @@ fn random_plans_with_rest_are_lawful() {
             .with_obstacle(Solid::halfspace("floor", normal, 0.0, surface))
             .with_estimate(estimate);
         let mut program = scene.program(4).unwrap();
-        let states = program.variables().states().to_vec();
+        let states = program.program().variables().states().to_vec();
         let wish: Affine = states.iter().map(|s| numbers.within(-1.0, 1.0) * s[4]).sum();
         program.minimize(wish).unwrap();
         let solution = BranchAndBound::default().solve(program.model()).unwrap();

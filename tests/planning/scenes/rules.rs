@@ -25,7 +25,7 @@ fn most_hits(rule: DamageRule) -> ScenePlan {
     // Without such a limit, a body at rest at a wall "hits" it in every step.
     let touch = vec![0.05; 10];
     let mut program = scene.with_rule(rule).program(10).unwrap();
-    let outputs = program.variables().output("impact speed").unwrap().to_vec();
+    let outputs = program.program().variables().output("impact speed").unwrap().to_vec();
     let reward: Affine = outputs.iter().cloned().zip(touch).map(|(f, w)| w * f).sum();
     let goal = program.hits() + reward;
     program.maximize(goal).unwrap();
@@ -71,7 +71,7 @@ fn steep(estimate: ImpactEstimate, angle: f64) -> Option<ScenePlan> {
     let mut program = scene.with_estimate(estimate).program(4).unwrap();
     let hits = program.hits();
     program.add("once", hits.equals(1.0)).unwrap();
-    let place = program.variables().state("p x").unwrap()[4];
+    let place = program.program().variables().state("p x").unwrap()[4];
     program.maximize(place).unwrap();
     solved(&program)
 }
@@ -140,8 +140,14 @@ fn rules_of_one_face_leave_others_alone() {
         let rule = DamageRule::new("r", DamageMeasure::NormalImpulse).with_face(pillar, face);
         let scene = scene.with_rule(rule.with_per_hit(0.6));
         let mut program = scene.program(5).unwrap();
-        let goal =
-            program.variables().output("impact speed").unwrap().iter().cloned().sum::<Affine>();
+        let goal = program
+            .program()
+            .variables()
+            .output("impact speed")
+            .unwrap()
+            .iter()
+            .cloned()
+            .sum::<Affine>();
         program.maximize(goal).unwrap();
         solved(&program).unwrap().hits.iter().map(|hit| hit.damage).fold(0.0, f64::max)
     };

@@ -77,8 +77,8 @@ impl PlanningProgram {
                 self.program.add(name, value.within(range.lower, range.upper))?;
             }
         }
-        let coordinates = self.variables().coordinates().clone();
-        let families = self.variables().states();
+        let coordinates = self.program().variables().coordinates().clone();
+        let families = self.program().variables().states();
         let last_states = [families[0][last], families[1][last]];
         for (k, halfspace) in halfspaces.into_iter().enumerate() {
             let alone = Region::from([Interval::REALS; 2]).with_halfspace(halfspace);
@@ -144,7 +144,7 @@ impl PlanningProgram {
     /// The wall as a statement; the domain extends as far behind it as in front of it.
     fn state_wall(&mut self, scenario: &Scenario) -> Result<(), Error> {
         let (wall, place) = (scenario.contact.wall, self.units.place(0));
-        let own = self.variables().state("x")?.clone();
+        let own = self.program().variables().state("x")?.clone();
         for (t, (x, variable)) in self.position.iter().zip(&own).enumerate() {
             let own = self.program.model_mut().variable_ref(variable)?.bounds();
             let domain = place.outward_range(Interval::new(own.lower, own.upper));

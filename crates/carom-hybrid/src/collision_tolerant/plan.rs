@@ -100,7 +100,7 @@ impl Scenario {
         // A log takes nothing from sets as given.
         if solver.options().proof.is_none()
             && let Some(tube) = self.reach_sets()?.tube_until(steps, &token)?
-            && program.tighten(&tube)?.infeasible
+            && program.program_mut().tighten(&tube)?.infeasible
         {
             return Err(no_point(Termination::Infeasible));
         }
@@ -154,13 +154,13 @@ impl PlanningProgram {
         let mut trajectory = Trajectory::read(self, solution)?;
         let horizon = Horizon::new(self.steps(), self.scenario.time_step)?;
         let system = self.scenario.system(&horizon, &self.scenario.damage)?;
-        let run = self.variables().read(solution)?;
+        let run = self.program().variables().read(solution)?;
         let checked = match self.units.is_plain() {
             true => system.certify(&run)?,
-            false => system.certify_in(self.variables().coordinates(), &run)?,
+            false => system.certify_in(self.program().variables().coordinates(), &run)?,
         };
         let own = match solution.point().filter(|_| !self.units.is_plain()) {
-            Some(point) => self.variables().read_own(point)?,
+            Some(point) => self.program().variables().read_own(point)?,
             None => run.clone(),
         };
         let replay = self.replay(&own, &checked, &mut trajectory)?;
@@ -202,7 +202,7 @@ impl Plan {
     /// As for [`Scenario::plan`].
     pub fn extreme(&self, scenario: &Scenario, solver: &mut dyn Solver) -> Result<Plan, Error> {
         let program = scenario.program(self.trajectory.steps(), Objective::Feasibility)?;
-        let solution = program.variables().extreme(program.model(), &self.run, solver)?;
+        let solution = program.program().variables().extreme(program.model(), &self.run, solver)?;
         let Some(solution) = solution else { return Ok(self.clone()) };
         let Plan { trajectory, run, certificate, .. } = program.plan(&solution)?;
         Ok(Plan { trajectory, run, certificate, ..self.clone() })

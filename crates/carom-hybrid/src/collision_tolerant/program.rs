@@ -247,12 +247,19 @@ impl PlanningProgram {
         system.check()?;
         let own = scenario.restated(&system, &self.units)?;
         let units = self.units.clone();
-        let case = self.program.write_case(name, &system, &own, until, |program| {
-            let (case, own) =
-                PlanningProgram::completed(scenario, units, program, objective, Ends::Fixed)?;
-            cost = own;
-            Ok(case)
-        })?;
+        let case = self.program.write_case(
+            name,
+            &system,
+            &own,
+            until,
+            |program| {
+                let (case, own) =
+                    PlanningProgram::completed(scenario, units, program, objective, Ends::Fixed)?;
+                cost = own;
+                Ok(case)
+            },
+            PlanningProgram::program_mut,
+        )?;
         self.cases.push((name.to_owned(), case));
         Ok(cost)
     }

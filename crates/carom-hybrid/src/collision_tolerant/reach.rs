@@ -194,7 +194,7 @@ impl HorizonModel for Programs {
         solution: Solution,
         solver: &mut dyn Solver,
     ) -> Result<Solution, Error> {
-        Ok(program.settled(&solution, Some(solver))?.into_owned())
+        Ok(program.program().settled(&solution, Some(solver))?.into_owned())
     }
 
     fn time_step(&self) -> Option<f64> {
@@ -218,11 +218,11 @@ impl HorizonModel for Programs {
         program: &mut PlanningProgram,
         statements: &mut dyn FnMut(&mut HybridProgram),
     ) {
-        statements(program);
+        statements(program.program_mut());
     }
 
     fn variables(&self, program: &PlanningProgram) -> HorizonVariables {
-        program.variables().horizon_variables()
+        program.program().variables().horizon_variables()
     }
 
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = PlanningProgram> + '_>> {

@@ -137,7 +137,7 @@ impl Scenario {
     ) -> Result<(), Error> {
         let steps = plan.trajectory.steps();
         let mut program = self.program(steps, objective)?;
-        options.search.complete(&mut program)?;
+        options.search.complete(program.program_mut())?;
         let contacts = program.contact.iter().flatten().zip(&plan.trajectory.contact);
         let values = contacts.map(|(zeta, &hit)| (zeta, f64::from(u8::from(hit))));
         let start = MipStart::new().with_values(values);
@@ -233,12 +233,12 @@ impl Refinement<'_> {
         }
         // As few as possible.
         let mut program = self.scenario.program(steps, Objective::Impacts)?;
-        self.search.complete(&mut program)?;
+        self.search.complete(program.program_mut())?;
         if needed {
             program.require_contact()?;
         }
         if let Some(tube) = tube {
-            let _report = program.tighten(tube)?;
+            let _report = program.program_mut().tighten(tube)?;
         }
         let Some(solution) = self.solve(&program)? else { return Ok(plan) };
         plan.refinements.push(*solution.statistics());

@@ -33,7 +33,7 @@ mod sense;
 #[cfg(feature = "serde")]
 mod serialized;
 mod sos;
-mod statement;
+pub(crate) mod statement;
 mod statements;
 mod store;
 pub(crate) mod stored;

@@ -12,7 +12,7 @@ use crate::hybrid::program::{AtSample, HybridPlan, HybridProgram, ProgramSystems
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{HybridSystem, SystemRow};
 use crate::interval::Interval;
-use crate::model::{Affine, Model, Name, Variable, VariableKind};
+use crate::model::{Affine, Model, Name, SealedStatement, Statement, Variable, VariableKind};
 use crate::solution::Solution;
 use crate::tolerance::REACH;
 
@@ -32,22 +32,29 @@ enum Late {
     NoPlan,
 }
 
+/// How much robustness a mission has to have.
+#[derive(Clone, Copy, PartialEq)]
+enum Wanted {
+    /// None, beside that it holds.
+    Truth,
+    /// A variable that is at most the robustness, and at least a number.
+    Margin { at_least: Option<f64> },
+}
+
 /// Adds the statements of a mission, and returns its margin.
-///
-/// How much robustness is wanted: none beside that it holds, or at least this as a variable.
 fn state(
     model: &mut Model,
     name: &str,
     mission: &Mission,
     place: &RunShape<'_>,
-    at_least: Option<f64>,
+    wanted: Wanted,
     late: Late,
 ) -> Result<Affine, Error> {
     Name::from(name).check()?;
-    if let Some(least) = at_least.filter(|least| *least != f64::NEG_INFINITY) {
+    if let Wanted::Margin { at_least: Some(least) } = wanted {
         check_finite(name, "the least margin", [least])?;
     }
-    let separated = at_least.is_none();
+    let separated = wanted == Wanted::Truth;
     let (samples, time_step) = (place.samples, place.time_step);
     mission.check_windows(time_step)?;
     let mut unrolled =
@@ -64,9 +71,10 @@ fn state(
     let ranges = unrolled.ranges.clone();
     let parts = unrolled.into_parts();
     let margin = model.all_or_nothing(|model| {
-        let margin = match at_least {
-            None => Margin { value: Affine::zero(), range: Interval::point(0.0) },
-            Some(least) => {
+        let margin = match wanted {
+            Wanted::Truth => Margin { value: Affine::zero(), range: Interval::point(0.0) },
+            Wanted::Margin { at_least } => {
+                let least = at_least.unwrap_or(f64::NEG_INFINITY);
                 let lower = match least.max(bound.lower.min(bound.upper)) {
                     // A mission that no plan fulfils.
                     lower if lower == f64::NEG_INFINITY && bound.upper == lower => 0.0,
@@ -120,7 +128,7 @@ impl HybridProgram {
     /// true because the run ends before.
     #[doc(alias("STL", "signal temporal logic"))]
     pub fn require_mission(&mut self, name: &str, mission: &Mission) -> Result<(), Error> {
-        self.state_mission(name, mission, None, Late::Refused).map(drop)
+        self.state_mission(name, mission, Wanted::Truth, Late::Refused).map(drop)
     }
 
     /// The same, but a run that ends too early for the mission is no error: there is no plan.
@@ -129,7 +137,7 @@ impl HybridProgram {
         name: &str,
         mission: &Mission,
     ) -> Result<(), Error> {
-        self.state_mission(name, mission, None, Late::NoPlan).map(drop)
+        self.state_mission(name, mission, Wanted::Truth, Late::NoPlan).map(drop)
     }
 
     /// Requires the same by a margin, and returns the margin, a variable of the model in the unit
@@ -156,8 +164,7 @@ impl HybridProgram {
     ///
     /// # Arguments
     ///
-    /// * `at_least`: the least margin; `-inf` for none, and then plans may fail the mission, but
-    ///   for its modes.
+    /// * `at_least`: the least margin; with `None`, plans may fail the mission, but for its modes.
     ///
     /// # Errors
     ///
@@ -167,9 +174,10 @@ impl HybridProgram {
         &mut self,
         name: &str,
         mission: &Mission,
-        at_least: f64,
+        at_least: impl Into<Option<f64>>,
     ) -> Result<Variable, Error> {
-        let margin = self.state_mission(name, mission, Some(at_least), Late::Refused)?;
+        let wanted = Wanted::Margin { at_least: at_least.into() };
+        let margin = self.state_mission(name, mission, wanted, Late::Refused)?;
         Ok(margin
             .terms()
             .first()
@@ -180,12 +188,12 @@ impl HybridProgram {
         &mut self,
         name: &str,
         mission: &Mission,
-        at_least: Option<f64>,
+        wanted: Wanted,
         late: Late,
     ) -> Result<Affine, Error> {
         let systems = self.systems.clone();
         // A margin is in the unit of the rows.
-        let as_stated = at_least.is_some();
+        let as_stated = wanted != Wanted::Truth;
         let row_at = |row: &SystemRow, sample: usize| match systems.row_has_values(row, sample)? {
             true if as_stated => row.as_stated_at(&systems, sample).map(Some),
             true => row.at_sample(&systems, sample).map(Some),
@@ -194,7 +202,7 @@ impl HybridProgram {
         let (samples, time_step) = (self.steps() + 1, self.system().time_step());
         let is_binary = |handle: Variable| systems.is_binary(handle);
         let place = RunShape { row_at: &row_at, is_binary: &is_binary, samples, time_step };
-        let margin = state(&mut self.model, name, mission, &place, at_least, late)?;
+        let margin = state(&mut self.model, name, mission, &place, wanted, late)?;
         let (name, mission) = (name.to_owned(), mission.clone());
         let unit = unit(&mission, &self.systems);
         let required = RequiredMission { name, mission, margin: margin.clone(), unit };
@@ -204,23 +212,53 @@ impl HybridProgram {
 }
 
 impl Mission {
-    /// Requires a model without a system to do what the mission says, as
-    /// [`HybridProgram::require_mission`]. Rows are of the model's variables, by
-    /// [`holds_by_sample`](Mission::holds_by_sample).
+    /// The mission as a statement of a [`Model`] without a system: that it holds from sample 0 on.
+    /// Rows are of the model's variables, by [`holds_by_sample`](Mission::holds_by_sample).
+    ///
+    /// ```
+    /// use carom::hybrid::Mission;
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("storage");
+    /// let level = model.continuous_family("level", 4, 0.0, 10.0)?; // m
+    /// let full = Mission::holds_by_sample("full", (0..4).map(|k| [level[k].ge(4.0)]));
+    /// model.add("mission", full.eventually(1..=3).over(4, 60.0))?;
+    /// model.minimize(level[1] + level[2] + 0.5 * level[3])?;
+    /// let solution = BranchAndBound::default().solve(&model)?;
+    /// assert!((solution.value(level[3])? - 4.0).abs() < 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `samples`: how many there are, the first one included.
+    /// * `time_step`: Δt between them, in s, for windows in seconds.
     ///
     /// # Errors
     ///
-    /// Those of [`HybridProgram::require_mission`].
-    pub fn require_in(
-        &self,
-        model: &mut Model,
-        name: &str,
-        samples: usize,
-        time_step: f64,
-    ) -> Result<(), Error> {
+    /// Adding it has the errors of [`HybridProgram::require_mission`].
+    pub fn over(&self, samples: usize, time_step: f64) -> impl Statement<Handle = ()> + use<> {
+        MissionOfModel { mission: self.clone(), samples, time_step }
+    }
+}
+
+/// A mission over the samples of a model.
+struct MissionOfModel {
+    mission: Mission,
+    samples: usize,
+    time_step: f64,
+}
+
+impl SealedStatement for MissionOfModel {}
+impl Statement for MissionOfModel {
+    type Handle = ();
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<(), Error> {
+        let MissionOfModel { mission, samples, time_step } = self;
         let row_at = |row: &SystemRow, _: usize| Ok(Some(row.clone()));
         let place = RunShape { row_at: &row_at, is_binary: &|_| false, samples, time_step };
-        state(model, name, self, &place, None, Late::Refused).map(drop)
+        let name = name.to_string();
+        state(model, &name, &mission, &place, Wanted::Truth, Late::Refused).map(drop)
     }
 }
 

@@ -19,7 +19,6 @@ mod require;
 mod sample;
 mod settle;
 
-use std::borrow::{Borrow, BorrowMut};
 use std::sync::Arc;
 
 pub use costs::SoftLimit;
@@ -359,14 +358,14 @@ impl HybridProgram {
     }
 }
 
-impl Borrow<Model> for HybridProgram {
-    fn borrow(&self) -> &Model {
+impl AsRef<Model> for HybridProgram {
+    fn as_ref(&self) -> &Model {
         &self.model
     }
 }
 
-impl BorrowMut<Model> for HybridProgram {
-    fn borrow_mut(&mut self) -> &mut Model {
+impl AsMut<Model> for HybridProgram {
+    fn as_mut(&mut self) -> &mut Model {
         &mut self.model
     }
 }

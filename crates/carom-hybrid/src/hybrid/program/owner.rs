@@ -1,12 +1,98 @@
-//! Programs of more than a system, which own its hybrid program and can do all that it can.
+//! Programs of more than a system, which own its hybrid program.
 
-/// Lets a type be used as the [`HybridProgram`](super::HybridProgram) in its field `program`.
-///
-/// Statements have methods of their own, because one reached through `DerefMut` borrows the program
-/// before its arguments can ask it for expressions.
+/// Gives a type the statements of the [`HybridProgram`](super::HybridProgram) in its field
+/// `program`, and access to that program for everything else.
 macro_rules! owns_program {
     ($type:ty) => {
         impl $type {
+            /// The hybrid program, for questions that this type has no method for.
+            pub fn program(&self) -> &$crate::hybrid::HybridProgram {
+                &self.program
+            }
+
+            /// The hybrid program, for statements that this type has no method for.
+            pub fn program_mut(&mut self) -> &mut $crate::hybrid::HybridProgram {
+                &mut self.program
+            }
+
+            /// The model.
+            pub fn model(&self) -> &$crate::model::Model {
+                self.program.model()
+            }
+
+            /// The model, for statements of your own.
+            pub fn model_mut(&mut self) -> &mut $crate::model::Model {
+                self.program.model_mut()
+            }
+
+            /// The number of steps, τ.
+            pub fn steps(&self) -> usize {
+                self.program.steps()
+            }
+
+            /// The system, as [`HybridProgram::system`](crate::hybrid::HybridProgram::system).
+            pub fn system(&self) -> &$crate::hybrid::HybridSystem {
+                self.program.system()
+            }
+
+            /// An expression at a sample, as
+            /// [`HybridProgram::at`](crate::hybrid::HybridProgram::at).
+            ///
+            /// # Errors
+            ///
+            /// Those of [`HybridProgram::at`](crate::hybrid::HybridProgram::at).
+            pub fn at<E: $crate::hybrid::AtSample>(
+                &self,
+                expression: E,
+                sample: usize,
+            ) -> Result<E::Output, $crate::error::Error> {
+                self.program.at(expression, sample)
+            }
+
+            /// The sum of an expression over the steps, as
+            /// [`HybridProgram::sum`](crate::hybrid::HybridProgram::sum).
+            ///
+            /// # Errors
+            ///
+            /// Those of [`HybridProgram::sum`](crate::hybrid::HybridProgram::sum).
+            pub fn sum<E>(&self, expression: E) -> Result<E::Output, $crate::error::Error>
+            where
+                E: $crate::hybrid::AtSample,
+                E::Output: std::iter::Sum,
+            {
+                self.program.sum(expression)
+            }
+
+            /// Requires rows at samples, as
+            /// [`HybridProgram::require`](crate::hybrid::HybridProgram::require).
+            ///
+            /// # Errors
+            ///
+            /// Those of [`HybridProgram::require`](crate::hybrid::HybridProgram::require).
+            pub fn require(
+                &mut self,
+                name: &str,
+                region: impl $crate::hybrid::IntoRegion,
+                when: $crate::hybrid::When,
+            ) -> Result<(), $crate::error::Error> {
+                self.program.require(name, region, when)
+            }
+
+            /// Requires a mission, as
+            /// [`HybridProgram::require_mission`](crate::hybrid::HybridProgram::require_mission).
+            ///
+            /// # Errors
+            ///
+            /// Those of
+            /// [`HybridProgram::require_mission`](crate::hybrid::HybridProgram::require_mission).
+            pub fn require_mission(
+                &mut self,
+                name: &str,
+                mission: &$crate::hybrid::Mission,
+            ) -> Result<(), $crate::error::Error> {
+                self.program.require_mission(name, mission)
+            }
+
             /// Adds a statement, as [`HybridProgram::add`](crate::hybrid::HybridProgram::add) does.
             ///
             /// # Errors
@@ -78,28 +164,14 @@ macro_rules! owns_program {
             }
         }
 
-        impl std::ops::Deref for $type {
-            type Target = $crate::hybrid::HybridProgram;
-
-            fn deref(&self) -> &Self::Target {
-                &self.program
-            }
-        }
-
-        impl std::ops::DerefMut for $type {
-            fn deref_mut(&mut self) -> &mut Self::Target {
-                &mut self.program
-            }
-        }
-
-        impl std::borrow::Borrow<$crate::model::Model> for $type {
-            fn borrow(&self) -> &$crate::model::Model {
+        impl AsRef<$crate::model::Model> for $type {
+            fn as_ref(&self) -> &$crate::model::Model {
                 self.program.model()
             }
         }
 
-        impl std::borrow::BorrowMut<$crate::model::Model> for $type {
-            fn borrow_mut(&mut self) -> &mut $crate::model::Model {
+        impl AsMut<$crate::model::Model> for $type {
+            fn as_mut(&mut self) -> &mut $crate::model::Model {
                 self.program.model_mut()
             }
         }

@@ -1,6 +1,5 @@
 //! Programs whose plans hold for every disturbance.
 
-use std::borrow::{Borrow, BorrowMut};
 use std::collections::BTreeSet;
 
 use super::error::RobustError;
@@ -264,14 +263,14 @@ impl From<RobustProgram> for HybridProgram {
     }
 }
 
-impl Borrow<Model> for RobustProgram {
-    fn borrow(&self) -> &Model {
+impl AsRef<Model> for RobustProgram {
+    fn as_ref(&self) -> &Model {
         self.program.model()
     }
 }
 
-impl BorrowMut<Model> for RobustProgram {
-    fn borrow_mut(&mut self) -> &mut Model {
+impl AsMut<Model> for RobustProgram {
+    fn as_mut(&mut self) -> &mut Model {
         self.program.model_mut()
     }
 }

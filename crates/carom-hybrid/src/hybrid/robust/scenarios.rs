@@ -1,7 +1,6 @@
 //! Scenarios: several cases of a system in one program, whose inputs are the same until the cases
 //! can be told apart.
 
-use std::ops::DerefMut;
 use std::sync::Arc;
 
 use crate::error::{Error, ErrorKind};
@@ -127,13 +126,14 @@ impl HybridProgram {
     /// # Returns
     ///
     /// The owner, without the model.
-    pub(crate) fn write_case<P: DerefMut<Target = HybridProgram>>(
+    pub(crate) fn write_case<P>(
         &mut self,
         name: &str,
         system: &HybridSystem,
         restated: &Restated,
         until: usize,
         write: impl FnOnce(HybridProgram) -> Result<P, Error>,
+        program_of: impl FnOnce(&mut P) -> &mut HybridProgram,
     ) -> Result<P, Error> {
         let inputs = self.check_case(name, system, until)?;
         let mut whole = self.clone();
@@ -147,7 +147,7 @@ impl HybridProgram {
         systems.put_first(name);
         let mut case = write(whole)?;
         let mut whole = self.without_model();
-        whole.take_back(&mut case);
+        whole.take_back(program_of(&mut case));
         whole.share(["", name], &inputs, until)?;
         *self = whole;
         Ok(case)

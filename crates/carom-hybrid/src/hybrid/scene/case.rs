@@ -61,13 +61,20 @@ impl SceneProgram {
         }
         stated.check_courses(self.steps())?;
         let user = stated.user_system()?;
-        let case = self.program.write_case(name, &user, &stated.restated(), until, |program| {
-            let mut case = stated.completed(program)?;
-            if !case.tighten_by_sets(&stated)? {
-                case.contradict()?;
-            }
-            Ok(case)
-        })?;
+        let case = self.program.write_case(
+            name,
+            &user,
+            &stated.restated(),
+            until,
+            |program| {
+                let mut case = stated.completed(program)?;
+                if !case.tighten_by_sets(&stated)? {
+                    case.contradict()?;
+                }
+                Ok(case)
+            },
+            SceneProgram::program_mut,
+        )?;
         self.cases.push((name.to_owned(), case));
         Ok(())
     }

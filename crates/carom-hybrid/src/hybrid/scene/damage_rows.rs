@@ -34,8 +34,11 @@ impl SceneProgram {
         if hit_modes().next().is_none() {
             return Ok(());
         }
-        let speeds =
-            self.variables().output_of(&contact.name, IMPACT_SPEED)?.map(<[Affine]>::to_vec);
+        let speeds = self
+            .program()
+            .variables()
+            .output_of(&contact.name, IMPACT_SPEED)?
+            .map(<[Affine]>::to_vec);
         let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         let dt = self.scene.time_step;
         let family = format!("damage_{c}");

@@ -149,7 +149,7 @@ impl ScenePlan {
     /// Those of [`Scene::program`] and of [`SceneProgram::plan`].
     pub fn extreme(&self, scene: &Scene, solver: &mut dyn Solver) -> Result<ScenePlan, Error> {
         let program = scene.plain_program(self.steps())?;
-        match program.variables().extreme(program.model(), &self.run, solver)? {
+        match program.program().variables().extreme(program.model(), &self.run, solver)? {
             None => Ok(self.clone()),
             Some(solution) => program.plan_by(&solution, solver),
         }
@@ -239,7 +239,7 @@ impl SceneProgram {
     pub(super) fn fix_contacts(&mut self, plan: &ScenePlan) -> Result<(), Error> {
         for contact in &self.contacts {
             for (step, name) in plan.run.transitions(&contact.name)?.iter().enumerate() {
-                if let Some(taken) = self.variables().taken(&contact.name, name, step)? {
+                if let Some(taken) = self.program().variables().taken(&contact.name, name, step)? {
                     self.program.model.fix(taken.variable(), f64::from(u8::from(taken.is_on())))?;
                 }
             }
@@ -295,11 +295,11 @@ impl SceneProgram {
 
     /// The plan of a solution whose states are the run of its inputs.
     fn read(&self, solution: &Solution) -> Result<ScenePlan, Error> {
-        let (run, _) = self.variables().certified(solution)?;
+        let (run, _) = self.program().variables().certified(solution)?;
         self.program.systems.check_missions(solution)?;
         let bodies = self.paths(&run)?;
         let paths = match solution.point().filter(|_| !self.units.is_plain()) {
-            Some(point) => self.paths(&self.variables().read_own(point)?)?,
+            Some(point) => self.paths(&self.program().variables().read_own(point)?)?,
             None => bodies.clone(),
         };
         let mut hits = Vec::new();

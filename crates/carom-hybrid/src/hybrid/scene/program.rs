@@ -199,7 +199,7 @@ impl SceneProgram {
 
     /// The inputs along the axes, by body.
     fn accelerations(&self) -> &[Family] {
-        &self.variables().inputs()[..self.scene.axes() * self.scene.bodies.len()]
+        &self.program().variables().inputs()[..self.scene.axes() * self.scene.bodies.len()]
     }
 
     /// The sum of the lengths of a body's inputs, of which the first is given.
@@ -284,7 +284,7 @@ impl SceneProgram {
         mode: &Mode,
         step: usize,
     ) -> Result<Option<Literal>, Error> {
-        self.variables().taken(&self.contacts[contact].name, &mode.name, step)
+        self.program().variables().taken(&self.contacts[contact].name, &mode.name, step)
     }
 
     pub(super) fn sum_of(
@@ -317,7 +317,7 @@ impl SceneProgram {
 
     /// States that there is no plan.
     pub(super) fn contradict(&mut self) -> Result<(), Error> {
-        let first = self.variables().states()[0][0];
+        let first = self.program().variables().states()[0][0];
         let beyond = self.program.model.variable_ref(first)?.bounds().upper + 1.0;
         self.program.add("no_plan_by_reach_sets", first.ge(beyond))?;
         Ok(())
@@ -328,7 +328,7 @@ impl SceneProgram {
         for body in &self.scene.bodies {
             let Some(first) = &body.first else { continue };
             for (axis, value) in AXES.iter().zip(first) {
-                let input = self.variables().input(&format!("{} a{axis}", body.name))?;
+                let input = self.program().variables().input(&format!("{} a{axis}", body.name))?;
                 self.program.model.fix(input[0], *value)?;
             }
         }
@@ -423,7 +423,7 @@ impl SceneProgram {
         let mut sum = Affine::zero();
         for (body, sign) in [(Some(contact.body), 1.0), (contact.other, -1.0)] {
             let Some(body) = body else { continue };
-            let families = &self.variables().states()[2 * axes * body + from..];
+            let families = &self.program().variables().states()[2 * axes * body + from..];
             for (family, n) in families.iter().zip(direction) {
                 if let Some(variable) = family.get(sample).filter(|_| *n != 0.0) {
                     sum.add_term(sign * n, variable);

@@ -137,7 +137,7 @@ impl SceneProgram {
         }
         // A row over all hits would link axes that are independent.
         let is_line = self.scene.axes() == 1 && self.scene.bodies.len() == 1;
-        let variables = self.variables().horizon_variables().with_event_row(is_line);
+        let variables = self.program().variables().horizon_variables().with_event_row(is_line);
         Ok(!self.program.tighten_by(&tube, &variables)?.infeasible)
     }
 }
@@ -339,7 +339,7 @@ impl HorizonModel for ScenePrograms {
         program: &mut SceneProgram,
         statements: &mut dyn FnMut(&mut HybridProgram),
     ) {
-        statements(program);
+        statements(program.program_mut());
     }
 
     fn settled(
@@ -348,11 +348,11 @@ impl HorizonModel for ScenePrograms {
         solution: Solution,
         solver: &mut dyn Solver,
     ) -> Result<Solution, Error> {
-        Ok(program.settled(&solution, Some(solver))?.into_owned())
+        Ok(program.program().settled(&solution, Some(solver))?.into_owned())
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {
-        program.variables().horizon_variables()
+        program.program().variables().horizon_variables()
     }
 
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = SceneProgram> + '_>> {

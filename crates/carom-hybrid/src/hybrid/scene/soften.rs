@@ -114,7 +114,7 @@ impl SceneProgram {
                 face.offset + own.shape.reach(&face.normal) + moved
             };
             let along = |from: usize, sample: usize| -> Affine {
-                let families = &self.variables().states()[2 * axes * body + from..];
+                let families = &self.program().variables().states()[2 * axes * body + from..];
                 let terms = families.iter().zip(&face.normal).filter(|(_, n)| **n != 0.0);
                 terms.map(|(family, n)| *n * family[sample]).sum()
             };

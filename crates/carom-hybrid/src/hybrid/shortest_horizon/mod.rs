@@ -26,8 +26,6 @@ pub(crate) use proofs::{HorizonLogs, without_logs};
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
 
-use std::borrow::BorrowMut;
-
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
@@ -40,7 +38,7 @@ use crate::solver::Solver;
 pub trait HorizonModel {
     /// The program of a horizon: a [`Model`], or a type that contains one together with its
     /// handles.
-    type Program: BorrowMut<Model>;
+    type Program: AsRef<Model> + AsMut<Model>;
 
     /// Builds the program of a horizon.
     ///

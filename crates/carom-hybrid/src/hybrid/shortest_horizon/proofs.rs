@@ -5,7 +5,6 @@
 //! say about it, and that solve writes its proof. So the sets, the argument that waiting is free
 //! and the tightened programs of the search need not be trusted.
 
-use std::borrow::Borrow;
 use std::fs;
 use std::path::Path;
 
@@ -90,7 +89,7 @@ impl<'a> HorizonLogs<'a> {
                 continue;
             }
             let program = build(builder, steps, self.options)?;
-            self.log(steps, program.borrow(), &MipStart::new(), Solution::is_infeasible)?;
+            self.log(steps, program.as_ref(), &MipStart::new(), Solution::is_infeasible)?;
         }
         self.proofs.sort_by_key(|proof| proof.steps);
         Ok(self.proofs)
@@ -105,7 +104,7 @@ impl<'a> HorizonLogs<'a> {
         plan: &mut SolvedHorizon<B::Program>,
     ) -> Result<(), Error> {
         let program = build(builder, steps, self.options)?;
-        let (own, searched) = (program.borrow(), plan.program.borrow());
+        let (own, searched) = (program.as_ref(), plan.program.as_ref());
         let pairs = own.variables().zip(searched.variables());
         let values = pairs
             .filter(|(own, _)| own.kind().is_integral())

@@ -1,8 +1,6 @@
 //! The search without logs: reach sets first; then short looks, so that a plan is at hand early;
 //! then galloping and bisection if waiting is free, otherwise an ascent.
 
-use std::borrow::{Borrow, BorrowMut};
-
 use super::HorizonModel;
 use super::event::HorizonEvent;
 use super::guess::{Guess, restricted};
@@ -280,7 +278,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let variables = self.builder.variables(&program);
         let mut open = variables.binaries().map(|family| family.len()).sum();
         if let Some(tube) = &tube {
-            let report = tube.tighten(program.borrow_mut(), &variables)?;
+            let report = tube.tighten(program.as_mut(), &variables)?;
             if report.infeasible {
                 self.file(HorizonAttempt::by_sets(steps), None);
                 return Ok(());
@@ -289,7 +287,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
         if open > MANY_OPEN
             && let Some(solution) =
-                self.solve_restricted(steps, nodes, program.borrow_mut(), &variables)?
+                self.solve_restricted(steps, nodes, program.as_mut(), &variables)?
             && let Ok(solution) = self.settled(&program, solution)?
         {
             let attempt =
@@ -297,7 +295,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             self.file(attempt, Some(Feasible { steps, program, solution, tube }));
             return Ok(());
         }
-        let solution = self.solve(steps, nodes, program.borrow())?;
+        let solution = self.solve(steps, nodes, program.as_ref())?;
         let attempt = HorizonAttempt::of(steps, &solution);
         match self.settled(&program, solution)? {
             Ok(solution) => self.file(attempt, Some(Feasible { steps, program, solution, tube })),
@@ -427,7 +425,7 @@ pub(super) fn build<B: HorizonModel + ?Sized>(
 ) -> Result<B::Program, Error> {
     let mut program = builder.build(steps)?;
     if !options.has_statements() {
-        options.prepare(program.borrow_mut());
+        options.prepare(program.as_mut());
         return Ok(program);
     }
     let mut done = Ok(false);

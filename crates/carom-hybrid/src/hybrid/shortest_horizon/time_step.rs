@@ -1,7 +1,5 @@
 //! The least time step for a fixed number of steps.
 
-use std::borrow::{Borrow, BorrowMut};
-
 use super::HorizonModel;
 use super::Monotonicity;
 use super::options::ShortestOptions;
@@ -191,11 +189,11 @@ pub(crate) fn decide<M: HorizonModel>(
         && let Some(tube) = sets.tube_until(steps, token)?
     {
         let variables = task.variables(&program);
-        if tube.is_empty() || tube.tighten(program.borrow_mut(), &variables)?.infeasible {
+        if tube.is_empty() || tube.tighten(program.as_mut(), &variables)?.infeasible {
             return Ok((HorizonAttempt::by_sets(steps), None));
         }
     }
-    let solution = token.solve(solver, program.borrow(), &mut |_| {})?;
+    let solution = token.solve(solver, program.as_ref(), &mut |_| {})?;
     let attempt = HorizonAttempt::of(steps, &solution);
     Ok(match settled(task, &program, solution, solver, token)? {
         Ok(solution) => (attempt, Some((program, solution))),
