@@ -31,7 +31,7 @@ fn carry_on(
         body.acceleration = vec![Interval::point(0.0); 2];
     }
     match scene.program(steps)?.solve(solver) {
-        Err(error) if matches!(error.kind(), ErrorKind::NoPoint { .. }) => Ok(None),
+        Err(error) if matches!(error.kind(), ErrorKind::NoPlan { .. }) => Ok(None),
         plan => plan.map(Some),
     }
 }

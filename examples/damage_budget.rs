@@ -19,7 +19,7 @@ fn main() -> Result<(), Error> {
         let task = scenario.clone().with_damage(budget.map_or_else(DamageRule::default, total));
         let allowed = budget.map_or("no budget".into(), |b| format!("budget {b} m/s"));
         let plan = match task.plan(steps, Objective::Effort, &mut solver) {
-            Err(error) if matches!(error.kind(), ErrorKind::NoPoint { .. }) => {
+            Err(error) if matches!(error.kind(), ErrorKind::NoPlan { .. }) => {
                 println!("{allowed}: no plan");
                 continue;
             }

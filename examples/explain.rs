@@ -18,7 +18,7 @@ fn main() -> Result<(), Error> {
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
     let program = scenario.explainable_program(40)?;
 
-    let why = infeasibility(program.model(), &mut solver, &ExplainOptions::default())?;
+    let why = infeasibility(program.model(), &ExplainOptions::default(), &mut solver)?;
     println!("{why}\n");
     for group in why.groups() {
         let Some(point) = group.without() else { continue };
@@ -40,7 +40,7 @@ fn main() -> Result<(), Error> {
         .with_weight("goal_position", 10.0);
     println!(
         "\nthe least that has to give: {}",
-        elastic_relaxation(program.model(), &mut solver, &options)?
+        elastic_relaxation(program.model(), &options, &mut solver)?
     );
     Ok(())
 }

@@ -58,9 +58,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let Err(error) = hasty.solve(&mut solver) {
         println!("{error}");
     }
-    println!("{}", infeasibility(hasty.model(), &mut solver, &ExplainOptions::default())?);
+    println!("{}", infeasibility(hasty.model(), &ExplainOptions::default(), &mut solver)?);
     let options = ElasticOptions::default().with_background(["start", "goal"]);
-    println!("{}", elastic_relaxation(hasty.model(), &mut solver, &options)?);
+    println!("{}", elastic_relaxation(hasty.model(), &options, &mut solver)?);
 
     // The same robot in a room, with a rack in its way.
     let room = [0.0..=8.0, 0.0..=5.0]; // m

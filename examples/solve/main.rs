@@ -132,7 +132,7 @@ fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
     let mut ended = solution.termination();
     if arguments.explain && ended == Termination::Infeasible {
         let options = ExplainOptions::default().with_interrupt(&interrupt);
-        let explanation = infeasibility(&model, &mut solver, &options)?;
+        let explanation = infeasibility(&model, &options, &mut solver)?;
         println!("{explanation}");
         let domains = answer::domains(&model, &explanation, is_lp);
         domains.iter().for_each(|line| println!("{line}"));

@@ -176,13 +176,13 @@ fn a_norm_in_a_contradiction_is_explained() {
     model.add("goal", (x + y).ge(2.0)).unwrap();
     model.add("road", y.le(4.0)).unwrap();
     let mut solver = BranchAndBound::default();
-    let why = explain::infeasibility(&model, &mut solver, &ExplainOptions::default()).unwrap();
+    let why = explain::infeasibility(&model, &ExplainOptions::default(), &mut solver).unwrap();
     let names: Vec<_> = why.groups().iter().map(|group| group.name()).collect();
     assert_eq!(names, ["goal", "speed"]);
     assert!(why.is_irreducible());
     // In the background, the norm is not questioned.
     model.set_background("speed").unwrap();
-    let why = explain::infeasibility(&model, &mut solver, &ExplainOptions::default()).unwrap();
+    let why = explain::infeasibility(&model, &ExplainOptions::default(), &mut solver).unwrap();
     let names: Vec<_> = why.groups().iter().map(|group| group.name()).collect();
     assert_eq!(names, ["goal"]);
 }
@@ -221,7 +221,7 @@ fn a_norm_gives_in_its_unit() {
     model.add("speed", z.on().implies(norm([x, y]).le(1.0))).unwrap();
     let options = ElasticOptions::default().with_weight("goal", 2.0).with_background(["sure"]);
     let mut solver = BranchAndBound::default();
-    let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+    let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
     assert!(relaxed.is_optimal());
     assert_eq!(relaxed.stretches().len(), 1);
     assert_eq!(relaxed.to_string(), "raise `speed` by 3");
@@ -229,7 +229,7 @@ fn a_norm_gives_in_its_unit() {
     model.add("goal", x.ge(3.0)).unwrap();
     model.add("disc", (x.square() + y.square()).le(4.0)).unwrap();
     let options = ElasticOptions::default().with_weight("goal", 20.0);
-    let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+    let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
     assert_eq!(relaxed.to_string(), "raise `disc` by 5");
 }
 

@@ -279,7 +279,7 @@ fn explanations_know_sets() {
         model.add("last", x[2].ge(1.5)).unwrap();
         model.add("else", x[1].le(1.0)).unwrap();
         let mut solver = BranchAndBound::default();
-        let why = infeasibility(&model, &mut solver, &ExplainOptions::default()).unwrap();
+        let why = infeasibility(&model, &ExplainOptions::default(), &mut solver).unwrap();
         let text = why.to_string();
         for name in ["set", "first", "last"] {
             assert!(text.contains(name), "{text}");
@@ -287,10 +287,10 @@ fn explanations_know_sets() {
         assert!(!text.contains("else"), "{text}");
         let options =
             ElasticOptions::default().with_weight("first", 10.0).with_weight("last", 10.0);
-        let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+        let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
         assert_eq!(relaxed.to_string(), "drop `set`");
         let options = ElasticOptions::default().with_weight("set", 10.0);
-        let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+        let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
         assert_eq!(relaxed.to_string(), "lower `first` by 1");
     }
 }

@@ -107,7 +107,7 @@ fn solutions_survive_with_and_without_a_point() {
 fn options_survive() {
     let options = Options::default().with_relative_gap(1e-4).with_threads(2).with_node_limit(7);
     assert_eq!(copy(&options), options);
-    let options = Options::proof()
+    let options = Options::precise()
         .with_pool(3, PoolMode::Best)
         .with_pool_gap(0.25)
         .with_memory_limit(1 << 20)
@@ -308,10 +308,10 @@ fn explanations_survive() {
     assert!(again.is_background("law[1]") && !again.is_background("goal"));
 
     let mut solver = BranchAndBound::default();
-    let why = infeasibility(&again, &mut solver, &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&again, &ExplainOptions::default(), &mut solver).unwrap();
     assert_eq!(copy(&why).to_string(), why.to_string());
     assert_eq!(copy(&why).groups(), why.groups());
-    let relaxed = elastic_relaxation(&again, &mut solver, &ElasticOptions::default()).unwrap();
+    let relaxed = elastic_relaxation(&again, &ElasticOptions::default(), &mut solver).unwrap();
     assert_eq!(copy(&relaxed).stretches(), relaxed.stretches());
     assert_eq!(copy(&relaxed).bound(), relaxed.bound());
 }

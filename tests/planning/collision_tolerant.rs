@@ -16,7 +16,7 @@ fn solver() -> BranchAndBound {
 /// How a solve without a plan ended.
 fn ending(planned: Result<Plan, Error>) -> String {
     match planned.unwrap_err().kind() {
-        ErrorKind::NoPoint { termination } => termination.clone(),
+        ErrorKind::NoPlan { termination, .. } => termination.clone(),
         other => panic!("{other:?}"),
     }
 }
@@ -302,7 +302,7 @@ fn interrupts_and_limits_are_answers() {
     let mut control = Control::default().with_interrupt(&interrupt);
     let program = Scenario::paper().program(457, Objective::Effort).unwrap();
     let interrupted = Termination::Interrupted.to_string();
-    assert_eq!(ending(program.solve_with(&mut solver(), &mut control)), interrupted);
+    assert_eq!(ending(program.solve_with(&mut control, &mut solver())), interrupted);
 
     let options =
         PlanningOptions::default().with_search(ShortestOptions::default().with_max_steps(400));

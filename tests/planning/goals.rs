@@ -31,7 +31,7 @@ fn search(scenario: &Scenario, sets: bool) -> ShortestHorizon<Plan> {
 /// Whether it is proved that there is no plan.
 fn is_infeasible(planned: Result<Plan, Error>) -> bool {
     let infeasible = Termination::Infeasible.to_string();
-    matches!(planned.unwrap_err().kind(), ErrorKind::NoPoint { termination } if *termination == infeasible)
+    matches!(planned.unwrap_err().kind(), ErrorKind::NoPlan { termination, .. } if *termination == infeasible)
 }
 
 fn steps(scenario: &Scenario) -> usize {
@@ -140,7 +140,7 @@ fn regions_are_named_in_explanations() {
     let program = scenario.explainable_program(shortest - 4).unwrap();
     let text = program.model().to_string();
     assert!(text.contains("goal_limit_0[0]: -x["), "{text}");
-    let why = infeasibility(program.model(), &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(program.model(), &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.groups().iter().any(|group| group.name() == "goal_position"), "{why}");
 }
 

@@ -60,7 +60,7 @@ fn the_domain_at_the_start_is_what_plays_a_part() {
         let mut program = cart.program(5).unwrap();
         program.start(start).unwrap();
         let why =
-            infeasibility(program.model(), &mut solver(), &ExplainOptions::default()).unwrap();
+            infeasibility(program.model(), &ExplainOptions::default(), &mut solver()).unwrap();
         let names: Vec<String> = why.domains().iter().map(ToString::to_string).collect();
         match two {
             true => assert_eq!(names, ["p[0]", "v[0]"], "{why}"),
@@ -117,7 +117,7 @@ fn tubes_are_explained_in_the_names_of_the_system() {
          two overlap by more than the tube is wide"
     );
     let model = robust.program().model();
-    let why = infeasibility(model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(model, &ExplainOptions::default(), &mut solver()).unwrap();
     let text = why.to_string();
     assert!(!text.contains("tube_"), "{text}");
     assert!(text.contains("the goal of `x` for every disturbance at step 12"), "{text}");

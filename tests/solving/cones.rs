@@ -56,7 +56,7 @@ fn no_wrong_answer_in_unusual_ways() {
     let mut without_probing = Options::default();
     without_probing.probing = false;
     ways.push(without_probing);
-    ways.push(Options::proof());
+    ways.push(Options::precise());
     for seed in 0..60 {
         let case = program(seed);
         let verdicts = verdicts(&case, &ways);
@@ -292,7 +292,7 @@ fn cones_in_a_contradiction_are_named() {
     model.add("on", z.on()).unwrap();
     let mut solver = BranchAndBound::default();
     assert_eq!(solver.solve(&model).unwrap().termination(), Termination::Infeasible);
-    let why = infeasibility(&model, &mut solver, &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver).unwrap();
     let mut names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
     names.sort_unstable();
     assert_eq!(names, ["fast", "on", "speed"]);

@@ -221,7 +221,7 @@ fn thirty_cities_take_few_rounds() {
 fn deterministic_searches_do_not_depend_on_threads() {
     let lengths = lengths(&places(16, 5));
     let counts = |threads| {
-        let options = Options::proof().with_threads(threads);
+        let options = Options::precise().with_threads(threads);
         let solution = shortest(&lengths, options);
         let values = solution.point().unwrap().as_slice().to_vec();
         (values, solution.statistics().without_times())

@@ -94,13 +94,13 @@ proptest! {
         let mut cold = BranchAndBound::default();
         let mut solver = BranchAndBound::default();
         let mut prepared = solver.prepare(&model).unwrap();
-        let mut guess = MipStart::new();
+        let (mut guess, mut passed) = (MipStart::new(), 0);
         for (value, [seeded, shifted]) in values {
             let values: Vec<(Variable, f64)> = parameters.iter().copied().zip(value).collect();
             for &(parameter, value) in &values {
                 model.set_parameter(parameter, value).unwrap();
             }
-            let mut control = Control::default();
+            let mut control = Control::default().with_steps_passed(passed);
             if seeded {
                 control = control.with_start(&guess);
             }
@@ -113,9 +113,7 @@ proptest! {
             }
             let integers = model.variables().filter(|v| v.kind().is_integral()).map(|v| v.id());
             guess = MipStart::of(&warm, integers);
-            if shifted {
-                prepared.shift();
-            }
+            passed = usize::from(shifted);
         }
     }
 }
@@ -167,12 +165,12 @@ fn the_shifted_point_costs_no_relaxations() {
     for _ in 0..8 {
         model.set_parameter(parameters[0], state).unwrap();
         let one = cold.solve(&model).unwrap();
-        let warm = prepared.solve(&[(parameters[0], state)], &mut Control::default()).unwrap();
+        let mut control = Control::default().with_steps_passed(1);
+        let warm = prepared.solve(&[(parameters[0], state)], &mut control).unwrap();
         agree(&one, &warm);
         relaxations[0] += one.statistics().relaxations;
         relaxations[1] += warm.statistics().relaxations;
         state = warm.value(model.variable_by_name(("x", 1)).unwrap()).unwrap().clamp(-3.0, 3.0);
-        prepared.shift();
     }
     assert!(relaxations[1] <= relaxations[0], "{relaxations:?}");
 }
@@ -265,7 +263,8 @@ fn bounds_with_proofs_of_earlier_solves_are_bounds() {
         }
         let values: Vec<(Variable, f64)> = parameters.iter().copied().zip(at).collect();
         values.iter().for_each(|&(p, value)| model.set_parameter(p, value).unwrap());
-        let found = prepared.solve(&values, &mut Control::default()).unwrap();
+        let mut control = Control::default().with_steps_passed(step % 2);
+        let found = prepared.solve(&values, &mut control).unwrap();
         proved += found.statistics().closed_by_proofs;
         match enumerated(&model) {
             Some(best) => {
@@ -275,9 +274,6 @@ fn bounds_with_proofs_of_earlier_solves_are_bounds() {
                 assert!((found.objective().unwrap() - best).abs() <= slack, "step {step}");
             }
             None => assert_eq!(found.termination(), carom::solution::Termination::Infeasible),
-        }
-        if step % 2 == 0 {
-            prepared.shift();
         }
     }
     assert!(proved > 0);
@@ -332,10 +328,10 @@ fn a_prepared_program_in_blocks_is_solved_in_blocks() {
         let at: Vec<(Variable, f64)> = parameters.iter().copied().zip(values).collect();
         at.iter().for_each(|&(p, value)| model.set_parameter(p, value).unwrap());
         let one = cold.solve(&model).unwrap();
-        let two = prepared.solve(&at, &mut Control::default()).unwrap();
+        let mut control = Control::default().with_steps_passed(1);
+        let two = prepared.solve(&at, &mut control).unwrap();
         agree(&one, &two);
         assert_eq!(one.statistics().blocks, two.statistics().blocks);
-        prepared.shift();
     }
 }
 
@@ -364,9 +360,9 @@ fn a_solve_that_was_stopped_does_not_spoil_the_next() {
             }
             _ => {}
         }
-        let warm = prepared.solve(&at, &mut Control::default()).unwrap();
+        let mut control = Control::default().with_steps_passed(1);
+        let warm = prepared.solve(&at, &mut control).unwrap();
         agree(&cold.solve(&model).unwrap(), &warm);
-        prepared.shift();
     }
 }
 

@@ -176,7 +176,7 @@ fn explanations_speak_of_starts_and_limits() {
     }
     let mut solver = BranchAndBound::default();
     let options = carom::explain::ExplainOptions::default();
-    let why = carom::explain::infeasibility(program.model(), &mut solver, &options).unwrap();
+    let why = carom::explain::infeasibility(program.model(), &options, &mut solver).unwrap();
     let names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
     assert_eq!(names, ["start_x", "goal_x", "roll_slow"]);
     let why = why.to_string();

@@ -246,7 +246,7 @@ fn fixed_horizons_are_logged_without_sets() -> Result<(), Error> {
     let path = folder("fixed").with_extension("proof");
     fs::remove_file(&path).ok();
     let error = scenario.plan(20, Objective::Effort, &mut logging(&path)).unwrap_err();
-    assert!(matches!(error.kind(), ErrorKind::NoPoint { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::NoPlan { .. }), "{error}");
     let log = fs::read_to_string(&path).unwrap();
     assert_eq!(check(log.as_bytes()).unwrap().claim, Claim::Infeasible);
     let (program, mut plain) = (scenario.program(20, Objective::Effort)?, Vec::new());

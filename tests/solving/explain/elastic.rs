@@ -25,7 +25,7 @@ fn weights_decide_who_gives() {
     let mut solver = BranchAndBound::default();
     let (model, _) = contest();
     let names = |options: ElasticOptions, solver: &mut BranchAndBound| {
-        let relaxed = elastic_relaxation(&model, solver, &options).unwrap();
+        let relaxed = elastic_relaxation(&model, &options, solver).unwrap();
         assert!(relaxed.is_optimal());
         let stretches = relaxed.stretches().iter();
         let found = stretches.map(|s| (s.name.to_string(), s.side, s.amount)).collect::<Vec<_>>();
@@ -59,7 +59,7 @@ fn stretched_by_the_amounts_the_model_has_a_solution() {
     let mut solver = BranchAndBound::default();
     assert!(solver.solve(&model).unwrap().is_infeasible());
     let options = ElasticOptions::default().with_weight("on", 100.0);
-    let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+    let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
     assert!(relaxed.is_optimal());
     // Five apart and nine together: 7 and 2, five more than the cap of the first.
     assert!(close(relaxed.cost().unwrap(), 5.0), "{relaxed}");
@@ -101,12 +101,12 @@ fn indicators_and_logic_give_as_well() {
     model.add("both", z[0] & z[1]).unwrap();
     let mut solver = BranchAndBound::default();
     // Dropping the logic costs 1, moving the rows 5.
-    let relaxed = elastic_relaxation(&model, &mut solver, &ElasticOptions::default()).unwrap();
+    let relaxed = elastic_relaxation(&model, &ElasticOptions::default(), &mut solver).unwrap();
     assert_eq!(relaxed.to_string(), "drop `both`");
     assert!(close(relaxed.cost().unwrap(), 1.0) && close(relaxed.bound(), 1.0));
 
     let options = ElasticOptions::default().with_background(["both", "high"]);
-    let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+    let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
     let [stretch] = relaxed.stretches() else { panic!("{relaxed}") };
     assert!(stretch.name == Name::from("low") && stretch.side == Some(Side::Upper));
     assert!(close(stretch.amount, 5.0));
@@ -118,13 +118,13 @@ fn answers_without_stretches() {
     let x = model.continuous("x", 0.0, 10.0).unwrap();
     model.add("row", x.ge(3.0)).unwrap();
     let mut solver = BranchAndBound::default();
-    let relaxed = elastic_relaxation(&model, &mut solver, &ElasticOptions::default()).unwrap();
+    let relaxed = elastic_relaxation(&model, &ElasticOptions::default(), &mut solver).unwrap();
     assert!(relaxed.is_optimal() && relaxed.stretches().is_empty());
     assert_eq!(relaxed.to_string(), "nothing has to give");
 
     model.add("law", x.ge(11.0)).unwrap();
     model.set_background("law").unwrap();
-    let relaxed = elastic_relaxation(&model, &mut solver, &ElasticOptions::default()).unwrap();
+    let relaxed = elastic_relaxation(&model, &ElasticOptions::default(), &mut solver).unwrap();
     assert_eq!(relaxed.termination(), Termination::Infeasible);
     assert!(relaxed.point().is_none() && relaxed.cost().is_none());
     assert_eq!(relaxed.to_string(), "nothing helps: what may not give contradicts itself");
@@ -136,12 +136,12 @@ fn bad_input_is_refused() {
     let mut solver = BranchAndBound::default();
     for weight in [0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
         let options = ElasticOptions::default().with_weight("cap", weight);
-        let error = elastic_relaxation(&model, &mut solver, &options).unwrap_err();
+        let error = elastic_relaxation(&model, &options, &mut solver).unwrap_err();
         assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }), "{error}");
     }
     let options = ElasticOptions::default().with_weight("caps", 1.0);
     assert!(matches!(
-        elastic_relaxation(&model, &mut solver, &options).unwrap_err().kind(),
+        elastic_relaxation(&model, &options, &mut solver).unwrap_err().kind(),
         ErrorKind::UnknownName { .. }
     ));
 
@@ -149,7 +149,7 @@ fn bad_input_is_refused() {
     let x = model.continuous("x", 0.0, f64::INFINITY).unwrap();
     let z = model.binary("z").unwrap();
     model.add("slow", z.on().implies(x.le(1.0))).unwrap();
-    let error = elastic_relaxation(&model, &mut solver, &ElasticOptions::default()).unwrap_err();
+    let error = elastic_relaxation(&model, &ElasticOptions::default(), &mut solver).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::UnboundedIndicator { .. }), "{error}");
 }
 
@@ -168,12 +168,12 @@ fn a_disjunction_gives_as_a_whole() {
     let mut solver = BranchAndBound::default();
     assert!(solver.solve(&model).unwrap().is_infeasible());
     let options = ElasticOptions::default().with_weight("way", 0.25);
-    let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+    let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
     assert!(close(relaxed.cost().unwrap(), 0.25), "{relaxed}");
     assert_eq!(relaxed.stretches()[0].name.to_string(), "way");
     // It stays where the others are cheaper.
     let options = ElasticOptions::default().with_weight("way", 50.0);
-    let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
+    let relaxed = elastic_relaxation(&model, &options, &mut solver).unwrap();
     let names: Vec<_> = relaxed.stretches().iter().map(|s| s.name.to_string()).collect();
     assert_eq!(names, ["way_taken"]);
 }

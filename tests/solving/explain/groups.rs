@@ -27,7 +27,7 @@ fn mixed() -> Model {
 
 #[test]
 fn rows_indicators_and_logic_are_named_together() {
-    let why = infeasibility(&mixed(), &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&mixed(), &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible());
     let names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
     assert!(
@@ -40,7 +40,7 @@ fn rows_indicators_and_logic_are_named_together() {
 
     // Where `low` is not in question either, more than one set can be meant.
     let options = ExplainOptions::default().with_background(["some", "second", "high"]);
-    let why = infeasibility(&mixed(), &mut solver(), &options).unwrap();
+    let why = infeasibility(&mixed(), &options, &mut solver()).unwrap();
     assert!(why.is_irreducible());
     let background = why.background().to_vec();
     assert_eq!(background, ["high", "some", "second"]);
@@ -56,7 +56,7 @@ fn disjunctions_are_statements_like_others() {
         model.add(("roof", t), x[t].le(15.0)).unwrap();
     }
     model.add("stand", x[2].within(4.0, 5.0)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible());
     assert!(why.to_string().contains("door at step 2"), "{why}");
     assert_eq!(why.groups().len(), 2);
@@ -71,7 +71,7 @@ fn families_are_narrowed_to_the_steps_that_matter() {
         model.add(("spare", t), x[t].ge(1.0)).unwrap();
     }
     model.add("wish", (x[17] + x[18]).ge(24.0)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible());
     assert_eq!(why.groups().len(), 2);
     assert_eq!(why.groups()[0].steps(), [17..=18]);
@@ -81,7 +81,7 @@ fn families_are_narrowed_to_the_steps_that_matter() {
     );
 
     let options = ExplainOptions::default().with_narrowing(0);
-    let why = infeasibility(&model, &mut solver(), &options).unwrap();
+    let why = infeasibility(&model, &options, &mut solver()).unwrap();
     assert_eq!(why.groups()[0].steps(), [0..=39]);
 }
 
@@ -97,7 +97,7 @@ fn a_contradiction_among_many_statements_needs_few_solves() {
     model.add("first", (x[3] + x[4] + x[5]).ge(6.0)).unwrap();
     model.add("second", (x[3] - x[4] + x[5]).le(1.0)).unwrap();
     model.add("third", (x[4] + 0.0 * x[3]).le(2.0)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     let names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
     assert_eq!(names, ["first", "second", "third"]);
     assert!(why.is_irreducible() && why.solves() <= 12, "{} solves", why.solves());
@@ -110,7 +110,7 @@ fn a_model_with_a_solution_is_an_answer() {
     model.add("row", x.ge(0.5)).unwrap();
     // An objective that only makes sense with all rows plays no role.
     model.maximize(x).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert_eq!(why.status(), ExplanationStatus::Feasible);
     assert!(!why.is_infeasible() && !why.is_irreducible() && why.groups().is_empty());
     assert!(why.point().is_some_and(|point| point.value(x).unwrap() >= 0.5 - 1e-6));
@@ -127,7 +127,7 @@ fn a_contradiction_in_the_background_is_an_answer() {
     model.add("law", x.ge(3.0)).unwrap();
     model.add("wish", x.le(0.5)).unwrap();
     model.set_background("law").unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible() && why.groups().is_empty());
     assert!(why.to_string().starts_with(
         "the background contradicts itself or the bounds of its variables (background: law); the \
@@ -142,7 +142,7 @@ fn domains_are_hard() {
     let x = model.continuous("x", 0.0, 1.0).unwrap();
     model.add("limit", x.le(1.0)).unwrap();
     model.add("wish", x.ge(2.0)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     let names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
     assert_eq!(names, ["wish"]);
 }
@@ -155,7 +155,7 @@ fn objectives_do_not_disturb() {
     model.add("low", x.ge(1.0)).unwrap();
     model.add("high", x.le(0.0)).unwrap();
     model.minimize(x).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible());
     assert_eq!(why.groups().len(), 2);
 }
@@ -171,15 +171,15 @@ fn families_of_parts_are_selected_by_their_common_beginning() {
     model.add("start", x[0].equals(0.0)).unwrap();
     model.add("goal", x[2].ge(4.0)).unwrap();
     let options = ExplainOptions::default().with_background(["flow"]);
-    let why = infeasibility(&model, &mut solver(), &options).unwrap();
+    let why = infeasibility(&model, &options, &mut solver()).unwrap();
     assert_eq!(why.background(), ["flow_x", "flow_y"]);
     let one = ExplainOptions::default().with_background([("flow_x", 1)]);
-    let why = infeasibility(&model, &mut solver(), &one).unwrap();
+    let why = infeasibility(&model, &one, &mut solver()).unwrap();
     assert!(why.groups().iter().any(|g| g.name() == "flow_x" && g.steps() == [0..=0]));
 
     let unknown = ExplainOptions::default().with_background(["flow_x", "fl"]);
     assert_eq!(
-        infeasibility(&model, &mut solver(), &unknown).unwrap_err().to_string(),
+        infeasibility(&model, &unknown, &mut solver()).unwrap_err().to_string(),
         "the model has no statement named `fl`"
     );
     assert!(matches!(
@@ -200,7 +200,7 @@ fn domains_that_play_a_part_are_named() {
         model.add(("speed", t), (x[t + 1] - x[t]).le(0.5)).unwrap();
         model.add(("other", t), (y + x[t]).le(100.0)).unwrap();
     }
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible());
     assert_eq!(
         why.to_string().split(". ").next().unwrap(),
@@ -219,7 +219,7 @@ fn binaries_that_have_to_be_binary_are_named() {
     let x = model.continuous("x", 0.0, 9.0).unwrap();
     model.add("many", (a + b + x).ge(3.0)).unwrap();
     model.add("few", (x + c).le(0.5)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible());
     let domains: Vec<String> = why.domains().iter().map(Name::to_string).collect();
     assert_eq!(domains, ["a", "b", "c"]);
@@ -227,7 +227,7 @@ fn binaries_that_have_to_be_binary_are_named() {
     let [a, b] = ["a", "b"].map(|name| model.binary(name).unwrap());
     model.add("most", (a + 2.0 * b).le(1.5)).unwrap();
     model.add("least", (a + 2.0 * b).ge(2.5)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.is_irreducible() && why.domains().is_empty());
 }
 
@@ -242,7 +242,7 @@ fn domains_that_play_no_part_are_not_named() {
         model.add("few", (x + y).le(0.5)).unwrap();
         model.add("many", (x + y + n).ge(least)).unwrap();
         model.add("none", n.le(0.0)).unwrap();
-        let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+        let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
         assert!(why.is_irreducible());
         why.to_string().split(". ").next().unwrap().to_owned()
     };
@@ -255,7 +255,7 @@ fn domains_that_play_no_part_are_not_named() {
     let x = model.continuous_family("x", 3, 0.0, 1.0).unwrap();
     model.add("few", (x[0] + x[1]).le(0.5)).unwrap();
     model.add("many", (x[0] + x[2]).ge(2.0)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     let domains: Vec<String> = why.domains().iter().map(Name::to_string).collect();
     assert_eq!(domains, ["x[1]", "x[2]"]);
 }
@@ -269,7 +269,7 @@ fn rows_on_parameters_can_be_asked_about() {
     model.add("near", wall.le(7.0)).unwrap();
     model.add("behind", x.ge(wall)).unwrap();
     model.add("low", x.le(3.0)).unwrap();
-    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver()).unwrap();
     let names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
     assert_eq!(names, ["behind", "low"]);
 }

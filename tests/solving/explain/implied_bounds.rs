@@ -25,7 +25,7 @@ fn the_rows_that_bound_are_part_of_the_reason() {
     let model = walk([6.5, 8.0]);
     let mut solver = BranchAndBound::default();
     assert!(solver.solve(&model).unwrap().is_infeasible());
-    let why = infeasibility(&model, &mut solver, &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&model, &ExplainOptions::default(), &mut solver).unwrap();
     let names: Vec<String> = why.groups().iter().map(|group| group.name().to_string()).collect();
     assert_eq!(names, ["start", "speed", "goal"]);
     assert!(why.is_irreducible());
@@ -35,8 +35,8 @@ fn the_rows_that_bound_are_part_of_the_reason() {
 fn rows_that_give_bound_less() {
     let relaxed = elastic_relaxation(
         &walk([6.5, 8.0]),
-        &mut BranchAndBound::default(),
         &ElasticOptions::default(),
+        &mut BranchAndBound::default(),
     )
     .unwrap();
     assert!(relaxed.is_optimal());
@@ -49,7 +49,7 @@ fn rows_that_give_bound_less() {
 fn parts_without_bounds_are_searched_all_the_same() {
     let model = walk([1.6, 1.7]);
     let why =
-        infeasibility(&model, &mut BranchAndBound::default(), &ExplainOptions::default()).unwrap();
+        infeasibility(&model, &ExplainOptions::default(), &mut BranchAndBound::default()).unwrap();
     let names: Vec<String> = why.groups().iter().map(|group| group.name().to_string()).collect();
     assert_eq!(names, ["goal", "below", "above"]);
     assert!(why.is_irreducible(), "{why}");

@@ -33,13 +33,13 @@ fn a_triggered_interrupt_claims_nothing() {
     let interrupt = Interrupt::new();
     interrupt.trigger();
     let options = ExplainOptions::default().with_interrupt(&interrupt);
-    let why = infeasibility(&pigeons(), &mut BranchAndBound::default(), &options).unwrap();
+    let why = infeasibility(&pigeons(), &options, &mut BranchAndBound::default()).unwrap();
     assert_eq!(why.status(), ExplanationStatus::Unknown);
     assert!(why.groups().is_empty() && !why.is_infeasible());
     assert!(why.to_string().starts_with("it is not known whether `pigeons` has a solution"));
 
     let options = ElasticOptions::default().with_interrupt(&interrupt);
-    let relaxed = elastic_relaxation(&pigeons(), &mut BranchAndBound::default(), &options).unwrap();
+    let relaxed = elastic_relaxation(&pigeons(), &options, &mut BranchAndBound::default()).unwrap();
     assert_eq!(relaxed.termination(), Termination::Interrupted);
 }
 
@@ -47,7 +47,7 @@ fn a_triggered_interrupt_claims_nothing() {
 fn no_time_claims_nothing() {
     let options = ExplainOptions::default().with_time_limit(Duration::ZERO);
     let mut solver = BranchAndBound::default();
-    let why = infeasibility(&pigeons(), &mut solver, &options).unwrap();
+    let why = infeasibility(&pigeons(), &options, &mut solver).unwrap();
     assert_eq!(why.status(), ExplanationStatus::Unknown);
     assert_eq!(why.solves(), 0);
     assert_eq!(solver.options().time_limit, None);
@@ -58,7 +58,7 @@ fn a_limit_on_solves_leaves_a_set_that_is_not_called_irreducible() {
     let mut solver = BranchAndBound::default();
     for limit in [1, 3] {
         let options = ExplainOptions::default().with_solve_limit(limit);
-        let why = infeasibility(&pigeons(), &mut solver, &options).unwrap();
+        let why = infeasibility(&pigeons(), &options, &mut solver).unwrap();
         assert_eq!(why.solves(), limit);
         assert_eq!(why.status(), ExplanationStatus::Reducible);
         assert!(why.is_infeasible() && !why.groups().is_empty());
@@ -70,7 +70,7 @@ fn a_limit_on_solves_leaves_a_set_that_is_not_called_irreducible() {
 #[test]
 fn a_node_limit_of_the_solver_is_respected() {
     let mut solver = BranchAndBound::new(Options::default().with_node_limit(0));
-    let why = infeasibility(&pigeons(), &mut solver, &ExplainOptions::default()).unwrap();
+    let why = infeasibility(&pigeons(), &ExplainOptions::default(), &mut solver).unwrap();
     assert_eq!(why.status(), ExplanationStatus::Unknown);
 }
 
@@ -113,7 +113,7 @@ fn solves_are_counted_and_interrupts_leave_valid_sets() {
         let inner = BranchAndBound::default();
         let mut solver = Counting { inner, solves: 0, interrupt };
         let options = ExplainOptions::default().with_interrupt(&handle);
-        let why = infeasibility(&pigeons(), &mut solver, &options).unwrap();
+        let why = infeasibility(&pigeons(), &options, &mut solver).unwrap();
         assert_eq!(why.solves(), solver.solves);
         why
     };

@@ -111,7 +111,7 @@ proptest! {
             })
         };
         let options = ExplainOptions::default().with_narrowing(narrowing);
-        let why = infeasibility(&model, &mut BranchAndBound::default(), &options).unwrap();
+        let why = infeasibility(&model, &options, &mut BranchAndBound::default()).unwrap();
         if possible(&|_, _| true) {
             prop_assert_eq!(why.status(), ExplanationStatus::Feasible);
             let point = why.point().unwrap().as_slice();
@@ -169,7 +169,7 @@ proptest! {
             kept.iter().map(cost).sum()
         };
         let least = (0..1u32 << BINARIES).map(cost).fold(f64::INFINITY, f64::min);
-        let relaxed = elastic_relaxation(&model, &mut BranchAndBound::default(), &options).unwrap();
+        let relaxed = elastic_relaxation(&model, &options, &mut BranchAndBound::default()).unwrap();
         if least.is_infinite() {
             prop_assert_eq!(relaxed.termination(), Termination::Infeasible);
             return Ok(());
@@ -212,7 +212,7 @@ proptest! {
             model
         };
         let solver = &mut BranchAndBound::default();
-        let why = infeasibility(&build(&|_| true), solver, &ExplainOptions::default()).unwrap();
+        let why = infeasibility(&build(&|_| true), &ExplainOptions::default(), solver).unwrap();
         if why.status() == ExplanationStatus::Feasible {
             prop_assert!(solver.solve(&build(&|_| true)).unwrap().point().is_some());
             return Ok(());

@@ -44,7 +44,7 @@ fn wall_plan(time_step: f64, damage_limit: f64) -> Model {
 fn explain(model: &Model) -> Explanation {
     let clock = std::time::Instant::now();
     let options = ExplainOptions::default();
-    let why = infeasibility(model, &mut BranchAndBound::default(), &options).unwrap();
+    let why = infeasibility(model, &options, &mut BranchAndBound::default()).unwrap();
     println!("{why} [{:.1} s]", clock.elapsed().as_secs_f64());
     why
 }

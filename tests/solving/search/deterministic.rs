@@ -59,7 +59,7 @@ fn knapsacks_and_limits() {
         Options::default().with_memory_limit(1500),
         Options::default().with_pool(5, PoolMode::Best),
         Options::default().with_pool(5, PoolMode::Found).with_leaves(true),
-        Options::proof(),
+        Options::precise(),
     ] {
         check(&options, &model);
     }

@@ -52,7 +52,7 @@ fn bytes_of_a_node_do_not_grow_with_depth() {
 #[test]
 fn presets_differ_and_agree_on_the_answer() {
     assert_eq!(Options::balanced(), Options::default());
-    let (fast, proof) = (Options::fast(), Options::proof());
+    let (fast, proof) = (Options::fast(), Options::precise());
     assert!(fast.relative_gap > Options::balanced().relative_gap);
     assert!(proof.relative_gap < Options::balanced().relative_gap);
     assert!(proof.deterministic && !fast.deterministic);
@@ -60,7 +60,7 @@ fn presets_differ_and_agree_on_the_answer() {
     for model in &models {
         let solve = |options: Options| BranchAndBound::new(options).solve(model).unwrap();
         let (fast, balanced, proof) =
-            (solve(Options::fast()), solve(Options::balanced()), solve(Options::proof()));
+            (solve(Options::fast()), solve(Options::balanced()), solve(Options::precise()));
         for (solution, gap) in [(&fast, 1e-3), (&balanced, 1e-6), (&proof, 1e-7)] {
             assert!(solution.is_optimal(), "{:?}", solution.termination());
             let objective = solution.objective().unwrap();

@@ -37,7 +37,7 @@ impl Scenario {
     /// // 2 s are too short: 47 steps of 0.05 s are needed.
     /// let program = Scenario::paper().with_time_step(0.05).explainable_program(40)?;
     /// let mut solver = BranchAndBound::default();
-    /// let why = infeasibility(program.model(), &mut solver, &ExplainOptions::default())?;
+    /// let why = infeasibility(program.model(), &ExplainOptions::default(), &mut solver)?;
     /// assert!(why.is_irreducible() && why.solves() <= 20);
     /// assert!(why.groups().iter().any(|group| group.name() == "goal_position"));
     /// # Ok::<(), carom::Error>(())

@@ -5,8 +5,11 @@ use std::collections::BTreeMap;
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::horizon::Horizon;
+use crate::hybrid::rows::no_plan;
 use crate::hybrid::scene::samples::{Samples, check_line_ends, replay_line_in};
 use crate::hybrid::scene::{SceneCertificate, SceneError, SceneHit};
 use crate::hybrid::{ContactLaw, HybridRun, RunCertificate};
@@ -102,7 +105,7 @@ impl Scenario {
             && let Some(tube) = self.reach_sets()?.tube_until(steps, &token)?
             && program.program_mut().tighten(&tube)?.infeasible
         {
-            return Err(no_point(Termination::Infeasible));
+            return Err(no_plan(Termination::Infeasible));
         }
         program.solve(solver)
     }
@@ -115,11 +118,11 @@ impl PlanningProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because
+    /// [`ErrorKind::NoPlan`] if the solver ends without a plan, because there is none or because
     /// it was stopped; errors of the solver; [`RunError`](crate::hybrid::RunError) and
     /// [`SceneError`] for a plan that is not what the scenario says.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<Plan, Error> {
-        self.solve_with(solver, &mut Control::default())
+        self.solve_with(&mut Control::default(), solver)
     }
 
     /// Solves the program with events, warm starts and limits, as
@@ -130,8 +133,8 @@ impl PlanningProgram {
     /// Those of [`solve`](PlanningProgram::solve).
     pub fn solve_with(
         &self,
-        solver: &mut dyn Solver,
         control: &mut Control<'_>,
+        solver: &mut dyn Solver,
     ) -> Result<Plan, Error> {
         let solution = solver.solve_with(self.model(), control)?;
         self.read(&*self.program.settled(&solution, Some(solver))?)
@@ -164,7 +167,7 @@ impl PlanningProgram {
             None => run.clone(),
         };
         let replay = self.replay(&own, &checked, &mut trajectory)?;
-        let no_point = || no_point(solution.termination());
+        let no_point = || no_plan(solution.termination());
         let verification = solution.verification().cloned().ok_or_else(no_point)?;
         let objective = solution.objective().ok_or_else(no_point)?;
         let cases = self.cases.iter().map(|(name, case)| Ok((name.clone(), case.read(solution)?)));
@@ -182,10 +185,6 @@ impl PlanningProgram {
             refinements: Vec::new(),
         })
     }
-}
-
-fn no_point(termination: Termination) -> Error {
-    ErrorKind::NoPoint { termination: termination.to_string() }.into()
 }
 
 impl Plan {

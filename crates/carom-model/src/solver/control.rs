@@ -70,6 +70,7 @@ pub struct Control<'a> {
     user_cuts: Option<&'a RowSource<'a>>,
     exchange: Option<&'a mut dyn TreeExchange>,
     interrupt: Interrupt,
+    steps_passed: usize,
 }
 
 /// A callback that is shown a point of a model and returns rows over the model's variables.
@@ -117,6 +118,15 @@ impl<'a> Control<'a> {
     #[doc(alias = "warm start")]
     pub fn with_start(mut self, start: &'a MipStart) -> Self {
         self.start = Some(start);
+        self
+    }
+
+    /// Tells a [prepared](super::Prepared) model that the solve begins some steps later than the
+    /// last one: the start that the last point proposes moves ahead, by the names of variables
+    /// (after one step, the value of `z[3]` goes to `z[2]`). It is never trusted, so a wrong number
+    /// costs time only. Other solves ignore it.
+    pub fn with_steps_passed(mut self, steps: usize) -> Self {
+        self.steps_passed = steps;
         self
     }
 
@@ -244,6 +254,11 @@ impl<'a> Control<'a> {
     /// The MIP start, for backends.
     pub fn start(&self) -> Option<&'a MipStart> {
         self.start
+    }
+
+    /// How many steps have passed since the last solve, for backends.
+    pub fn steps_passed(&self) -> usize {
+        self.steps_passed
     }
 
     /// The source of lazy constraints, for backends.

@@ -182,10 +182,10 @@ impl Options {
         Options::default()
     }
 
-    /// A tighter, reproducible proof: a relative gap of 1e-7, and the same search on any number of
+    /// A smaller gap, and reproducible: a relative gap of 1e-7, and the same search on any number of
     /// threads. Relaxations are accurate to about 1e-8, so much smaller gaps cannot be proved.
     #[inline]
-    pub fn proof() -> Self {
+    pub fn precise() -> Self {
         Options { relative_gap: 1e-7, deterministic: true, ..Options::default() }
     }
 

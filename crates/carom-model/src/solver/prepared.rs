@@ -42,12 +42,9 @@ pub trait Prepared {
     /// The solver's options, for changes between solves, such as a time limit.
     fn options_mut(&mut self) -> &mut Options;
 
-    /// Tells that the next solve begins a step later than the last one: the start that the last
-    /// point proposes moves one step ahead, by the names of variables (the value of `z[3]` goes to
-    /// `z[2]`). It is never trusted, so a shift too many or too few costs time only.
-    fn shift(&mut self) {}
-
-    /// Solves the model for these values of parameters; those that are not listed keep theirs.
+    /// Solves the model for these values of parameters; those that are not listed keep theirs. In a
+    /// loop, [`Control::with_steps_passed`] says how many steps later than the last solve this one
+    /// begins.
     ///
     /// # Errors
     ///

@@ -89,12 +89,6 @@ impl Prepared for PreparedProgram<'_> {
         self.options
     }
 
-    fn shift(&mut self) {
-        if let Reduction::To(reduced) = &mut self.reduction {
-            reduced.last.shift();
-        }
-    }
-
     fn solve(
         &mut self,
         parameters: &[(Variable, f64)],
@@ -105,6 +99,9 @@ impl Prepared for PreparedProgram<'_> {
         self.model.set_parameters(parameters)?;
         let (model, options) = (&self.model, &*self.options);
         options.check()?;
+        if let Reduction::To(reduced) = &mut self.reduction {
+            (0..control.steps_passed()).for_each(|_| reduced.last.shift());
+        }
         if finds_rows(control) {
             return solve_in_rounds(model, options, control);
         }

@@ -165,7 +165,7 @@ impl ElasticRelaxation {
 /// model.add("have", x.le(4.0))?;
 /// let mut solver = BranchAndBound::default();
 /// let options = ElasticOptions::default().with_weight("want", 10.0);
-/// let relaxed = elastic_relaxation(&model, &mut solver, &options)?;
+/// let relaxed = elastic_relaxation(&model, &options, &mut solver)?;
 /// assert!(relaxed.is_optimal());
 /// assert_eq!(relaxed.stretches().len(), 1);
 /// let stretch = &relaxed.stretches()[0];
@@ -181,8 +181,8 @@ impl ElasticRelaxation {
 /// [`ErrorKind::UnboundedIndicator`] if an indicator has no finite big-M.
 pub fn elastic_relaxation(
     model: &Model,
-    solver: &mut dyn Solver,
     options: &ElasticOptions,
+    solver: &mut dyn Solver,
 ) -> Result<ElasticRelaxation, Error> {
     let weights = options.resolve(model)?;
     let mut elastic = ElasticModel::of(model, &weights)?;

@@ -39,7 +39,7 @@ const MANY_FAMILIES: usize = 12;
 ///     model.add(("speed", t), (x[t + 1] - x[t]).within(-0.5, 0.5))?;
 ///     model.add(("road", t), x[t].le(20.0))?;
 /// }
-/// let why = infeasibility(&model, &mut BranchAndBound::default(), &ExplainOptions::default())?;
+/// let why = infeasibility(&model, &ExplainOptions::default(), &mut BranchAndBound::default())?;
 /// assert!(why.is_irreducible());
 /// let names: Vec<_> = why.groups().iter().map(|group| group.name()).collect();
 /// assert_eq!(names, ["start", "goal", "speed"]);
@@ -57,8 +57,8 @@ const MANY_FAMILIES: usize = 12;
 /// that the model does not have, and the errors of [`Solver::solve_with`].
 pub fn infeasibility(
     model: &Model,
-    solver: &mut dyn Solver,
     options: &ExplainOptions,
+    solver: &mut dyn Solver,
 ) -> Result<Explanation, Error> {
     let groups = Groups::of(model, &options.background)?;
     let token = StopToken::new(options.time_limit, &options.interrupt);

@@ -250,7 +250,7 @@ impl HybridProgram {
     /// solver; those of [`HybridSystem::certify`] for a plan that is not what a system states, or
     /// that leaves the run of its inputs and cannot be corrected.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<HybridPlan, Error> {
-        self.solve_with(solver, &mut Control::default())
+        self.solve_with(&mut Control::default(), solver)
     }
 
     /// Solves the program with events, warm starts and limits, as [`solve`](HybridProgram::solve).
@@ -260,8 +260,8 @@ impl HybridProgram {
     /// Those of [`solve`](HybridProgram::solve).
     pub fn solve_with(
         &self,
-        solver: &mut dyn Solver,
         control: &mut Control<'_>,
+        solver: &mut dyn Solver,
     ) -> Result<HybridPlan, Error> {
         let solution = solver.solve_with(&self.model, control)?;
         self.plan_by(&solution, solver)

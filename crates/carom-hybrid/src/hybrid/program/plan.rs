@@ -4,7 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::{AtSample, ProgramSystems};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::simulate::RunCertificate;
 use crate::hybrid::system::HybridSystem;
@@ -53,17 +55,6 @@ impl fmt::Display for HybridPlan {
 
 impl HybridPlan {
     pub(super) fn of(systems: &Arc<ProgramSystems>, solution: &Solution) -> Result<Self, Error> {
-        if solution.point().is_none() {
-            let help = match solution.is_infeasible() {
-                true => {
-                    "`explain::infeasibility` says which statements of its model contradict each \
-                         other; a limit that is softened may be exceeded"
-                }
-                false => "give it more time, or a larger gap",
-            };
-            let termination = solution.termination().to_string();
-            return Err(ErrorKind::NoPlan { termination, help }.into());
-        }
         let (run, certificate) = systems.first().certified(solution)?;
         systems.check_missions(solution)?;
         let others = systems.iter().skip(1).map(|own| own.certified(solution));

@@ -128,7 +128,7 @@ impl<'a> RecedingHorizon<'a> {
         let HybridProgram { model, systems } = program;
         let system = systems.steered().map(|only| only.system().clone());
         let prepared = solver.prepare(&model)?;
-        let planner = Planner::Receding { prepared, handles, systems: Some(systems) };
+        let planner = Planner::Receding { prepared, passed: 0, handles, systems: Some(systems) };
         Ok(RecedingHorizon::of(planner, system))
     }
 
@@ -164,8 +164,12 @@ impl<'a> RecedingHorizon<'a> {
         }
         let handles = Handles::of_model(measured, states, inputs);
         check_moves(model)?;
-        let planner =
-            Planner::Receding { prepared: solver.prepare(model)?, handles, systems: None };
+        let planner = Planner::Receding {
+            prepared: solver.prepare(model)?,
+            passed: 0,
+            handles,
+            systems: None,
+        };
         Ok(RecedingHorizon::of(planner, None))
     }
 

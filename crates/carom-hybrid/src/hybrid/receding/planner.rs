@@ -21,6 +21,8 @@ pub(super) enum Planner<'a> {
     /// One program for all steps.
     Receding {
         prepared: Box<dyn Prepared + 'a>,
+        /// The steps since its last solve.
+        passed: usize,
         handles: Handles,
         systems: Option<Arc<ProgramSystems>>,
     },
@@ -242,7 +244,7 @@ impl Planner<'_> {
     /// A step passes.
     pub(super) fn shift(&mut self) {
         match self {
-            Planner::Receding { prepared, .. } => prepared.shift(),
+            Planner::Receding { passed, .. } => *passed += 1,
             Planner::Built { clock, last, .. } => {
                 last.shift();
                 match clock {
@@ -328,13 +330,13 @@ impl Planner<'_> {
             _ => None,
         };
         match self {
-            Planner::Receding { prepared, handles, systems } => {
+            Planner::Receding { prepared, handles, systems, passed } => {
                 if question.budget.is_some() {
                     prepared.options_mut().time_limit = question.budget;
                 }
                 let mut values = handles.values(question);
                 values.extend(question.parameters);
-                let mut control = Control::default();
+                let mut control = Control::default().with_steps_passed(std::mem::take(passed));
                 if let Some(start) = &start {
                     control = control.with_start(start);
                 }

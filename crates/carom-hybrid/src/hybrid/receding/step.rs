@@ -123,10 +123,9 @@ pub struct ControlMove {
     pub memory: Memory,
     /// The cost of the plan.
     pub objective: Option<f64>,
-    /// The proved bound on the cost of any plan, in the model's own sense; NaN if nothing was
-    /// solved.
-    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
-    pub bound: f64,
+    /// The proved bound on the cost of any plan, in the model's own sense; `None` if nothing is
+    /// proved.
+    pub bound: Option<f64>,
     /// By how much softened limits are exceeded, if that is reported.
     pub excess: Option<f64>,
     /// Why there is no plan, if there is none.
@@ -184,7 +183,7 @@ impl ControlMove {
             events: plan.events,
             memory: Memory::default(),
             objective: None,
-            bound: f64::NAN,
+            bound: None,
             excess: None,
             reason: None,
             nodes: 0,
@@ -204,7 +203,7 @@ impl ControlMove {
     /// Takes in the figures of a solve.
     pub(super) fn count(&mut self, solution: &Solution) {
         let statistics = solution.statistics();
-        self.bound = solution.bound();
+        self.bound = Some(solution.bound()).filter(|bound| bound.is_finite());
         self.nodes = statistics.nodes;
         self.relaxations = statistics.relaxations;
     }

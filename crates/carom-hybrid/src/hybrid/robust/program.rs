@@ -211,7 +211,7 @@ impl RobustProgram {
     /// value, so that no tube goes between them, the source of [`ErrorKind::NoPlan`] is
     /// [`RobustError::NoCrossing`].
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<RobustPlan, Error> {
-        self.solve_with(solver, &mut Control::default())
+        self.solve_with(&mut Control::default(), solver)
     }
 
     /// Solves the program with events, warm starts and limits, as [`solve`](RobustProgram::solve).
@@ -221,8 +221,8 @@ impl RobustProgram {
     /// Those of [`solve`](RobustProgram::solve).
     pub fn solve_with(
         &self,
-        solver: &mut dyn Solver,
         control: &mut Control<'_>,
+        solver: &mut dyn Solver,
     ) -> Result<RobustPlan, Error> {
         let solution = solver.solve_with(self.program.model(), control)?;
         self.check_crossings(&solution)?;

@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::system::{Coordinates, Measure};
 use crate::model::Variable;
 use crate::number::{DIGITS, TableColumn, rounded};
-use crate::solution::{Point, Solution};
+use crate::solution::{Point, Solution, Termination};
 
 /// Names over the steps or samples, for each choice with its name.
 pub(crate) type Named = Vec<(String, Vec<String>)>;
@@ -123,15 +123,24 @@ fn series<'a, T>(
     find(of.iter().map(|(name, _)| name.as_str()), name, kind).map(|k| &of[k].1[..])
 }
 
+/// The error for a search that ended without a plan.
+pub(crate) fn no_plan(termination: Termination) -> Error {
+    let help = match termination {
+        Termination::Infeasible => {
+            "`explain::infeasibility` says which statements of its model contradict each other; a limit that \
+             is softened may be exceeded"
+        }
+        _ => "give it more time, or a larger gap",
+    };
+    ErrorKind::NoPlan { termination: termination.to_string(), help }.into()
+}
+
 impl SystemVariables {
     /// The run of a solution.
     pub fn read(&self, solution: &Solution) -> Result<HybridRun, Error> {
         match solution.point() {
             Some(point) => self.read_point(point),
-            None => {
-                let termination = solution.termination().to_string();
-                Err(ErrorKind::NoPoint { termination }.into())
-            }
+            None => Err(no_plan(solution.termination())),
         }
     }
 

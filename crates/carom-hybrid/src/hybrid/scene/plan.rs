@@ -252,11 +252,11 @@ impl SceneProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because
+    /// [`ErrorKind::NoPlan`] if the solver ends without a plan, because there is none or because
     /// it was stopped; [`SceneError::Replay`] for a plan that is not what the scene does; errors of
     /// the solver.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<ScenePlan, Error> {
-        self.solve_with(solver, &mut Control::default())
+        self.solve_with(&mut Control::default(), solver)
     }
 
     /// Solves the program with events, warm starts and limits, as [`solve`](SceneProgram::solve).
@@ -266,8 +266,8 @@ impl SceneProgram {
     /// Those of [`solve`](SceneProgram::solve).
     pub fn solve_with(
         &self,
-        solver: &mut dyn Solver,
         control: &mut Control<'_>,
+        solver: &mut dyn Solver,
     ) -> Result<ScenePlan, Error> {
         let solution = solver.solve_with(self.model(), control)?;
         self.plan_by(&solution, solver)
