@@ -117,11 +117,10 @@ fn run(
             model.set_parameter(parameter, value)?;
         }
         let (one, first) = timed(|| cold.solve_with(&model, &mut control()))?;
-        let (two, second) = timed(|| prepared.solve(&values, &mut control()))?;
+        let (two, second) = timed(|| prepared.solve(&values, &mut control().with_steps_passed(1)))?;
         if interrupt.is_triggered() {
             break;
         }
-        prepared.shift();
         efforts.push([first, second]);
         if each {
             println!("{step:>3} {state:.3?} from nothing {first:?}, warm {second:?}");

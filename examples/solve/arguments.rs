@@ -148,12 +148,12 @@ fn values(words: &mut Peekable<impl Iterator<Item = String>>) -> Values {
 fn leave_out(options: &mut Options, part: &str) -> Result<(), String> {
     match part {
         "presolve" => *options = options.clone().with_presolve(false),
-        "reductions" => options.reductions = false,
-        "disjunctive-tightening" => options.disjunctive_tightening = false,
-        "big-m-tightening" => options.big_m_tightening = false,
-        "probing" => options.probing = false,
+        "reductions" => options.parts_mut().reductions = false,
+        "disjunctive-tightening" => options.parts_mut().disjunctive_tightening = false,
+        "big-m-tightening" => options.parts_mut().big_m_tightening = false,
+        "probing" => options.parts_mut().probing = false,
         "cuts" => options.cuts = false,
-        "blocks" => options.blocks = false,
+        "blocks" => options.parts_mut().blocks = false,
         part => switch(&mut options.heuristics, part, false)?,
     }
     Ok(())

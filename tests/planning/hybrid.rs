@@ -1,5 +1,6 @@
 //! Linear steps, contact laws as text and as implications, the shortest horizon.
 
+use carom_hybrid::internals::HasParts;
 use std::cell::RefCell;
 use std::time::Duration;
 
@@ -255,7 +256,7 @@ fn the_literal_law_reads_like_the_paper() {
 impl OneStep {
     /// Whether the model allows a step; the auxiliary variables take their only values.
     fn allows(&self, x: f64, v: f64, a: f64, next_x: f64, next_v: f64, hits: bool) -> bool {
-        let transitions = &self.program.system().choices[0].transitions;
+        let transitions = &self.program.system().parts().choices[0].transitions;
         let taken = transitions[usize::from(hits)].name.clone();
         let mut run = HybridRun::default();
         run.states = vec![("x".into(), vec![x, next_x]), ("v".into(), vec![v, next_v])];

@@ -54,7 +54,7 @@ fn no_wrong_answer_in_unusual_ways() {
         ways.push(Options::default().with_relaxation(relaxation));
     }
     let mut without_probing = Options::default();
-    without_probing.probing = false;
+    without_probing.parts_mut().probing = false;
     ways.push(without_probing);
     ways.push(Options::precise());
     for seed in 0..60 {
@@ -319,7 +319,8 @@ fn prepared_solves_with_cones_are_those_from_nothing() {
             let truth = truth(&case, 0.0);
             model.set_parameter(variables[parameter], value).unwrap();
             let at = [(variables[parameter], value)];
-            let warm = prepared.solve(&at, &mut Control::default()).unwrap();
+            let mut control = Control::default().with_steps_passed(1);
+            let warm = prepared.solve(&at, &mut control).unwrap();
             let nothing = cold.solve(&model).unwrap();
             for solution in [&warm, &nothing] {
                 let verdict = judge(&case, &variables, cold.options(), solution, &truth);
@@ -334,7 +335,6 @@ fn prepared_solves_with_cones_are_those_from_nothing() {
                     "seed {seed} at {value}: {a} {b}"
                 );
             }
-            prepared.shift();
         }
     }
     assert!(sequences > 40, "{sequences} sequences");

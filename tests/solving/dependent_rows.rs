@@ -10,7 +10,7 @@ fn assert_solved(text: &str, objective: f64) {
     let model = lp::read(text).expect("a model").model;
     for reductions in [true, false] {
         let mut options = Options::default();
-        options.reductions = reductions;
+        options.parts_mut().reductions = reductions;
         let solution = BranchAndBound::new(options).solve(&model).expect("an answer");
         assert!(solution.is_optimal(), "{}", solution.termination());
         assert!((solution.objective().unwrap() - objective).abs() < 1e-6);
@@ -69,7 +69,7 @@ proptest! {
         model.minimize(z.iter().map(|z| 1.0 * z).sum::<Affine>()).unwrap();
         let found = [true, false].map(|reductions| {
             let mut options = Options::default();
-            options.reductions = reductions;
+            options.parts_mut().reductions = reductions;
             BranchAndBound::new(options).solve(&model).unwrap()
         });
         for solution in &found {

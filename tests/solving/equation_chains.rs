@@ -210,7 +210,7 @@ fn shuffle<T>(r: &mut Random, items: &mut [T]) {
 fn ways() -> [Options; 3] {
     let plain = Options::default().with_presolve(false);
     let mut leaves = Options::default();
-    leaves.keep_leaves = true;
+    leaves.parts_mut().keep_leaves = true;
     [Options::default(), plain, leaves]
 }
 
@@ -238,7 +238,7 @@ pub(crate) fn judge_free(seed: u64) -> Result<bool, String> {
                 solution.objective(),
                 solution.bound(),
                 double(&run[k][i]),
-                options.reductions,
+                options.parts().reductions,
                 lp::write(&model).unwrap_or_default()
             ))
         };
@@ -351,7 +351,7 @@ pub(crate) fn judge_driven(seed: u64) -> Result<bool, String> {
     let best = best.map(|best| if maximize { best } else { best.max(goal.unwrap_or(-far)) });
     let mut is_solved = true;
     for options in ways() {
-        let reductions = options.reductions;
+        let reductions = options.parts().reductions;
         let solution = BranchAndBound::new(options).solve(&model).map_err(|e| e.to_string())?;
         let fail = |what: &str| {
             Err(format!(

@@ -9,7 +9,7 @@ use carom::solver::PoolMode;
 fn answers(text: &str) -> Vec<Solution> {
     let model = lp::read(text).expect("a model").model;
     let mut without = Options::default();
-    without.reductions = false;
+    without.parts_mut().reductions = false;
     let options = [
         Options::default(),
         without.clone(),

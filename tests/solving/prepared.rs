@@ -146,7 +146,7 @@ fn options_change_between_solves_and_pools_are_complete() {
     let pooled = prepared.solve(&at, &mut Control::default()).unwrap();
     agree(&plain, &pooled);
     prepared.options_mut().pool = 1;
-    prepared.options_mut().reductions = false;
+    prepared.options_mut().parts_mut().reductions = false;
     agree(&plain, &prepared.solve(&at, &mut Control::default()).unwrap());
     prepared.options_mut().node_limit = Some(0);
     let stopped = prepared.solve(&at, &mut Control::default()).unwrap();

@@ -144,7 +144,7 @@ impl Path {
             Path::Usual => {}
             Path::WithoutPresolve => options = options.with_presolve(false),
             Path::Pool => options = options.with_pool(2, PoolMode::Found),
-            Path::Leaves => options.keep_leaves = true,
+            Path::Leaves => options.parts_mut().keep_leaves = true,
             Path::LatestFirst => {
                 (options.branching, options.threads) = (BranchingRule::LatestFirst, 2);
             }

@@ -7,6 +7,7 @@ use carom::hybrid::{
 };
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
@@ -239,7 +240,10 @@ fn waiting_is_free_only_with_an_argument() {
     assert!(!why(&elevator.clone().with_limit(push), &rest(0.0), &rest(12.0)).is_monotone());
     // Only events hold it, and they are limited.
     let mut events = elevator.with_most_events(3);
-    events.choices[0].transitions.iter_mut().for_each(|transition| transition.is_event = true);
+    events.parts_mut().choices[0]
+        .transitions
+        .iter_mut()
+        .for_each(|transition| transition.is_event = true);
     assert!(!why(&events, &rest(0.0), &rest(12.0)).is_monotone());
 }
 

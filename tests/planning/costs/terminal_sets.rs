@@ -5,6 +5,7 @@ use carom::hybrid::{
 };
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
@@ -220,12 +221,12 @@ fn the_mode_is_part_of_the_set() {
         TerminalSet::new(system, &[transition], &lqr, &[12.0], &options, solver)
     };
     let set = build(&system, "heat").unwrap();
-    assert_eq!(set.region.modes, [("heater".to_owned(), "on".to_owned())]);
+    assert_eq!(*set.region.parts().modes, [("heater".to_owned(), "on".to_owned())]);
     assert!((set.input[0] - 2.0).abs() < 1e-9);
     for (transition, heater) in [("start", heater.clone()), ("heat", heater.with_dwell("on", 1, 5))]
     {
         let mut system = system.clone();
-        system.choices = vec![heater];
+        *system.parts_mut().choices = vec![heater];
         let error = reason(&build(&system, transition).unwrap_err());
         assert!(matches!(error, TerminalError::CannotStay { .. }), "{error}");
     }

@@ -7,6 +7,7 @@ use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{ContactLaw, HybridSystem, LinearSystem, Matrix, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::Transition;
 use proptest::prelude::*;
 
@@ -134,20 +135,20 @@ fn the_report_says_what_was_done_and_why() {
     let zeta = program.contact.clone().unwrap();
     let open: Vec<usize> = (0..48).filter(|&t| tube.is_possible(t, 1)).collect();
     assert_eq!(report.open, open.len());
-    assert_eq!(report.fixed.len(), 48 - open.len());
-    for change in &report.fixed {
+    assert_eq!(report.parts().fixed.len(), 48 - open.len());
+    for change in report.parts().fixed {
         assert_eq!((change.variable, change.to.upper), (zeta[change.step], 0.0));
         assert_eq!(change.reason, Reason::Impossible(1));
     }
-    assert!(report.tightened.iter().any(|change| change.reason == Reason::Tube));
-    assert!(report.tightened.iter().any(|change| change.name.family() == "impact_speed"));
+    assert!(report.parts().tightened.iter().any(|change| change.reason == Reason::Tube));
+    assert!(report.parts().tightened.iter().any(|change| change.name.family() == "impact_speed"));
     assert_eq!(report.rows.len(), 1);
     assert_eq!((tube.fewest_events(), tube.most_events()), (Some(1), Some(2)));
     let text = format!(
         "48 steps: {} binaries fixed, {} open, {} bounds tightened, 1 rows added",
-        report.fixed.len(),
+        report.parts().fixed.len(),
         open.len(),
-        report.tightened.len()
+        report.parts().tightened.len()
     );
     assert_eq!(report.to_string(), text);
 
@@ -155,7 +156,7 @@ fn the_report_says_what_was_done_and_why() {
     let mut plain = scenario.program(48, Objective::Feasibility).unwrap();
     let variables = plain.program().variables().horizon_variables().with_event_row(false);
     let without = tube.tighten(plain.model_mut(), &variables).unwrap();
-    assert_eq!((without.rows.len(), without.fixed.len()), (0, report.fixed.len()));
+    assert_eq!((without.rows.len(), without.parts().fixed.len()), (0, report.parts().fixed.len()));
 
     // The tightened program has a plan, and its automatic big-Ms are those of its steps.
     let solution = BranchAndBound::default().solve(program.model()).unwrap();
@@ -185,7 +186,7 @@ fn modes_that_are_no_events_need_no_row() {
     let variables = HorizonVariables::new([x]).with_transition(1, second);
     let report = tube.tighten(&mut model, &variables).unwrap();
     assert_eq!((report.open, report.rows.len(), tube.fewest_events()), (5, 0, Some(0)));
-    assert!(!report.tightened.is_empty());
+    assert!(!report.parts().tightened.is_empty());
 }
 
 #[test]

@@ -6,6 +6,7 @@ use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Region};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::{Halfspace, Transition};
 
 fn push() -> HybridSystem {
@@ -39,13 +40,13 @@ fn systems_whose_parts_do_not_fit() {
         "the flow of a transition has shape 2x1; expected 2 states and 2 inputs"
     );
     let mut open = push();
-    open.states[1].1.upper = f64::INFINITY;
+    open.parts_mut().states[1].1.upper = f64::INFINITY;
     assert_eq!(refused(open), "the upper limit of `v` is inf; give a finite number");
     let mut crossed = push();
-    crossed.inputs[0].1 = Interval::new(1.0, -1.0).into();
+    crossed.parts_mut().inputs[0].1 = Interval::new(1.0, -1.0).into();
     assert_eq!(refused(crossed), "bounds of `a` are crossed: 1 > -1; swap or relax them");
     let mut huge = push();
-    huge.states[0].1.upper = 1e20;
+    huge.parts_mut().states[0].1.upper = 1e20;
     assert_eq!(
         refused(huge),
         "a limit of `x` is 100000000000000000000; it must be below 1e20 in magnitude"
@@ -187,7 +188,7 @@ fn programs_that_do_not_fit_the_tube() {
 #[test]
 fn states_too_large_to_compute_with() {
     let mut wide = push();
-    wide.states[0].1 = Interval::new(-1e308, 1e308);
+    wide.parts_mut().states[0].1 = Interval::new(-1e308, 1e308);
     let text = |system: &HybridSystem| {
         ReachSets::new(system, REST, REST, SetOptions::default()).unwrap_err().to_string()
     };
@@ -196,7 +197,7 @@ fn states_too_large_to_compute_with() {
         LinearSystem::new(Matrix::from_fn(2, 2, |_, _| 1e100), Matrix::zeros(2, 1), vec![0.0; 2]);
     let steep = push().with_transition(Transition::new("leap", flow.unwrap()));
     assert!(text(&steep).starts_with("an entry of the flow of `leap` is 1"), "{}", text(&steep));
-    wide.states[0].1 = Interval::new(-9e19, 9e19);
+    wide.parts_mut().states[0].1 = Interval::new(-9e19, 9e19);
     let mut sets = ReachSets::new(&wide, REST, REST, SetOptions::default()).unwrap();
     assert!(!sets.tube(30).unwrap().is_empty());
 }

@@ -5,6 +5,7 @@ use carom::collision_tolerant::{Endpoint, Scenario};
 use carom::hybrid::{Feedback, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 
 use super::{Draw, cases};
 
@@ -13,7 +14,7 @@ fn a_start_that_is_known_is_the_robust_program() -> Result<(), Error> {
     for case in [0, 2, 3] {
         let program = cases::program(case, 0.5)?;
         let feedback = Feedback::regulator(program.system())?;
-        let x = program.system().state_named(&program.system().states[0].0)?;
+        let x = program.system().state_named(&program.system().parts().states[0].0)?;
         let (plain, zero) =
             (program.robust(&feedback)?, program.robust_from(&feedback, [(x, 0.0..=0.0)])?);
         assert_eq!(plain.program().model().to_string(), zero.program().model().to_string());
@@ -29,7 +30,8 @@ fn every_start_of_a_box_keeps_the_plan() -> Result<(), Error> {
         let program = cases::program(case, 0.2)?;
         let feedback = Feedback::regulator(program.system())?;
         let system = program.system().clone();
-        let names: Vec<String> = system.states.iter().map(|(name, _)| name.clone()).collect();
+        let names: Vec<String> =
+            system.parts().states.iter().map(|(name, _)| name.clone()).collect();
         let mut start = Vec::new();
         for name in &names {
             let half = draw.within(0.002, 0.01);

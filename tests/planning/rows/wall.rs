@@ -5,6 +5,7 @@ use carom::hybrid::{Contact, HybridSystem, LinearSystem, Restitution, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::reformulate;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::SystemVariables;
 
 const TIME_STEP: f64 = 0.1;
@@ -139,7 +140,7 @@ fn relaxations_are_never_weaker_than_by_hand() {
 fn a_limit_on_the_impact_speed_can_be_blamed() {
     let [flight, impact] = contact(0.5).transitions(TIME_STEP, Some(2.0)).unwrap();
     let mut limited = system(0.5);
-    limited.choices.clear();
+    limited.parts_mut().choices.clear();
     let limited = limited.with_transition(flight).with_transition(impact);
     let mut model = Model::new("limited");
     let program = limited.write(&mut model, "", 1).unwrap();
@@ -180,7 +181,7 @@ fn a_tube_tightens_the_rows() {
         0.0
     );
     for family in ["impact_speed", "change_x"] {
-        assert!(report.tightened.iter().any(|change| change.name.family() == family));
+        assert!(report.parts().tightened.iter().any(|change| change.name.family() == family));
     }
     let solution = BranchAndBound::default().solve(&model).unwrap();
     assert!((solution.objective().unwrap() - before).abs() < 1e-4);

@@ -1,6 +1,7 @@
 //! Starts and goals against the limits of their bodies, half-spaces of regions, ties at surfaces,
 //! explanations that name what is in the way.
 
+use carom_hybrid::internals::HasParts;
 use std::time::Duration;
 
 use carom::ErrorKind;
@@ -108,7 +109,7 @@ fn bodies_in_the_plane_meet_along_four_normals_or_eight() {
         let other = scene.body(other.with_shape(second)).unwrap();
         scene.pair(puck, other, Surface::avoid()).unwrap();
         let system = scene.hybrid_system().unwrap();
-        system.choices[0].transitions.len()
+        system.parts().choices[0].transitions.len()
     };
     let square = || Shape::Box(vec![0.1, 0.1]);
     assert_eq!(normals(Shape::Point, square()), 4);

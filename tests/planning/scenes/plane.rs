@@ -6,6 +6,7 @@ use carom::hybrid::scene::{
 use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 
 fn bounce(e: f64) -> Surface {
     Surface::bounce(Restitution::new(e).unwrap())
@@ -138,7 +139,7 @@ fn sets_know_how_many_hits_of_two_bodies_are_allowed() {
         // Without sets and without an eye on the number of hits, it takes some hundred nodes.
         assert!(found.nodes() <= 120, "{} nodes", found.nodes());
         assert_eq!((found.steps, found.refuted_steps), (Some(11), Some(10)));
-        found.sets.unwrap().system().most_events
+        *found.sets.unwrap().system().parts().most_events
     };
     assert_eq!(known(None), None);
     assert_eq!(known(Some(1)), Some(1));

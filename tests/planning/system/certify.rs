@@ -1,5 +1,6 @@
 //! Certificates of runs: what is simulated agrees, and one wrong number or name does not.
 
+use carom_hybrid::internals::HasParts;
 use std::error::Error as _;
 
 use carom::hybrid::{Condition, Contact, HybridRun, HybridSystem, Restitution, RunError, Wall};
@@ -94,9 +95,9 @@ proptest! {
         let simulation = system.simulate_with(&start, &inputs, &first).unwrap();
         prop_assume!(!simulation.steps.is_empty());
         let mut run = simulation.to_run();
-        let c = usize::from(place[0]) % system.choices.len();
+        let c = usize::from(place[0]) % system.parts().choices.len();
         let t = usize::from(place[1]) % simulation.steps.len();
-        let transitions = &system.choices[c].transitions;
+        let transitions = &system.parts().choices[c].transitions;
         let other = &transitions[usize::from(place[2]) % transitions.len()].name;
         prop_assume!(run.transitions[c].1[t] != *other);
         run.transitions[c].1[t].clone_from(other);
@@ -140,7 +141,7 @@ proptest! {
         prop_assume!(solution.point().is_some());
         let (run, certificate) = program.certified(&solution).unwrap();
         prop_assert!(certificate.largest_residual <= 1e-6);
-        prop_assert_eq!(run.transitions.len(), system.choices.len());
+        prop_assert_eq!(run.transitions.len(), system.parts().choices.len());
     }
 }
 
@@ -180,7 +181,7 @@ fn what_is_wrong_is_named() {
     assert_eq!(condition, Condition::MostEvents);
 
     let mut narrow = wall();
-    narrow.states[0].1 = Interval::new(0.0, 0.9);
+    narrow.parts_mut().states[0].1 = Interval::new(0.0, 0.9);
     let RunError::Sample { sample: 0, condition, .. } = refusal(&narrow, &run) else { panic!() };
     assert_eq!(condition, Condition::Domain { state: "x".into() });
 
@@ -225,6 +226,6 @@ fn solutions_are_certified() {
     let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.6).unwrap());
     let [flight, impact] = contact.transitions(0.1, None).unwrap();
     let mut other = system;
-    other.choices[0].transitions = vec![flight, impact];
+    other.parts_mut().choices[0].transitions = vec![flight, impact];
     assert!(matches!(refusal(&other, &run), RunError::State { .. }));
 }

@@ -7,6 +7,7 @@ use carom::hybrid::{
 };
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 use proptest::prelude::*;
 
 use crate::common::config;
@@ -24,8 +25,8 @@ fn folded() -> MixedLogicalDynamical {
 #[test]
 fn products_are_eliminated() {
     let system = HybridSystem::mixed_logical_dynamical(1.0, &folded()).unwrap();
-    assert_eq!((system.inputs.len(), system.choices[0].transitions.len()), (1, 2));
-    for transition in &system.choices[0].transitions {
+    assert_eq!((system.parts().inputs.len(), system.parts().choices[0].transitions.len()), (1, 2));
+    for transition in &system.parts().choices[0].transitions {
         let sign = if transition.name == "1" { 1.0 } else { -1.0 };
         assert!((transition.flow.a()[(0, 0)] - 0.8 * sign).abs() < 1e-12);
         assert_eq!(transition.guards.len(), 1);
@@ -48,7 +49,7 @@ fn free_auxiliaries_become_inputs() {
         .with_binaries(1, [[0.0]], [[-2.0], [0.0]])
         .with_auxiliaries([Interval::new(0.0, 3.0)], [[1.0]], [[1.0], [-1.0]]);
     let system = HybridSystem::mixed_logical_dynamical(1.0, &mld).unwrap();
-    assert_eq!(system.inputs[0].0, "z0");
+    assert_eq!(system.parts().inputs[0].0, "z0");
     let run = system.simulate(&[1.0], &[[2.0]]).unwrap();
     assert_eq!((run.taken(), run.last()), (vec![vec!["1".to_owned()]], &[2.5][..]));
     assert!(!system.simulate(&[1.0], &[[2.5]]).unwrap().is_complete());
@@ -120,10 +121,11 @@ fn combinations_that_contradict_are_left_out() {
         HybridSystem::mixed_logical_dynamical(1.0, &mld)
     };
     let one = system([1.0, -1.0, 0.0, 0.0]).unwrap();
-    let mut names: Vec<&str> = one.choices[0].transitions.iter().map(|t| t.name.as_str()).collect();
+    let mut names: Vec<&str> =
+        one.parts().choices[0].transitions.iter().map(|t| t.name.as_str()).collect();
     names.sort_unstable();
     assert_eq!(names, ["0010", "0100", "1001"]);
-    assert!(one.choices[0].transitions.iter().all(|t| t.guards.is_empty()));
+    assert!(one.parts().choices[0].transitions.iter().all(|t| t.guards.is_empty()));
     let error = system([1.0, -2.0, 0.0, 0.0]).unwrap_err();
     assert!(error.to_string().contains("the inequalities contradict each other"), "{error}");
 
@@ -189,7 +191,7 @@ proptest! {
                 column(&|i, j| rows[i].1[j], 2),
             );
         let mld = HybridSystem::mixed_logical_dynamical(1.0, &mld).unwrap();
-        prop_assert_eq!((mld.choices[0].transitions.len(), mld.inputs.len()), (3, 1));
+        prop_assert_eq!((mld.parts().choices[0].transitions.len(), mld.parts().inputs.len()), (3, 1));
         let inputs: Vec<[f64; 1]> = inputs.into_iter().map(|u| [u]).collect();
         let (a, b) = (pieces.simulate(&[start], &inputs), mld.simulate(&[start], &inputs));
         let (a, b) = (a.unwrap().states, b.unwrap().states);

@@ -4,6 +4,7 @@
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, MixedLogicalDynamical};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::SystemVariables;
 
 /// The least cost, of a plan that is certified.
@@ -177,9 +178,10 @@ fn car() -> HybridSystem {
 #[test]
 fn a_car_with_three_gears() {
     let car = car();
-    let mut names: Vec<&str> = car.choices[0].transitions.iter().map(|t| t.name.as_str()).collect();
+    let mut names: Vec<&str> =
+        car.parts().choices[0].transitions.iter().map(|t| t.name.as_str()).collect();
     names.sort_unstable();
-    assert_eq!((names, car.inputs.len()), (vec!["000", "100", "110", "111"], 1));
+    assert_eq!((names, car.parts().inputs.len()), (vec!["000", "100", "110", "111"], 1));
     let cost = |model: &mut Model, program: &SystemVariables| -> Quadratic {
         let (v, u) = (&program.states()[0], &program.inputs()[0]);
         let reference = 1.2 * 28.8575;

@@ -2,6 +2,7 @@
 
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, SimulationOptions};
 use carom::interval::Interval;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
@@ -190,6 +191,7 @@ pub(crate) fn follow_wishes(
     let options = |plan: &[Vec<String>]| first.clone().with_transitions(plan.to_vec());
     for (t, (_, wish)) in wishes.1.iter().enumerate() {
         let names = system
+            .parts()
             .choices
             .iter()
             .zip(wish)

@@ -3,6 +3,7 @@
 use carom::hybrid::{Contact, HybridSystem, IllPosedness, LinearSystem, Restitution, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 use carom_hybrid::internals::{Choice, Halfspace, Transition};
 use proptest::prelude::*;
 
@@ -57,7 +58,7 @@ fn the_wall_has_a_gap_and_ends_at_full_speed() {
         assert_eq!(run.dead_end.unwrap().step(), 0);
     }
     let mut declared = wall(0.5);
-    declared.choices[0] = declared.choices[0].clone().with_dead_ends(true);
+    declared.parts_mut().choices[0] = declared.parts().choices[0].clone().with_dead_ends(true);
     assert_eq!(findings(&declared), [""; 0]);
 }
 
@@ -133,8 +134,9 @@ fn a_flipped_sign_a_gap_and_an_overlap_are_named() {
 fn resets_that_leave_the_domain_are_dead_ends() {
     // The sign of the reset's position is wrong: it ends behind the wall.
     let mut wrong = wall(0.5);
-    let impact = wrong.choices[0].transitions[1].clone();
-    wrong.choices[0].transitions[1] = impact.with_reset([[0.5, 0.0], [0.0, -0.5]], [0.0, 0.0]);
+    let impact = wrong.parts().choices[0].transitions[1].clone();
+    wrong.parts_mut().choices[0].transitions[1] =
+        impact.with_reset([[0.5, 0.0], [0.0, -0.5]], [0.0, 0.0]);
     let wrong = wrong.with_limit(Halfspace::new("towards the wall", [0.0, 1.0], 0.0));
     assert_eq!(findings(&wrong), ["gap mode -", "stuck "]);
     let flaws = wrong.well_posedness(&mut BranchAndBound::default()).unwrap();
@@ -200,7 +202,7 @@ fn states_without_a_way_to_stay_are_named() {
     assert_eq!(findings(&drifting(1.0)), ["stuck off"]);
     assert_eq!(findings(&drifting(0.2)), ["stuck off", "stuck on"]);
     let mut declared = drifting(1.0);
-    declared.choices[1].may_end = true;
+    declared.parts_mut().choices[1].may_end = true;
     assert_eq!(findings(&declared), [""; 0]);
 }
 

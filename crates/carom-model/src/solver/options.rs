@@ -81,40 +81,11 @@ pub struct Options {
     /// How much worse than the best point a point of the pool may be, relative to the magnitude of
     /// the best objective (no unit, `>= 0`). Default none, which allows any point.
     pub pool_gap: Option<f64>,
-    /// Whether to keep the leaves of the tree in
-    /// [`Solution::leaves`](crate::solution::Solution::leaves): boxes that cover all assignments of
-    /// the integers, with a proved bound each; default off.
-    #[doc(hidden)]
-    pub keep_leaves: bool,
     /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
     /// Which method solves the relaxations of the search; default
     /// [`RelaxationMethod::Automatic`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
-    /// Whether presolve reduces the program before the search: its rules remove rows and columns,
-    /// tighten bounds and shrink coefficients; default on. Not used if leaves are kept, because
-    /// these refer to the original columns. For the best points, with a MIP start and with lazy
-    /// constraints, only rules are used that keep all assignments of the integers. MIP starts are
-    /// mapped through it.
-    #[doc(hidden)]
-    pub reductions: bool,
-    /// Whether presolve tightens bounds by propagating every case of a covering row
-    /// `z_1 + ... + z_k >= 1` (constructive disjunction); default on. Left
-    /// out if leaves are kept.
-    #[doc(hidden)]
-    pub disjunctive_tightening: bool,
-    /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on.
-    /// Left out if leaves are kept.
-    #[doc(hidden)]
-    pub big_m_tightening: bool,
-    /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
-    /// the nodes, to exclude values before a relaxation is solved; default on.
-    #[doc(hidden)]
-    pub probing: bool,
-    /// Whether parts of the program without a common row are searched one after the other; default
-    /// on. Not used without presolve, for pools and leaves, or with a MIP start.
-    #[doc(hidden)]
-    pub blocks: bool,
     /// Whether the root relaxation is made tighter if that improves its bound: by cuts, and by
     /// perspectives of squares that binaries switch off; default on. Left out if
     /// leaves are kept.
@@ -124,6 +95,52 @@ pub struct Options {
     /// Where a solve writes its proof; default none, which writes none. See
     /// [`with_proof`](Options::with_proof).
     pub proof: Option<PathBuf>,
+    /// What is done beside the search, for tests and ablations.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub(crate) parts: SearchParts,
+}
+
+/// What a solve does beside the search, or leaves out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct SearchParts {
+    /// Whether to keep the leaves of the tree in
+    /// [`Solution::leaves`](crate::solution::Solution::leaves): boxes that cover all assignments of
+    /// the integers, with a proved bound each; default off.
+    pub keep_leaves: bool,
+    /// Whether presolve reduces the program before the search: its rules remove rows and columns,
+    /// tighten bounds and shrink coefficients; default on. Not used if leaves are kept, because
+    /// these refer to the original columns. For the best points, with a MIP start and with lazy
+    /// constraints, only rules are used that keep all assignments of the integers. MIP starts are
+    /// mapped through it.
+    pub reductions: bool,
+    /// Whether presolve tightens bounds by propagating every case of a covering row
+    /// `z_1 + ... + z_k >= 1` (constructive disjunction); default on. Left
+    /// out if leaves are kept.
+    pub disjunctive_tightening: bool,
+    /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on.
+    /// Left out if leaves are kept.
+    pub big_m_tightening: bool,
+    /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
+    /// the nodes, to exclude values before a relaxation is solved; default on.
+    pub probing: bool,
+    /// Whether parts of the program without a common row are searched one after the other; default
+    /// on. Not used without presolve, for pools and leaves, or with a MIP start.
+    pub blocks: bool,
+}
+
+impl Default for SearchParts {
+    fn default() -> Self {
+        SearchParts {
+            keep_leaves: false,
+            reductions: true,
+            disjunctive_tightening: true,
+            big_m_tightening: true,
+            probing: true,
+            blocks: true,
+        }
+    }
 }
 
 /// Which points a pool holds.
@@ -153,17 +170,12 @@ impl Default for Options {
             pool: 1,
             pool_mode: PoolMode::Found,
             pool_gap: None,
-            keep_leaves: false,
             branching: BranchingRule::Automatic,
             relaxation: RelaxationMethod::Automatic,
-            reductions: true,
-            disjunctive_tightening: true,
-            big_m_tightening: true,
-            probing: true,
-            blocks: true,
             cuts: true,
             heuristics: Heuristics::default(),
             proof: None,
+            parts: SearchParts::default(),
         }
     }
 }
@@ -199,7 +211,7 @@ impl Options {
             pool: 1,
             pool_mode: PoolMode::Found,
             pool_gap: None,
-            keep_leaves: false,
+            parts: SearchParts { keep_leaves: false, ..self.parts },
             heuristics: self.heuristics.nested(),
             proof: None,
             ..self.clone()
@@ -225,6 +237,20 @@ impl Options {
         with_deterministic(deterministic: bool) => deterministic = deterministic;
     }
 
+    /// What a solve does beside the search.
+    #[doc(hidden)]
+    #[inline]
+    pub fn parts(&self) -> &SearchParts {
+        &self.parts
+    }
+
+    /// What a solve does beside the search, for changes.
+    #[doc(hidden)]
+    #[inline]
+    pub fn parts_mut(&mut self) -> &mut SearchParts {
+        &mut self.parts
+    }
+
     /// Whether a solve may be stopped by a limit of time or nodes.
     #[doc(hidden)]
     #[inline]
@@ -243,21 +269,21 @@ impl Options {
         /// Keeps only points within a relative gap of the best one.
         with_pool_gap(gap: f64) => pool_gap = Some(gap);
         #[doc(hidden)]
-        with_leaves(keep: bool) => keep_leaves = keep;
+        with_leaves(keep: bool) => parts.keep_leaves = keep;
         /// Sets the branching rule.
         with_branching(rule: BranchingRule) => branching = rule;
         /// Sets the method that solves the relaxations.
         with_relaxation(method: RelaxationMethod) => relaxation = method;
         #[doc(hidden)]
-        with_reductions(reductions: bool) => reductions = reductions;
+        with_reductions(reductions: bool) => parts.reductions = reductions;
         #[doc(hidden)]
-        with_disjunctive_tightening(tightening: bool) => disjunctive_tightening = tightening;
+        with_disjunctive_tightening(tightening: bool) => parts.disjunctive_tightening = tightening;
         #[doc(hidden)]
-        with_big_m_tightening(tightening: bool) => big_m_tightening = tightening;
+        with_big_m_tightening(tightening: bool) => parts.big_m_tightening = tightening;
         #[doc(hidden)]
-        with_probing(probing: bool) => probing = probing;
+        with_probing(probing: bool) => parts.probing = probing;
         #[doc(hidden)]
-        with_blocks(blocks: bool) => blocks = blocks;
+        with_blocks(blocks: bool) => parts.blocks = blocks;
         /// Sets whether cuts are added to the root relaxation.
         with_cuts(cuts: bool) => cuts = cuts;
         /// Sets the primal heuristics.
@@ -293,9 +319,9 @@ impl Options {
     /// and with lazy constraints it is left to rules that keep all assignments of the integers.
     #[must_use]
     pub fn with_presolve(mut self, presolve: bool) -> Self {
-        self.reductions = presolve;
-        self.disjunctive_tightening = presolve;
-        self.big_m_tightening = presolve;
+        self.parts.reductions = presolve;
+        self.parts.disjunctive_tightening = presolve;
+        self.parts.big_m_tightening = presolve;
         self
     }
 

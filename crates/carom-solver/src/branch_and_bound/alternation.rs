@@ -27,7 +27,7 @@ pub(super) fn alternates(task: SolveTask<'_>) -> bool {
     program.is_feasibility_problem()
         && options.branching == BranchingRule::Automatic
         && options.pool == 1
-        && !options.keep_leaves
+        && !options.parts().keep_leaves
         && !task.judge.finds_rows()
         && program.integers.iter().any(|&j| is_binary(program, j))
 }

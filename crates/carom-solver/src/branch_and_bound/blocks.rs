@@ -111,7 +111,7 @@ pub(super) fn search_blocks(
     control: &mut Control<'_>,
 ) -> Option<SearchResult> {
     let options = task.options;
-    if !options.blocks || most < 2 || options.keep_leaves || options.pool > 1 {
+    if !options.parts().blocks || most < 2 || options.parts().keep_leaves || options.pool > 1 {
         return None;
     }
     let blocks = blocks(task.program);

@@ -28,7 +28,12 @@ impl Solve<'_> {
             model.variables().any(|v| v.semicontinuous().is_some_and(|s| !s.is_bounded()));
         let objective = model.objective();
         let is_linear = objective.products().is_empty() && !objective.affine().terms().is_empty();
-        if !is_open || !is_linear || rows.is_some() || options.pool > 1 || options.keep_leaves {
+        if !is_open
+            || !is_linear
+            || rows.is_some()
+            || options.pool > 1
+            || options.parts().keep_leaves
+        {
             return Ok(None);
         }
         let limit = options.node_limit.map_or(BOX_NODES, |limit| limit.min(BOX_NODES));

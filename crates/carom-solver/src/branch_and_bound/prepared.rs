@@ -71,7 +71,7 @@ impl<'a> PreparedProgram<'a> {
         let names: Vec<Name> = rows.model().variables().map(|v| v.name().clone()).collect();
         let lowered = LoweredProgram::new(program, Arc::new(rows.into_way_back()));
         let lowered = lowered.in_form(form);
-        let reduction = match options.reductions && !lowered.program.integers.is_empty() {
+        let reduction = match options.parts().reductions && !lowered.program.integers.is_empty() {
             true => ReducedProgram::of(options, model, &lowered, &names, &parameters)?,
             false => Reduction::Off,
         };
@@ -113,17 +113,17 @@ impl Prepared for PreparedProgram<'_> {
         let solve = Solve { model, options, token, cascades, refusals, rows: None };
         let given = control.start().map(|given| GivenStart::new(model, given));
         let start = given.as_ref().map(|given| &given.start);
-        let is_about_columns = options.pool > 1 || options.keep_leaves;
+        let is_about_columns = options.pool > 1 || options.parts().keep_leaves;
         let values = values_of(model, &self.parameters)?;
         let solved = match &mut self.reduction {
             // A proof is about the model with these values.
             _ if options.proof_path().is_some() => {
                 solve.run(&EarlierResults { start, ..EarlierResults::default() }, control)?
             }
-            Reduction::Infeasible if options.reductions => {
+            Reduction::Infeasible if options.parts().reductions => {
                 SolveResult::without_point(SearchResult::infeasible())
             }
-            Reduction::To(reduced) if options.reductions && !is_about_columns => {
+            Reduction::To(reduced) if options.parts().reductions && !is_about_columns => {
                 reduced.solve(&solve, &values, start, control)?
             }
             _ => {

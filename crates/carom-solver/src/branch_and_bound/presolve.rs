@@ -19,7 +19,7 @@ const OBJECTIVE_CHANGE: f64 = 1e-6;
 pub(super) fn rules(solve: &Solve<'_>, known: &EarlierResults<'_>) -> &'static [PresolveRule] {
     let options = solve.options;
     // Leaves are about all columns.
-    if known.is_presolved || !options.reductions || options.keep_leaves {
+    if known.is_presolved || !options.parts().reductions || options.parts().keep_leaves {
         return &[];
     }
     // Nothing that a start knows may be reduced away, rows may come that speak of all points, and

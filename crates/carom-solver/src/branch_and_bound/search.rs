@@ -66,7 +66,7 @@ pub(super) fn search_once(
         }
     }
     let task = SolveTask { program: &program, exact: Some(exact), ..task };
-    let cuts = options.cuts && !options.keep_leaves && !known.skips_cuts;
+    let cuts = options.cuts && !options.parts().keep_leaves && !known.skips_cuts;
     let cut = if cuts { cut(task, &mut root, known.start, control) } else { CutOutcome::default() };
     let program = cut.program.as_ref().unwrap_or(task.program);
     let task = SolveTask { program, root: Some(&root), ..task };

@@ -54,7 +54,7 @@ impl PreliminaryResult {
     /// Whether no search is needed, because there is a point and no other costs less.
     pub(super) fn suffices(&self, task: SolveTask<'_>) -> bool {
         let SolveTask { program, options, .. } = task;
-        let one_is_enough = options.pool == 1 && !options.keep_leaves;
+        let one_is_enough = options.pool == 1 && !options.parts().keep_leaves;
         one_is_enough && self.found.points.first().is_some_and(|x| is_cheapest(program, x))
     }
 

@@ -19,14 +19,14 @@ impl<'a> Tightened<'a> {
     /// bounds within its own.
     pub(super) fn new(program: &'a Program, options: &Options, token: &StopToken) -> Self {
         let program = tighten(program, options, token);
-        let root = Root::new(&program, token, options.probing);
+        let root = Root::new(&program, token, options.parts().probing);
         Tightened { program, root }
     }
 
     /// The program, whose bounds may have become tighter, and its root for these bounds.
     pub(super) fn within_bounds(&self, task: SolveTask<'_>) -> Tightened<'_> {
         let program = &*self.program;
-        let root = self.root.within(program, task.token, task.options.probing);
+        let root = self.root.within(program, task.token, task.options.parts().probing);
         Tightened { program: Cow::Borrowed(program), root }
     }
 
@@ -39,13 +39,13 @@ impl<'a> Tightened<'a> {
 /// of it.
 fn tighten<'a>(program: &'a Program, options: &Options, token: &StopToken) -> Cow<'a, Program> {
     let mut tight = Cow::Borrowed(program);
-    if options.keep_leaves {
+    if options.parts().keep_leaves {
         return tight;
     }
-    if options.disjunctive_tightening {
+    if options.parts().disjunctive_tightening {
         tight = tighten_by_disjunctions(&tight, token).map_or(tight, Cow::Owned);
     }
-    if options.big_m_tightening {
+    if options.parts().big_m_tightening {
         tight = tighten_big_ms(&tight, token).map_or(tight, Cow::Owned);
     }
     tight

@@ -75,7 +75,7 @@ impl ProofWriter<'_, '_> {
                 break;
             }
         }
-        let mut root = Root::new(&self.bounded(), token, options.probing);
+        let mut root = Root::new(&self.bounded(), token, options.parts().probing);
         if self.prove_bounds(&|j| root.bounds(j))? || self.add_cuts(&mut root)? {
             return Ok(true);
         }

@@ -38,7 +38,7 @@ pub(super) fn closed_bound(ctx: &Context<'_>) -> f64 {
 
 /// If leaves are asked for, keeps those that the facts and trials of a split have closed.
 pub(super) fn keep_closed(ctx: &Context<'_>, path: &Path, facts: &[Decision], children: &[Child]) {
-    if !ctx.options().keep_leaves {
+    if !ctx.options().parts().keep_leaves {
         return;
     }
     let bound = closed_bound(ctx);

@@ -38,7 +38,7 @@ pub fn search(
     let root = match task.root {
         Some(root) => root,
         None => {
-            own = Root::new(task.program, token, task.options.probing);
+            own = Root::new(task.program, token, task.options.parts().probing);
             &own
         }
     };

@@ -62,7 +62,7 @@ pub(super) fn fix_near(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
 ///
 /// A conflict if the facts leave nothing of the node. The domain is then as it was.
 pub(super) fn add_facts(ctx: &mut Context<'_>, facts: &[Decision]) -> Result<(), Conflict> {
-    if ctx.options().keep_leaves {
+    if ctx.options().parts().keep_leaves {
         return Ok(());
     }
     let (mark, known) = (ctx.node.domain.mark(), ctx.node.path.len());

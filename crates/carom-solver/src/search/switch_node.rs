@@ -27,7 +27,7 @@ pub(super) fn switch_to(
     }
     let activity = ctx.clock.switch(Activity::Propagation);
     let mut result = ctx.propagator.propagate_since(program, &mut ctx.node.domain, mark);
-    let probes = probing.is_due() && result.is_ok() && ctx.options().probing;
+    let probes = probing.is_due() && result.is_ok() && ctx.options().parts().probing;
     if probes {
         ctx.clock.switch(Activity::Probing);
         result = probe_node(ctx, probing);
@@ -38,7 +38,7 @@ pub(super) fn switch_to(
         return result;
     }
     ctx.node.path.extend_from_slice(fresh);
-    if probes && !ctx.options().keep_leaves {
+    if probes && !ctx.options().parts().keep_leaves {
         // The finds of trials become part of the path, so that no child has to find them again.
         let found = probing.record.found().iter();
         let facts = found.map(|&(column, is_upper, value)| Decision { column, is_upper, value });

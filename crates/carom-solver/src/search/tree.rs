@@ -340,7 +340,7 @@ impl<'a> Tree<'a> {
         if let Some(multipliers) = node.multipliers.filter(|_| self.has_room_for_duals()) {
             state.duals.push(SavedDuals::new(End::Node(node.id), multipliers));
         }
-        if self.task.options.keep_leaves {
+        if self.task.options.parts().keep_leaves {
             state.leaves.push((node.path, node.bound));
         }
     }
@@ -407,7 +407,7 @@ impl<'a> Tree<'a> {
         };
         let unbounded = termination == Termination::Unbounded;
         let mut leaves = state.leaves;
-        if options.keep_leaves {
+        if options.parts().keep_leaves {
             leaves.extend(state.queue.iter().map(|node| (node.path.clone(), node.bound)));
         }
         SearchResult {

@@ -234,7 +234,7 @@ impl<'a> TreeView<'a> {
 
     /// Keeps an end of the tree, if they are asked for.
     pub(super) fn keep_leaf(&self, path: &Path, bound: f64) {
-        if self.tree.task.options.keep_leaves {
+        if self.tree.task.options.parts().keep_leaves {
             self.report.borrow_mut().leaves.push((path.clone(), bound));
         }
     }

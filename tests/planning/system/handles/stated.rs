@@ -4,6 +4,7 @@ use carom::hybrid::{HybridSystem, Schedule, State, TransitionMut};
 use carom::interval::Interval;
 use carom::model::Row;
 use carom::prelude::*;
+use carom_hybrid::internals::HasParts;
 
 use super::plain::{Compared, DOMAIN, Line, Plain, Rows, TIME_STEP, UNNAMED, Way};
 
@@ -173,9 +174,10 @@ impl Plain {
 
 /// The names of rows without a name are their text, which the other statement does not have.
 pub(super) fn without_texts(mut system: HybridSystem) -> HybridSystem {
-    let transitions = system.choices.iter_mut().flat_map(|choice| &mut choice.transitions);
+    let parts = system.parts_mut();
+    let transitions = parts.choices.iter_mut().flat_map(|choice| &mut choice.transitions);
     let guards = transitions.flat_map(|t| t.guards.iter_mut().chain(&mut t.prediction_guards));
-    for half in guards.chain(&mut system.limits).filter(|half| !half.is_limit) {
+    for half in guards.chain(&mut *parts.limits).filter(|half| !half.is_limit) {
         assert!(half.name.contains('='), "{}", half.name);
         half.name = UNNAMED.into();
     }

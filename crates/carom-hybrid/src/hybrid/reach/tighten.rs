@@ -136,11 +136,9 @@ pub struct TighteningReport {
     /// Whether the program is proved infeasible; the model is then unchanged.
     pub infeasible: bool,
     /// Fixed binaries.
-    #[doc(hidden)]
-    pub fixed: Vec<Change>,
+    pub(crate) fixed: Vec<Change>,
     /// Tightened bounds of other variables.
-    #[doc(hidden)]
-    pub tightened: Vec<Change>,
+    pub(crate) tightened: Vec<Change>,
     /// Binaries of transitions that are still open.
     pub open: usize,
     /// Names of added rows.

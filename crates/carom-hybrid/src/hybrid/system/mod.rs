@@ -140,32 +140,25 @@ pub struct HybridSystem {
     /// Δt, in s.
     pub(crate) time_step: f64,
     /// Names and domains (finite) of the states.
-    #[doc(hidden)]
-    pub states: Vec<(String, Interval)>,
+    pub(crate) states: Vec<(String, Interval)>,
     /// Names and ranges (finite) of the inputs, by step.
-    #[doc(hidden)]
-    pub inputs: Vec<(String, Schedule<Interval>)>,
+    pub(crate) inputs: Vec<(String, Schedule<Interval>)>,
     /// The values within their ranges that inputs take, by name, of those that take some only.
     pub(crate) input_values: BTreeMap<String, InputValues>,
     /// Limits in addition to the domains: at every sample, or, if they depend on the inputs, at the
     /// start of every step.
-    #[doc(hidden)]
-    pub limits: Vec<Halfspace>,
+    pub(crate) limits: Vec<Halfspace>,
     /// Limits of lengths, as the limits.
     pub(crate) norms: Vec<NormLimit>,
     /// The common flow, to which the choices add; needed with two choices or more.
-    #[doc(hidden)]
-    pub flow: Option<LinearSystem>,
+    pub(crate) flow: Option<LinearSystem>,
     /// The choices of a step, at least one.
-    #[doc(hidden)]
-    pub choices: Vec<Choice>,
+    pub(crate) choices: Vec<Choice>,
     /// The most events of a run, if they are limited.
-    #[doc(hidden)]
-    pub most_events: Option<usize>,
+    pub(crate) most_events: Option<usize>,
     /// The range of the disturbance added to each next state; empty if there is none. Only
     /// simulations and robust sets see it.
-    #[doc(hidden)]
-    pub disturbance: Vec<Interval>,
+    pub(crate) disturbance: Vec<Interval>,
     pub(crate) handles: Handles,
     /// The common flow as it was stated.
     common: Option<FlowRows>,

@@ -33,15 +33,13 @@ pub struct Region {
     /// is the only limit.
     pub ranges: Vec<Interval>,
     /// Half-spaces of the states, the same at every step.
-    #[doc(hidden)]
-    pub halfspaces: Vec<Halfspace>,
+    pub(crate) halfspaces: Vec<Halfspace>,
     /// Discs of the states, the same at every step.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) norms: Vec<NormLimit>,
     /// Choices and modes. A choice that is named several times may be in any of those modes; a
     /// choice that is not named may be in any mode.
-    #[doc(hidden)]
-    pub modes: Vec<(String, String)>,
+    pub(crate) modes: Vec<(String, String)>,
 }
 
 impl From<Vec<Interval>> for Region {

@@ -83,7 +83,7 @@ impl Child {
 /// Goes on with one side of a column, whose other side is closed. If the leaves of the tree are
 /// kept, the result is a split with one child.
 pub(super) fn keep_only(ctx: &mut Context<'_>, side: Decision, bound: f64) -> Result<(), Split> {
-    if ctx.options().keep_leaves {
+    if ctx.options().parts().keep_leaves {
         return Err(Split::only(side, bound));
     }
     add_facts(ctx, &[side]).map_err(|_| Split::nothing())
