@@ -9,9 +9,9 @@ pub use crate::error::Error;
 pub use crate::graph_of_sets::GraphOfSets;
 pub use crate::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 pub use crate::hybrid::{
-    ControlMove, Disturbance, Feedback, HybridPlan, HybridProgram, HybridSystem, LinearSystem,
-    Mission, MoveSource, RecedingHorizon, Region, Restitution, ShortestHorizon, ShortestOptions,
-    SimulationOptions, State, When,
+    ControlMove, Disturbance, Feedback, HybridPlan, HybridProgram, HybridSystem, Input,
+    LinearSystem, Mission, MoveSource, RecedingHorizon, Region, Restitution, ShortestHorizon,
+    ShortestOptions, SimulationOptions, State, When,
 };
 pub use crate::model::{
     Affine, ConicConstraint, ConicRow, Constraint, Either, Family, Implication, Indicator, Literal,

@@ -11,7 +11,7 @@ pub(crate) struct Point {
     pub(crate) system: HybridSystem,
     pub(crate) position: [State; 2],
     velocity: [State; 2],
-    input: [Variable; 2],
+    input: [Input; 2],
 }
 
 impl Point {

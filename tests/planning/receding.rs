@@ -17,7 +17,7 @@ struct Cart {
     system: HybridSystem,
     x: State,
     v: State,
-    u: Variable,
+    u: Input,
 }
 
 fn cart() -> Cart {

@@ -29,7 +29,7 @@ struct Plant {
 struct Stated {
     system: HybridSystem,
     states: Vec<State>,
-    inputs: Vec<Variable>,
+    inputs: Vec<Input>,
 }
 
 impl Plant {
@@ -38,7 +38,7 @@ impl Plant {
         let states: Vec<State> = (0..self.a.len())
             .map(|i| system.state(&format!("x{i}"), -self.wide, self.wide).unwrap())
             .collect();
-        let inputs: Vec<Variable> = (0..self.b[0].len())
+        let inputs: Vec<Input> = (0..self.b[0].len())
             .map(|u| system.input(&format!("u{u}"), -self.push, self.push).unwrap())
             .collect();
         let next = (0..states.len()).map(|i| {

@@ -15,7 +15,7 @@ fn solver() -> BranchAndBound {
 }
 
 /// A cart on a line: the system, position, speed, acceleration.
-fn cart() -> (HybridSystem, State, State, Variable) {
+fn cart() -> (HybridSystem, State, State, Input) {
     let mut cart = HybridSystem::new(0.5); // s
     let x = cart.state("p", 0.0, 9.0).unwrap(); // m
     let v = cart.state("v", -2.0, 2.0).unwrap(); // m/s

@@ -12,7 +12,7 @@ struct Plant {
     system: HybridSystem,
     flow: LinearSystem,
     states: [State; 2],
-    inputs: [Variable; 2],
+    inputs: [Input; 2],
 }
 
 fn plant(entries: &[f64]) -> Plant {
@@ -189,7 +189,7 @@ proptest! {
             (0..count).map(|t| by_hand.variable(handle, t).unwrap()).collect::<Family>()
         };
         let states = plant.states.map(|state| of(state.into(), 6));
-        let inputs = plant.inputs.map(|input| of(input, 5));
+        let inputs = plant.inputs.map(|input| of(input.into(), 5));
         let model = by_hand.model_mut();
         let mut sum = Affine::zero();
         for (name, weight, of, samples) in [("e", q, &states, 0..6), ("g", r, &inputs, 0..5)] {

@@ -11,7 +11,7 @@ use crate::common::config;
 struct Cart {
     program: HybridProgram,
     x: State,
-    u: Variable,
+    u: Input,
     half: Variable,
 }
 

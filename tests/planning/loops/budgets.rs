@@ -62,7 +62,7 @@ struct Cart {
     system: HybridSystem,
     x: State,
     v: State,
-    u: Variable,
+    u: Input,
 }
 
 fn cart() -> Cart {

@@ -6,7 +6,7 @@ use carom::hybrid::{Feedback, Lqr, MoveSource, TerminalOptions, TerminalSet};
 use carom::prelude::*;
 
 /// x⁺ = 0.9 x + u + 0.5 w, with an input from a list and one of whole numbers.
-fn system(list: &[f64], whole: [f64; 2]) -> (HybridSystem, State, [Variable; 2]) {
+fn system(list: &[f64], whole: [f64; 2]) -> (HybridSystem, State, [Input; 2]) {
     let mut system = HybridSystem::new(1.0);
     let x = system.state("x", -9.0, 9.0).unwrap();
     let u = system.input_from("u", list.iter().copied()).unwrap();
@@ -98,7 +98,7 @@ fn other_values_are_refused() {
 fn statements_that_say_nothing_are_refused() {
     let mut system = HybridSystem::new(1.0);
     let x = system.state("x", -9.0, 9.0).unwrap();
-    let text = |result: Result<Variable, Error>| result.unwrap_err().to_string();
+    let text = |result: Result<Input, Error>| result.unwrap_err().to_string();
     assert_eq!(
         text(system.input_from("u", [])),
         "the number of values of `u` is 0; it must be from 1 to 100000"

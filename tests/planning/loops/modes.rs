@@ -9,7 +9,7 @@ use carom::hybrid::{DeadEnd, Memory, MoveSource};
 use carom::prelude::*;
 
 /// A tank that a valve empties, with the modes of the valve in an order.
-fn tank(names: [&str; 2]) -> (HybridSystem, State, Variable) {
+fn tank(names: [&str; 2]) -> (HybridSystem, State, Input) {
     let mut tank = HybridSystem::new(1.0);
     let h = tank.state("h", 0.0, 10.0).unwrap();
     let q = tank.input("q", 0.0, 1.0).unwrap();

@@ -18,7 +18,7 @@ struct Cart {
     system: HybridSystem,
     x: State,
     v: State,
-    a: Variable,
+    a: Input,
     gate: Variable,
     place: Variable,
 }

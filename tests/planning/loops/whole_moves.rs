@@ -95,7 +95,7 @@ impl Statement {
         Statement { a, b, is_binary: draw.chance(3), valve, heater, most_events, aim }
     }
 
-    fn system(&self) -> (HybridSystem, Vec<State>, Variable) {
+    fn system(&self) -> (HybridSystem, Vec<State>, Input) {
         let mut system = HybridSystem::new(1.0);
         let n = self.a.len();
         let x: Vec<State> =

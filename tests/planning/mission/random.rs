@@ -181,7 +181,7 @@ proptest! {
             let sample = run.get(k)?;
             match handle {
                 h if h == Variable::from(handles.x) => Some(sample.x),
-                h if h == handles.input => sample.input,
+                h if h == Variable::from(handles.input) => sample.input,
                 _ => Some(sample.y),
             }
         };

@@ -4,7 +4,7 @@
 use carom::hybrid::Mission;
 use carom::prelude::*;
 
-fn cart() -> Result<(HybridSystem, State, Variable), Error> {
+fn cart() -> Result<(HybridSystem, State, Input), Error> {
     let mut cart = HybridSystem::new(0.5);
     let x = cart.state("x", -9.0, 9.0)?;
     let u = cart.input("u", -1.0, 1.0)?;

@@ -20,7 +20,7 @@ pub(super) struct Sample {
 pub(super) struct Handles {
     pub(super) x: State,
     pub(super) y: Option<State>,
-    pub(super) input: Variable,
+    pub(super) input: Input,
     /// By mode: that it is taken in a step, and that it is the mode at a sample.
     pub(super) taken: Vec<Variable>,
     pub(super) modes: Vec<Variable>,

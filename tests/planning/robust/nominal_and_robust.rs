@@ -6,7 +6,7 @@ use carom::prelude::*;
 
 use super::cases;
 
-fn cart(push: f64) -> Result<(HybridSystem, State, State, Variable), Error> {
+fn cart(push: f64) -> Result<(HybridSystem, State, State, Input), Error> {
     let mut cart = HybridSystem::new(0.5);
     let x = cart.state("x", 0.0, 9.0)?;
     let v = cart.state("v", -2.0, 2.0)?;

@@ -6,7 +6,7 @@ use carom::ErrorKind;
 use carom::hybrid::{Feedback, RobustError};
 use carom::prelude::*;
 
-fn cart() -> Result<(HybridSystem, State, Variable), Error> {
+fn cart() -> Result<(HybridSystem, State, Input), Error> {
     let mut cart = HybridSystem::new(1.0);
     let x = cart.state("x", 0.0, 9.0)?;
     let u = cart.input("u", -1.0, 1.0)?;

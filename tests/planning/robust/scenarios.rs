@@ -4,7 +4,7 @@ use carom::ErrorKind;
 use carom::prelude::*;
 
 /// A ball that hits a floor with a restitution, from 2 m; its height, speed and engine.
-fn ball(e: f64) -> Result<(HybridSystem, State, State, Variable), Error> {
+fn ball(e: f64) -> Result<(HybridSystem, State, State, Input), Error> {
     let mut ball = HybridSystem::new(0.25);
     let h = ball.state("h", 0.0, 6.0)?;
     let v = ball.state("v", -8.0, 8.0)?;

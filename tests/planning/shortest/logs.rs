@@ -137,7 +137,7 @@ fn a_comparison_has_two_folders() -> Result<(), Error> {
 }
 
 /// A cart that moves by at most 1 a step.
-fn cart() -> Result<(HybridSystem, carom::hybrid::State, Variable), Error> {
+fn cart() -> Result<(HybridSystem, carom::hybrid::State, Input), Error> {
     let mut cart = HybridSystem::new(1.0);
     let x = cart.state("x", -9.0, 9.0)?;
     let v = cart.input("v", -1.0, 1.0)?;

@@ -16,7 +16,7 @@ use carom::prelude::*;
 use proptest::prelude::*;
 
 /// A cart that moves by at most 1 a step.
-fn cart() -> (HybridSystem, State, Variable) {
+fn cart() -> (HybridSystem, State, Input) {
     let mut cart = HybridSystem::new(1.0);
     let x = cart.state("x", -9.0, 9.0).unwrap();
     let v = cart.input("v", -1.0, 1.0).unwrap();

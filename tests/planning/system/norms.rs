@@ -19,7 +19,7 @@ struct Puck {
     system: HybridSystem,
     x: [State; 2],
     v: [State; 2],
-    u: [Variable; 2],
+    u: [Input; 2],
 }
 
 fn puck(time_step: f64) -> Puck {

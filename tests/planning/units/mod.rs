@@ -76,7 +76,7 @@ pub(super) struct Lift {
     pub(super) system: HybridSystem,
     pub(super) x: State,
     pub(super) v: State,
-    pub(super) u: Variable,
+    pub(super) u: Input,
     pub(super) units: Units,
 }
 

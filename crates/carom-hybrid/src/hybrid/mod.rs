@@ -53,7 +53,7 @@ pub use simulate::{
 #[doc(alias("LCP", "complementarity"))]
 pub use system::LinearComplementarity;
 pub use system::{
-    HybridSystem, IntoRegion, MixedLogicalDynamical, Region, Schedule, State, SystemRow,
+    HybridSystem, Input, IntoRegion, MixedLogicalDynamical, Region, Schedule, State, SystemRow,
     TransitionMut,
 };
 #[doc(alias("linear-quadratic regulator", "Riccati equation"))]

@@ -13,7 +13,7 @@ use crate::common::config;
 struct Cart {
     system: HybridSystem,
     x: State,
-    u: Variable,
+    u: Input,
     waits: Variable,
 }
 

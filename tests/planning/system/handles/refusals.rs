@@ -20,7 +20,7 @@ fn misplaced(name: &str, place: &str, help: &str) -> String {
 const MEMORY: &str = "use `stay` and `switch` to say what holds in a mode";
 
 /// Two states and an input, without a flow.
-fn cart() -> (HybridSystem, [State; 2], Variable) {
+fn cart() -> (HybridSystem, [State; 2], Input) {
     let mut cart = HybridSystem::new(0.5);
     let states = ["x", "v"].map(|name| cart.state(name, -9.0, 9.0).unwrap());
     let u = cart.input("u", -1.0, 1.0).unwrap();
@@ -113,7 +113,7 @@ fn handles_stand_where_they_mean_something() {
     let made = "name a mode that `modes` has made";
     assert_eq!(text(cart.stay(go)), misplaced("`go`", "`stay`", made));
     assert_eq!(text(cart.switch(on, x.into())), misplaced("`x`", "`switch`", made));
-    assert_eq!(text(cart.dwell(u, 1, 2)), misplaced("`u`", "`dwell`", made));
+    assert_eq!(text(cart.dwell(u.into(), 1, 2)), misplaced("`u`", "`dwell`", made));
     let [wet, _] = cart.modes("pump", ["wet", "dry"]).unwrap();
     assert_eq!(
         text(cart.switch(on, wet)),
@@ -159,7 +159,7 @@ fn parts_of_a_transition_are_of_its_start_or_of_its_prediction() {
         misplaced("`noise`", "an output of `m6`", alone)
     );
     assert_eq!(
-        text(cart.mode("m7").unwrap().output(u, x)),
+        text(cart.mode("m7").unwrap().output(u.into(), x)),
         misplaced("`u`", "an output of `m7`", "name an output of the system")
     );
     let go_on = cart.mode("m8").unwrap().next([(x, 0.5 * x)]).unwrap();

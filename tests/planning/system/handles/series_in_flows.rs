@@ -12,7 +12,7 @@ fn store(demand: &[f64], gain: &[f64], as_series: bool) -> HybridSystem {
     let u = store.input("u", -3.0, 3.0).unwrap();
     let known = |store: &mut HybridSystem, name: &str, values: &[f64]| match as_series {
         true => store.series(name, values).unwrap(),
-        false => store.input(name, values.to_vec(), values.to_vec()).unwrap(),
+        false => store.input(name, values.to_vec(), values.to_vec()).unwrap().into(),
     };
     let d = known(&mut store, "d", demand);
     let g = known(&mut store, "g", gain);

@@ -11,7 +11,7 @@ use super::plain::{Compared, DOMAIN, Line, Plain, Rows, TIME_STEP, UNNAMED, Way}
 /// The handles of a system.
 struct Handles {
     states: Vec<State>,
-    inputs: Vec<Variable>,
+    inputs: Vec<Input>,
     series: [Variable; 2],
 }
 

@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorKind};
 use crate::hybrid::memory::Memory;
 use crate::hybrid::mission::RequiredMission;
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::system::{HybridSystem, Meaning, State, SystemRow, power_of_two};
+use crate::hybrid::system::{HybridSystem, Input, Meaning, State, SystemRow, power_of_two};
 use crate::interval::Interval;
 use crate::model::{
     Affine, ConicRow, Literal, Model, ModelTag, Norm, NormSum, Quadratic, Row, StoredConic,
@@ -383,6 +383,6 @@ impl AtSample for Literal {
     }
 }
 
-at_sample_as!(Affine: State, Variable, &State, &Variable, &Affine);
+at_sample_as!(Affine: State, Input, Variable, &State, &Input, &Variable, &Affine);
 at_sample_as!(Quadratic: &Quadratic);
 at_sample_as!(NormSum: Norm);

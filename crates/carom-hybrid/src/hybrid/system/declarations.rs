@@ -4,7 +4,7 @@
 use super::TransitionMut;
 use super::check::check_name;
 use super::flow_rows::FlowKind;
-use super::handles::{Meaning, State};
+use super::handles::{Input, Meaning, State};
 use super::system_row::SystemRow;
 use super::{HybridSystem, Schedule};
 use crate::error::{Error, ErrorKind, check_finite};
@@ -55,7 +55,7 @@ impl HybridSystem {
         name: &str,
         lower: impl Into<Schedule<f64>>,
         upper: impl Into<Schedule<f64>>,
-    ) -> Result<Variable, Error> {
+    ) -> Result<Input, Error> {
         self.check_name(name)?;
         let (lower, upper) = (lower.into(), upper.into());
         lower.check(&format!("the lower end of `{name}`"))?;
@@ -67,7 +67,7 @@ impl HybridSystem {
         // What was stated before does not depend on it.
         self.add_idle_input();
         self.inputs.push((name.to_owned(), ranges.into()));
-        Ok(self.handles.of(Meaning::Input(self.inputs.len() - 1)))
+        Ok(Input::of(self.handles.of(Meaning::Input(self.inputs.len() - 1))))
     }
 
     /// Declares a series: a number that is known for each step, such as a price, a reference or the

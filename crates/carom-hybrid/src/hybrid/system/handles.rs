@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | state | [`State`] | its value at the start of the step, or at the sample |
 //! | prediction of a state | [`Variable`] | the result of the flow, before a reset |
-//! | input | [`Variable`] | its value in the step |
+//! | input | [`Input`] | its value in the step |
 //! | series | [`Variable`] | a number that is known for each step |
 //! | mode | [`Variable`] | 1 at the samples in the mode, 0 at the others |
 //! | acting mode | [`Variable`] | 1 in the steps after which the mode holds, 0 in the others |
@@ -54,51 +54,79 @@ impl State {
     pub fn is(self, value: impl Into<Affine>) -> (State, Affine) {
         (self, value.into())
     }
+}
 
-    /// The square of the state.
-    pub fn square(self) -> Quadratic {
-        self.variable.square()
+/// An input of a [`HybridSystem`](crate::hybrid::HybridSystem), made by
+/// [`input`](crate::hybrid::HybridSystem::input).
+///
+/// In an expression it stands for its value in the step that begins at the sample at which the
+/// expression is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Input {
+    variable: Variable,
+}
+
+impl Input {
+    /// The input with a handle.
+    pub(crate) fn of(variable: Variable) -> Self {
+        Input { variable }
     }
 }
 
-impl From<State> for Variable {
-    fn from(state: State) -> Self {
-        state.variable
-    }
+/// What a handle of a system can do in expressions.
+macro_rules! handle {
+    ($($type:ident),+) => {$(
+        impl $type {
+            /// The square.
+            pub fn square(self) -> Quadratic {
+                self.variable.square()
+            }
+        }
+
+        impl From<$type> for Variable {
+            fn from(handle: $type) -> Self {
+                handle.variable
+            }
+        }
+
+        impl From<$type> for Affine {
+            fn from(handle: $type) -> Self {
+                handle.variable.into()
+            }
+        }
+
+        impl From<&$type> for Affine {
+            fn from(handle: &$type) -> Self {
+                handle.variable.into()
+            }
+        }
+
+        impl From<$type> for Quadratic {
+            fn from(handle: $type) -> Self {
+                handle.variable.into()
+            }
+        }
+
+        comparisons!($type);
+        sums!(Affine:
+            $type, f64; f64, $type; &$type, f64; f64, &$type;
+            $type, Variable; Variable, $type; $type, Literal; Literal, $type;
+            $type, Affine; $type, &Affine; Affine, $type; &Affine, $type;
+        );
+        sums!(Quadratic:
+            Quadratic, $type; &Quadratic, $type; $type, Quadratic; $type, &Quadratic;
+        );
+        scaling!($type => Affine; &$type => Affine);
+        products!(
+            $type, Variable; Variable, $type;
+            $type, Affine; $type, &Affine; Affine, $type; &Affine, $type;
+        );
+    )+};
 }
 
-impl From<State> for Affine {
-    fn from(state: State) -> Self {
-        state.variable.into()
-    }
-}
-
-impl From<&State> for Affine {
-    fn from(state: &State) -> Self {
-        state.variable.into()
-    }
-}
-
-impl From<State> for Quadratic {
-    fn from(state: State) -> Self {
-        state.variable.into()
-    }
-}
-
-comparisons!(State);
-sums!(Affine:
-    State, State; State, f64; f64, State; &State, f64; f64, &State;
-    State, Variable; Variable, State; State, Literal; Literal, State;
-    State, Affine; State, &Affine; Affine, State; &Affine, State;
-);
-sums!(Quadratic:
-    Quadratic, State; &Quadratic, State; State, Quadratic; State, &Quadratic;
-);
-scaling!(State => Affine; &State => Affine);
-products!(
-    State, State; State, Variable; Variable, State;
-    State, Affine; State, &Affine; Affine, State; &Affine, State;
-);
+handle!(State, Input);
+sums!(Affine: State, State; State, Input; Input, State; Input, Input);
+products!(State, State; State, Input; Input, State; Input, Input);
 
 /// The thing that a handle stands for.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
 //! Inputs that take some values only: whole numbers, or those of a list.
 
+use super::handles::Input;
 use super::{HybridSystem, Schedule};
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::interval::Interval;
-use crate::model::Variable;
 use crate::tolerance::MAX_STEPS;
 
 /// The values that an input may take within its range.
@@ -111,7 +111,7 @@ impl HybridSystem {
         &mut self,
         name: &str,
         values: impl IntoIterator<Item = f64>,
-    ) -> Result<Variable, Error> {
+    ) -> Result<Input, Error> {
         let mut list: Vec<f64> = values.into_iter().collect();
         list.sort_by(f64::total_cmp);
         list.dedup();
@@ -149,7 +149,7 @@ impl HybridSystem {
         name: &str,
         lower: impl Into<Schedule<f64>>,
         upper: impl Into<Schedule<f64>>,
-    ) -> Result<Variable, Error> {
+    ) -> Result<Input, Error> {
         self.finite_input(name, lower, upper, InputValues::Whole)
     }
 
@@ -159,7 +159,7 @@ impl HybridSystem {
         lower: impl Into<Schedule<f64>>,
         upper: impl Into<Schedule<f64>>,
         values: InputValues,
-    ) -> Result<Variable, Error> {
+    ) -> Result<Input, Error> {
         let input = self.input(name, lower, upper)?;
         let checked = self.inputs.last().map_or(Ok(()), |(_, range)| values.check(name, range));
         if let Err(error) = checked {

@@ -2,10 +2,11 @@
 
 use super::HybridSystem;
 use super::check::check_matrix;
+use super::handles::Input;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
-use crate::model::{Affine, Variable};
+use crate::model::Affine;
 
 /// A linear complementarity system (A. Aydinoglu, A. Wei, M. Posa, "Consensus complementarity
 /// control for multi-contact MPC", arXiv:2304.11259):
@@ -160,13 +161,13 @@ impl HybridSystem {
         let inputs = stated.inputs.iter().map(|(name, r)| system.input(name, r.lower, r.upper));
         let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
         let forces = stated.forces.iter().map(|(name, most)| system.input(name, 0.0, *most));
-        let forces = forces.collect::<Result<Vec<Variable>, _>>()?;
+        let forces = forces.collect::<Result<Vec<_>, _>>()?;
         let row = |i: usize, of: [&faer::Mat<f64>; 3], constant: f64| -> Affine {
             let [x, u, f] = of;
             let mut sum = Affine::constant(constant);
             states.iter().enumerate().for_each(|(j, state)| sum += x[(i, j)] * state);
-            inputs.iter().enumerate().for_each(|(j, input)| sum.add_term(u[(i, j)], *input));
-            forces.iter().enumerate().for_each(|(j, force)| sum.add_term(f[(i, j)], *force));
+            inputs.iter().enumerate().for_each(|(j, input)| sum += u[(i, j)] * input);
+            forces.iter().enumerate().for_each(|(j, force)| sum += f[(i, j)] * force);
             sum
         };
         let next = states
@@ -217,7 +218,7 @@ impl HybridSystem {
     pub fn complementarity(
         &mut self,
         name: &str,
-        force: Variable,
+        force: Input,
         gap: impl Into<Affine>,
     ) -> Result<(), Error> {
         let gap = gap.into();

@@ -1,7 +1,7 @@
 //! Finding handles, and what they stand for.
 
 use super::HybridSystem;
-use super::handles::{Meaning, State};
+use super::handles::{Input, Meaning, State};
 use crate::error::{Error, ErrorKind};
 use crate::model::Variable;
 
@@ -61,11 +61,12 @@ impl HybridSystem {
     /// # Errors
     ///
     /// [`ErrorKind::UnknownName`].
-    pub fn input_named(&self, name: &str) -> Result<Variable, Error> {
+    pub fn input_named(&self, name: &str) -> Result<Input, Error> {
         let number = self.inputs.iter().position(|(own, _)| own == name);
         let number = number.ok_or_else(|| Error::unknown_name(name, "input of the system"))?;
         let found = self.handles.find(&Meaning::Input(number));
-        found.ok_or_else(|| Error::unknown_name(name, "input of the system"))
+        let found = found.ok_or_else(|| Error::unknown_name(name, "input of the system"))?;
+        Ok(Input::of(found))
     }
 
     /// The handle of a transition, by the names of its choice (`mode` if there is only one) and its

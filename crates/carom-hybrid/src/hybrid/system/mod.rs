@@ -70,7 +70,7 @@ pub use choice::Choice;
 pub(crate) use coordinates::{Coordinates, Restated};
 
 pub use halfspace::Halfspace;
-pub use handles::State;
+pub use handles::{Input, State};
 pub(crate) use input_values::InputValues;
 pub use into_region::IntoRegion;
 pub(crate) use into_region::StatedRegion;
