@@ -65,7 +65,7 @@ fn searches(criterion: &mut Criterion) {
             group.bench_function(format!("{name}_{time_step}"), |b| {
                 b.iter(|| {
                     let mut solver = BranchAndBound::default();
-                    scenario(black_box(time_step)).shortest_plan(&options, &mut solver)
+                    scenario(black_box(time_step)).shortest_with(&options, &mut solver)
                 })
             });
         }

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, surface) in [("avoiding", Surface::avoid()), ("banking", bounce)] {
         let scene = Scene::new(0.05).with_body(puck.clone()).with_room("cushion", &table, surface);
         solver.options_mut().proof = folder.as_ref().map(|folder| folder.join(name));
-        let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+        let found = scene.shortest(&mut solver)?;
         let (solves, logged) = (
             found.solves(),
             folder.as_ref().map(|folder| proofs::line(&found, &folder.join(name))),

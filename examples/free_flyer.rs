@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut avoiding: Option<ScenePlan> = None;
         for (name, surface) in [("avoid", Surface::avoid()), ("bounce", bumper)] {
             let scene = scene(start, goal, surface);
-            let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+            let found = scene.shortest(&mut solver)?;
             let steps = found.steps.ok_or("no horizon found")?;
             // The least effort in the shortest time.
             let mut program = scene.program(steps)?;

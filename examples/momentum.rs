@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let bumper = DamageRule::new("bumper", DamageMeasure::NormalImpulse);
         let scene = scene.with_rule(bumper.with_pair(carrier, cart).with_per_hit(4.0));
         let options = ShortestOptions::default().with_max_steps(40);
-        let found = scene.shortest_plan(&options, &mut solver)?;
+        let found = scene.shortest_with(&options, &mut solver)?;
         let Some(plan) = found.plan else {
             println!("{name}: {}", found.status);
             continue;

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .with_obstacle(door);
     let mut solver = BranchAndBound::default();
     solver.options_mut().proof.clone_from(&folder);
-    let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+    let found = scene.shortest(&mut solver)?;
     println!("waiting: {}", found.monotonicity.reason());
     let Some(plan) = &found.plan else { return Err(format!("{}", found.status).into()) };
     let solves = found.solves();

@@ -169,9 +169,9 @@ fn paper(interrupt: &Interrupt) -> Result<(), Error> {
         let (mut times, mut steps) = ([Vec::new(), Vec::new()], [None, None]);
         for _ in 0..RUNS {
             let start = Instant::now();
-            steps[0] = scenario.shortest_plan(&planning, &mut solver)?.steps;
+            steps[0] = scenario.shortest_with(&planning, &mut solver)?.steps;
             let middle = Instant::now();
-            let found = scene.shortest_plan(&search, &mut solver)?;
+            let found = scene.shortest_with(&search, &mut solver)?;
             steps[1] = found.steps;
             times[0].push((middle - start).as_secs_f64());
             times[1].push(middle.elapsed().as_secs_f64());
@@ -222,7 +222,7 @@ fn estimates(interrupt: &Interrupt) -> Result<(), Error> {
             let scene = scene.clone().with_estimate(estimate);
             let mut solver = BranchAndBound::default();
             let options = ShortestOptions::default().with_interrupt(interrupt);
-            let found = scene.shortest_plan(&options, &mut solver)?;
+            let found = scene.shortest_with(&options, &mut solver)?;
             if interrupt.is_triggered() {
                 return Ok(());
             }

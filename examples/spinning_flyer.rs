@@ -50,8 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("torque (N m)  time (s)  largest spin (rad/s)  hits");
     let mut plans: Vec<ScenePlan> = Vec::new();
     for torque in [0.0, 0.2] {
-        let found = scene(torque)?
-            .shortest_plan(&ShortestOptions::default(), &mut BranchAndBound::default())?;
+        let found = scene(torque)?.shortest(&mut BranchAndBound::default())?;
         let plan = found.plan.ok_or("no plan found")?;
         let spin = plan.bodies[0].spin.iter().map(|w| w.abs()).fold(0.0, f64::max);
         let hits: Vec<&str> =

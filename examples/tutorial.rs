@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .with_body(body)
         .with_room("wall", &room, Surface::avoid())
         .with_obstacle(Solid::cuboid("rack", &[3.0..=5.0, -1.0..=3.0], Surface::avoid()));
-    let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+    let found = scene.shortest(&mut solver)?;
     println!("{found}");
     if let (Some(plan), Some(path)) = (&found.plan, paths.next()) {
         std::fs::write(&path, plan.to_svg(&scene)?)?;

@@ -188,7 +188,7 @@ fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> 
     }
     // Only the horizon matters, so impacts are not minimised.
     let options = PlanningOptions::default().with_fewest_impacts(false).with_search(search);
-    let shortest = scenario.shortest_plan(&options, &mut BranchAndBound::default())?;
+    let shortest = scenario.shortest_with(&options, &mut BranchAndBound::default())?;
     let count = |wanted: fn(HorizonRefutation) -> bool| {
         let refuted = |verdict| matches!(verdict, HorizonVerdict::Refuted(by) if wanted(by));
         shortest.attempts.iter().filter(|attempt| refuted(attempt.verdict)).count()

@@ -212,8 +212,8 @@ fn search(
     line: &Line,
 ) -> Result<ShortestHorizon<Plan>, Error> {
     let mut horizons = line.search(label, scenario.monotonicity().is_monotone());
-    let mut show = |event: &HorizonEvent| horizons.note(event);
-    let options = ShortestOptions::default().with_interrupt(interrupt);
-    let options = PlanningOptions::default().with_search(options);
-    scenario.shortest_plan_with(&options, solver, &mut show)
+    let options = ShortestOptions::default()
+        .with_interrupt(interrupt)
+        .with_progress(move |event| horizons.note(event));
+    scenario.shortest_with(&PlanningOptions::default().with_search(options), solver)
 }

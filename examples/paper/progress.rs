@@ -40,6 +40,7 @@ impl Bars {
 }
 
 /// The line of one thread.
+#[derive(Clone)]
 pub(crate) struct Line(ProgressBar);
 
 impl Line {
@@ -48,9 +49,9 @@ impl Line {
     }
 
     /// Begins to show a search. If waiting is free, a refuted horizon refutes every smaller one.
-    pub(crate) fn search(&self, label: String, waiting_is_free: bool) -> Horizons<'_> {
+    pub(crate) fn search(&self, label: String, waiting_is_free: bool) -> Horizons {
         Horizons {
-            line: self,
+            line: self.clone(),
             label,
             waiting_is_free,
             refuted: 0,
@@ -62,8 +63,8 @@ impl Line {
 }
 
 /// The refuted and the open horizons of one search.
-pub(crate) struct Horizons<'a> {
-    line: &'a Line,
+pub(crate) struct Horizons {
+    line: Line,
     label: String,
     waiting_is_free: bool,
     /// Every horizon up to this one is refuted.
@@ -74,7 +75,7 @@ pub(crate) struct Horizons<'a> {
     solves: usize,
 }
 
-impl Horizons<'_> {
+impl Horizons {
     /// Processes an event and shows the state of the search.
     pub(crate) fn note(&mut self, event: &HorizonEvent) {
         match event {

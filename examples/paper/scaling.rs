@@ -64,7 +64,7 @@ fn measure(
     let (mut steps, mut times) = (None, Vec::new());
     for _ in 0..REPEATS {
         let mut solver = BranchAndBound::default();
-        let shortest = scenario.shortest_plan(&options, &mut solver)?;
+        let shortest = scenario.shortest_with(&options, &mut solver)?;
         steps = shortest.steps.filter(|_| shortest.is_found());
         times.push(shortest.time.as_secs_f64());
         bar.inc(1);

@@ -2,7 +2,7 @@
 
 use carom::hybrid::{
     HorizonEvent, HorizonModel, HorizonVerdict, Monotonicity, ShortestOptions, ShortestStatus,
-    shortest_horizon, shortest_horizon_with,
+    shortest_horizon,
 };
 use carom::prelude::*;
 
@@ -58,17 +58,21 @@ fn interrupted(
     easy: usize,
 ) -> (Option<usize>, Option<usize>, ShortestStatus, Vec<usize>) {
     let interrupt = Interrupt::new();
-    let mut stop = |event: &HorizonEvent| {
+    let trigger = interrupt.clone();
+    let stop = move |event: &HorizonEvent| {
         if let HorizonEvent::Started { steps: 5, feasible, .. } = event
             && *feasible == Some(easy)
         {
-            interrupt.trigger();
+            trigger.trigger();
         }
     };
-    let options = ShortestOptions::default().with_max_steps(400).with_interrupt(&interrupt);
+    let options = ShortestOptions::default()
+        .with_max_steps(400)
+        .with_interrupt(&interrupt)
+        .with_progress(stop);
     let mut solver = BranchAndBound::default();
     let own = Stubborn { waits, easy };
-    let found = shortest_horizon_with(&own, &options, &mut solver, &mut stop).unwrap();
+    let found = shortest_horizon(&own, &options, &mut solver).unwrap();
     assert_eq!(found.plan.is_some(), found.steps.is_some());
     assert!(found.plan.iter().all(|plan| plan.solution.point().is_some()));
     let open = found.attempts.iter().filter(|a| matches!(a.verdict, HorizonVerdict::Undecided(_)));

@@ -23,7 +23,7 @@ fn ending(planned: Result<Plan, Error>) -> String {
 
 /// Shortest horizon with the next smaller one refuted, plan certified.
 fn shortest(scenario: &Scenario) -> (usize, usize) {
-    let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
+    let found = scenario.shortest(&mut solver()).unwrap();
     assert_eq!(found.status, ShortestStatus::Found);
     let steps = found.steps.unwrap();
     assert_eq!(found.refuted_steps, Some(steps - 1));
@@ -84,7 +84,7 @@ fn the_damage_limit_of_table_4_is_an_interval() {
 
     let limit = interval.middle().unwrap();
     let limited = Scenario::paper().with_damage(DamageRule::default().with_per_hit(limit));
-    let found = limited.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
+    let found = limited.shortest(&mut solver()).unwrap();
     assert_eq!((found.steps, found.refuted_steps), (Some(478), Some(477))); // 2.39 s
     let plan = found.plan.unwrap();
     assert!(plan.trajectory.largest_damage() <= limit + 1e-6);
@@ -182,7 +182,7 @@ fn without_waiting_every_smaller_horizon_is_refuted() {
         .with_restitution(0.8)
         .unwrap();
     assert!(!scenario.monotonicity().is_monotone());
-    let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
+    let found = scenario.shortest(&mut solver()).unwrap();
     let steps = found.steps.unwrap();
     assert!(found.is_found());
     let tried: Vec<usize> = found.attempts.iter().map(|attempt| attempt.steps).collect();
@@ -225,7 +225,7 @@ fn impacts_are_reported_with_their_physics() {
     let scenario = Scenario::paper().with_time_step(0.05).with_restitution(e).unwrap();
     let plan = scenario.plan(52, Objective::Impacts, &mut solver()).unwrap();
     assert_eq!(plan.trajectory.impacts.len(), 0); // 52 steps need none
-    let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
+    let found = scenario.shortest(&mut solver()).unwrap();
     let trajectory = found.plan.unwrap().trajectory;
     let impact = trajectory.impacts[0];
     let t = impact.step;
@@ -290,7 +290,7 @@ fn interrupts_and_limits_are_answers() {
     interrupt.trigger();
     let options = PlanningOptions::default()
         .with_search(ShortestOptions::default().with_interrupt(&interrupt));
-    let found = Scenario::paper().shortest_plan(&options, &mut solver()).unwrap();
+    let found = Scenario::paper().shortest_with(&options, &mut solver()).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
     assert!(found.plan.is_none() && found.refuted_steps.is_none());
 
@@ -306,7 +306,7 @@ fn interrupts_and_limits_are_answers() {
 
     let options =
         PlanningOptions::default().with_search(ShortestOptions::default().with_max_steps(400));
-    let found = Scenario::paper().shortest_plan(&options, &mut solver()).unwrap();
+    let found = Scenario::paper().shortest_with(&options, &mut solver()).unwrap();
     assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 400 });
     assert_eq!(found.refuted_steps, Some(400));
 }
@@ -425,7 +425,7 @@ fn scenarios_that_contradict_themselves_are_refused() {
         // Every entry checks.
         assert!(scenario.plan(10, Objective::Effort, &mut solver()).is_err());
         let options = PlanningOptions::default();
-        assert!(scenario.shortest_plan(&options, &mut solver()).is_err());
+        assert!(scenario.shortest_with(&options, &mut solver()).is_err());
         let options = DamageLimitOptions::default();
         assert!(scenario.damage_limit_range(10, &options, &mut solver()).is_err());
     }

@@ -25,7 +25,7 @@ fn coarse() -> Scenario {
 fn search(scenario: &Scenario, sets: bool) -> ShortestHorizon<Plan> {
     let search = ShortestOptions::default().with_max_steps(60).with_reach_sets(sets);
     let options = PlanningOptions::default().with_search(search).with_fewest_impacts(false);
-    scenario.shortest_plan(&options, &mut solver()).unwrap()
+    scenario.shortest_with(&options, &mut solver()).unwrap()
 }
 
 /// Whether it is proved that there is no plan.

@@ -8,7 +8,7 @@ use crate::common::config;
 use carom::hybrid::{
     Contact, ContactLaw, HorizonEvent, HorizonModel, HorizonRefutation, HorizonVerdict, HybridRun,
     HybridSystem, LinearSystem, Matrix, Monotonicity, Restitution, ShortestOptions, ShortestStatus,
-    Wall, shortest_horizon, shortest_horizon_with,
+    Wall, shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -515,19 +515,18 @@ fn no_horizon_up_to_the_limit_is_an_answer() {
 #[test]
 fn limits_and_interrupts_stop_a_search_with_what_it_knows() {
     let interrupt = Interrupt::new();
-    let options = ShortestOptions::default().with_interrupt(&interrupt);
-    let mut solver = Script::new(from(20));
-    let mut decided = 0;
-    let mut progress = |event: &HorizonEvent| {
+    let (mut decided, trigger) = (0, interrupt.clone());
+    let progress = move |event: &HorizonEvent| {
         if let HorizonEvent::Decided(_) = event {
             decided += 1;
             if decided == 4 {
-                interrupt.trigger();
+                trigger.trigger();
             }
         }
     };
-    let found =
-        shortest_horizon_with(&Scripted::free(), &options, &mut solver, &mut progress).unwrap();
+    let options = ShortestOptions::default().with_interrupt(&interrupt).with_progress(progress);
+    let mut solver = Script::new(from(20));
+    let found = shortest_horizon(&Scripted::free(), &options, &mut solver).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
     assert_eq!(solver.asked.borrow().len(), 4);
     assert!(found.refuted_steps.is_some() && found.steps.is_none());

@@ -195,7 +195,7 @@ fn searches_tell_what_they_do() {
     // Scenes.
     let log = Shared::default();
     let scene = Scene::new(0.5).with_body(puck([0.4, 0.4, 0.0, 0.0]));
-    let found = scene.shortest_plan(&log.options(), &mut solver()).unwrap();
+    let found = scene.shortest_with(&log.options(), &mut solver()).unwrap();
     let last = format!("{} steps: a plan", found.steps.unwrap());
     assert!(lines(&log.text()).contains(&last), "{}", log.text());
     // The paper's vehicle.
@@ -203,7 +203,7 @@ fn searches_tell_what_they_do() {
     let log = Shared::default();
     let options = PlanningOptions::default().with_search(log.options());
     let scenario = Scenario::paper().with_time_step(0.05);
-    let found = scenario.shortest_plan(&options, &mut solver()).unwrap();
+    let found = scenario.shortest_with(&options, &mut solver()).unwrap();
     let last = format!("{} steps: a plan", found.steps.unwrap());
     assert!(lines(&log.text()).contains(&last), "{}", log.text());
 }
@@ -247,7 +247,7 @@ fn verdicts_and_limits_are_words() {
 fn no_attempt_is_undecided_because_it_is_infeasible() {
     use carom::collision_tolerant::{PlanningOptions, Scenario};
     let scenario = Scenario::paper().with_time_step(0.05);
-    let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver()).unwrap();
+    let found = scenario.shortest(&mut solver()).unwrap();
     for attempt in &found.attempts {
         assert_ne!(attempt.verdict, HorizonVerdict::Undecided(Termination::Infeasible));
         assert!(!attempt.restricted || !matches!(attempt.verdict, HorizonVerdict::Undecided(_)));
@@ -392,7 +392,7 @@ fn a_corner_that_is_not_planned_is_named() {
         .with_room("cushion", &table, cushion);
     let options = ShortestOptions::default().with_max_steps(12);
     let plan = |scene: &Scene| -> ShortestHorizon<ScenePlan> {
-        scene.shortest_plan(&options, &mut solver()).unwrap()
+        scene.shortest_with(&options, &mut solver()).unwrap()
     };
     let found = plan(&scene);
     let text = found.to_string();
@@ -407,7 +407,7 @@ fn a_corner_that_is_not_planned_is_named() {
     // none.
     let mut slow = scene.clone();
     slow.bodies = vec![puck([1.9, 0.4, -0.5, -4.0])];
-    let found = slow.shortest_plan(&options.clone().with_max_steps(1), &mut solver()).unwrap();
+    let found = slow.shortest_with(&options.clone().with_max_steps(1), &mut solver()).unwrap();
     assert!(found.to_string().ends_with("longer ones were not looked for"), "{found}");
     let cushion = Surface::bounce(Restitution::new(0.8).unwrap());
     let walls = Scene::new(0.5)
@@ -457,7 +457,7 @@ fn a_start_in_the_goal_is_named() {
     assert!(found.starts_in_goal && found.to_string().starts_with("the start is in the goal"));
     for (start, is_met) in [([1.0, 1.0, 0.0, 0.0], true), ([0.5, 1.0, 0.0, 0.0], false)] {
         let scene = Scene::new(0.5).with_body(puck(start));
-        let found = scene.shortest_plan(&options, &mut solver()).unwrap();
+        let found = scene.shortest_with(&options, &mut solver()).unwrap();
         assert_eq!(found.starts_in_goal, is_met, "{found}");
     }
 }

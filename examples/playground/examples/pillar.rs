@@ -29,7 +29,7 @@ fn main() -> Result<(), Error> {
     let options = ShortestOptions::default().with_max_steps(15);
     let bounce = Surface::bounce(Restitution::new(0.6)?);
     for (name, surface) in [("without collisions", Surface::avoid()), ("with collisions", bounce)] {
-        let found = scene(surface)?.shortest_plan(&options, &mut BranchAndBound::default())?;
+        let found = scene(surface)?.shortest_with(&options, &mut BranchAndBound::default())?;
         println!("{name}: {found}");
     }
     Ok(())

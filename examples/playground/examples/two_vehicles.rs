@@ -30,7 +30,7 @@ fn main() -> Result<(), Error> {
     let options = ShortestOptions::default().with_max_steps(20);
     let bounce = Surface::bounce(Restitution::new(0.8)?);
     for (name, surface) in [("without collisions", Surface::avoid()), ("with collisions", bounce)] {
-        let found = scene(surface)?.shortest_plan(&options, &mut BranchAndBound::default())?;
+        let found = scene(surface)?.shortest_with(&options, &mut BranchAndBound::default())?;
         println!("{name}: {found}");
     }
     Ok(())

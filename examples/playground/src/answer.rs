@@ -35,7 +35,11 @@ impl Answer {
     }
 
     /// The answer to a task.
-    pub fn new(task: &Task, free: &ShortestHorizon<Plan>, tolerant: &ShortestHorizon<Plan>) -> Self {
+    pub fn new(
+        task: &Task,
+        free: &ShortestHorizon<Plan>,
+        tolerant: &ShortestHorizon<Plan>,
+    ) -> Self {
         let [slow, fast] = [free, tolerant].map(|found| finding(task, found));
         Answer {
             free: Some(Side::new(free, &slow)),

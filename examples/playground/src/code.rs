@@ -101,7 +101,7 @@ fn main() -> Result<(), Error> {{
     let options = ShortestOptions::default().with_max_steps({max_steps});
     let bounce = Surface::bounce(Restitution::new({restitution:?})?);
     for (name, surface) in [("without collisions", Surface::avoid()), ("with collisions", bounce)] {{
-        let found = scene(surface)?.shortest_plan(&options, &mut BranchAndBound::default())?;
+        let found = scene(surface)?.shortest_with(&options, &mut BranchAndBound::default())?;
         println!("{{name}}: {{found}}");
     }}
     Ok(())

@@ -57,7 +57,7 @@ pub fn of_scene(task: &str, free: usize, tolerant: usize) -> Result<Option<Less>
     // A search says with which sets it refutes.
     let sets = |scene: Scene| {
         let options = search_options(1).with_time_limit(Duration::ZERO);
-        match scene.shortest_plan(&options, &mut BranchAndBound::default())?.sets {
+        match scene.shortest_with(&options, &mut BranchAndBound::default())?.sets {
             Some(sets) => Ok(sets),
             None => scene.reach_sets(),
         }

@@ -22,7 +22,6 @@ use std::time::Duration;
 use wasm_bindgen::prelude::*;
 
 use answer::Answer;
-use progress::Tell;
 use scene_answer::SceneAnswer;
 
 /// Time for each of the two searches. Most take a hundredth of it.
@@ -50,13 +49,13 @@ const QUICK: Duration = Duration::from_millis(100);
 ///   `found`.
 #[wasm_bindgen]
 pub fn plan(task: &str, tell: Option<js_sys::Function>) -> String {
-    plan_with(task, &mut message_callback(tell))
+    plan_with(task, message_callback(tell))
 }
 
 /// The same for a scene.
 #[wasm_bindgen]
 pub fn plan_scene(task: &str, tell: Option<js_sys::Function>) -> String {
-    plan_scene_with(task, &mut message_callback(tell))
+    plan_scene_with(task, message_callback(tell))
 }
 
 /// Why no plan of a task has so many steps, without (`free`) and with collisions (`tolerant`).
@@ -86,13 +85,15 @@ pub fn less_scene(task: &str, free: usize, tolerant: usize) -> String {
 }
 
 /// As [`plan`], outside a page.
-pub fn plan_with(task: &str, tell: &mut Tell<'_>) -> String {
-    text(&wall::solve(task, tell).unwrap_or_else(|error| Answer::of_error(&error)))
+pub fn plan_with(task: &str, tell: impl FnMut(&str) + 'static) -> String {
+    let answer = progress::told(tell, || wall::solve(task));
+    text(&answer.unwrap_or_else(|error| Answer::of_error(&error)))
 }
 
 /// As [`plan_scene`], outside a page.
-pub fn plan_scene_with(task: &str, tell: &mut Tell<'_>) -> String {
-    text(&scene::solve(task, tell).unwrap_or_else(|error| SceneAnswer::of_error(&error)))
+pub fn plan_scene_with(task: &str, tell: impl FnMut(&str) + 'static) -> String {
+    let answer = progress::told(tell, || scene::solve(task));
+    text(&answer.unwrap_or_else(|error| SceneAnswer::of_error(&error)))
 }
 
 fn message_callback(function: Option<js_sys::Function>) -> impl FnMut(&str) {

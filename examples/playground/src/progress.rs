@@ -1,10 +1,22 @@
 //! What the page is told while a search runs.
 
+use std::cell::RefCell;
+
 use carom::hybrid::{HorizonEvent, HorizonVerdict};
 use serde::Serialize;
 
-/// Receives news as JSON.
-pub type Tell<'a> = dyn FnMut(&str) + 'a;
+thread_local! {
+    /// Who is told the news of the search at work.
+    static LISTENER: RefCell<Option<Box<dyn FnMut(&str)>>> = const { RefCell::new(None) };
+}
+
+/// Runs a search whose news go to `tell`, as JSON.
+pub fn told<T>(tell: impl FnMut(&str) + 'static, search: impl FnOnce() -> T) -> T {
+    LISTENER.with_borrow_mut(|listener| *listener = Some(Box::new(tell)));
+    let result = search();
+    LISTENER.take();
+    result
+}
 
 /// How far the search of one side is.
 #[derive(Debug, Serialize)]
@@ -18,7 +30,7 @@ struct News<'a, S> {
 }
 
 /// Tells how many horizons the search of a side has refuted: each of them, in ascending order.
-pub fn refuted<'a>(side: &'a str, tell: &'a mut Tell<'_>) -> impl FnMut(&HorizonEvent) + 'a {
+pub fn refuted(side: &'static str) -> impl FnMut(&HorizonEvent) {
     let mut told = 0;
     move |event| {
         let refuted = match event {
@@ -31,18 +43,18 @@ pub fn refuted<'a>(side: &'a str, tell: &'a mut Tell<'_>) -> impl FnMut(&Horizon
         };
         if refuted > told {
             told = refuted;
-            send(&News::<()> { side, refuted, found: None }, tell);
+            send(&News::<()> { side, refuted, found: None });
         }
     }
 }
 
 /// Tells the answer of a side.
-pub fn found<S: Serialize>(side: &str, refuted: usize, found: &S, tell: &mut Tell<'_>) {
-    send(&News { side, refuted, found: Some(found) }, tell);
+pub fn found<S: Serialize>(side: &str, refuted: usize, found: &S) {
+    send(&News { side, refuted, found: Some(found) });
 }
 
-fn send(news: &impl Serialize, tell: &mut Tell<'_>) {
+fn send(news: &impl Serialize) {
     if let Ok(text) = serde_json::to_string(news) {
-        tell(&text);
+        LISTENER.with_borrow_mut(|listener| listener.iter_mut().for_each(|tell| tell(&text)));
     }
 }

@@ -10,7 +10,7 @@ use carom::model::mps;
 use carom::prelude::*;
 use carom::reformulate;
 
-use crate::progress::{self, Tell};
+use crate::progress;
 use crate::scene_answer::{SceneAnswer, Side};
 use crate::scene_task::SceneTask;
 use crate::{
@@ -21,14 +21,14 @@ use crate::{
 const WITHOUT: Duration = Duration::from_millis(800);
 
 /// Answers a task.
-pub fn solve(task: &str, tell: &mut Tell<'_>) -> Result<SceneAnswer, String> {
+pub fn solve(task: &str) -> Result<SceneAnswer, String> {
     let task = SceneTask::read(task)?;
-    answer(&task, tell).map_err(|error| error.to_string())
+    answer(&task).map_err(|error| error.to_string())
 }
 
-fn answer(task: &SceneTask, tell: &mut Tell<'_>) -> Result<SceneAnswer, Error> {
-    let free = plan(&task.free()?, "free", &search_options(task.max_steps()), tell)?;
-    progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free), tell);
+fn answer(task: &SceneTask) -> Result<SceneAnswer, Error> {
+    let free = plan(&task.free()?, "free", &search_options(task.max_steps()))?;
+    progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free));
     let scene = task.tolerant()?;
     // The careful plan is a plan of this scene too, so that only shorter ones are looked for.
     let mut options = search_options(free.steps.map_or(task.max_steps(), |steps| steps - 1));
@@ -39,7 +39,7 @@ fn answer(task: &SceneTask, tell: &mut Tell<'_>) -> Result<SceneAnswer, Error> {
     }
     let tolerant = match free.steps {
         Some(1) => None,
-        _ => Some(plan(&scene, "tolerant", &options, tell)?),
+        _ => Some(plan(&scene, "tolerant", &options)?),
     };
     let mut answer = SceneAnswer::new(task, &free, tolerant.as_ref());
     answer.code = code::of_scene(task);
@@ -55,13 +55,11 @@ fn answer(task: &SceneTask, tell: &mut Tell<'_>) -> Result<SceneAnswer, Error> {
 
 fn plan(
     scene: &Scene,
-    side: &str,
+    side: &'static str,
     options: &ShortestOptions,
-    tell: &mut Tell<'_>,
 ) -> Result<ShortestHorizon<ScenePlan>, Error> {
-    let mut progress = progress::refuted(side, tell);
-    let mut solver = BranchAndBound::default();
-    scene.shortest_plan_with(options, &mut solver, &mut progress)
+    let options = options.clone().with_progress(progress::refuted(side));
+    scene.shortest_with(&options, &mut BranchAndBound::default())
 }
 
 /// Why plans with so many steps are impossible.
@@ -82,7 +80,7 @@ pub fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, Stri
 /// The sets of a scene that a search uses.
 fn sets(scene: &Scene, steps: usize) -> Option<ReachSets> {
     let options = search_options(steps).with_time_limit(Duration::ZERO);
-    scene.shortest_plan(&options, &mut BranchAndBound::default()).ok()?.sets
+    scene.shortest_with(&options, &mut BranchAndBound::default()).ok()?.sets
 }
 
 /// What has to go for a careful plan of so many steps.
@@ -91,7 +89,7 @@ fn in_the_way(task: &SceneTask, steps: usize) -> Option<String> {
     let limit = WITHOUT / (parts.len().max(1) as u32);
     let enough = parts.into_iter().filter(|_| steps > 0).find_map(|(name, rest)| {
         let options = search_options(steps).with_time_limit(limit);
-        let found = rest.free().ok()?.shortest_plan(&options, &mut BranchAndBound::default());
+        let found = rest.free().ok()?.shortest_with(&options, &mut BranchAndBound::default());
         found.ok()?.steps.map(|found| (name, found))
     });
     enough.map(|(name, found)| {

@@ -8,24 +8,24 @@ use carom::prelude::*;
 use carom::reformulate::lower;
 
 use crate::answer::{Answer, Side};
-use crate::progress::{self, Tell};
+use crate::progress;
 use crate::task::Task;
 use crate::{REASON, Reasons, code, refuted, search_options};
 
 /// Answers a task.
-pub fn solve(task: &str, tell: &mut Tell<'_>) -> Result<Answer, String> {
+pub fn solve(task: &str) -> Result<Answer, String> {
     let task = Task::read(task)?;
-    answer(&task, tell).map_err(|error| error.to_string())
+    answer(&task).map_err(|error| error.to_string())
 }
 
-fn answer(task: &Task, tell: &mut Tell<'_>) -> Result<Answer, Error> {
+fn answer(task: &Task) -> Result<Answer, Error> {
     let scenario = task.scenario()?;
     let careful = scenario.clone().collision_free();
     let mut options = PlanningOptions::default().with_search(search_options(task.max_steps()));
-    let free = plan(&careful, "free", &options, tell)?;
-    progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free), tell);
+    let free = plan(&careful, "free", &options)?;
+    progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free));
     options.upper_hint = free.steps;
-    let tolerant = plan(&scenario, "tolerant", &options, tell)?;
+    let tolerant = plan(&scenario, "tolerant", &options)?;
     let mut answer = Answer::new(task, &free, &tolerant);
     answer.code = code::of_wall(task);
     answer.reason = refuted(&free).or_else(|| refuted(&tolerant));
@@ -39,12 +39,12 @@ fn answer(task: &Task, tell: &mut Tell<'_>) -> Result<Answer, Error> {
 
 fn plan(
     scenario: &Scenario,
-    side: &str,
+    side: &'static str,
     options: &PlanningOptions,
-    tell: &mut Tell<'_>,
 ) -> Result<ShortestHorizon<Plan>, Error> {
-    let mut progress = progress::refuted(side, tell);
-    scenario.shortest_plan_with(options, &mut BranchAndBound::default(), &mut progress)
+    let search = options.search.clone().with_progress(progress::refuted(side));
+    let options = options.clone().with_search(search);
+    scenario.shortest_with(&options, &mut BranchAndBound::default())
 }
 
 /// Why plans with so many steps are impossible.

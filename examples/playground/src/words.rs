@@ -1,7 +1,9 @@
 //! Answers in words.
 
 use carom::hybrid::scene::SceneCertificate;
-use carom::hybrid::{HorizonAttempt, HorizonRefutation, ShortestHorizon, ShortestStatus, HorizonVerdict};
+use carom::hybrid::{
+    HorizonAttempt, HorizonRefutation, HorizonVerdict, ShortestHorizon, ShortestStatus,
+};
 
 /// What a search for the shortest plan found out.
 pub struct Finding<'a> {
@@ -166,8 +168,10 @@ fn how(found: &Finding<'_>) -> String {
         let refuted = HorizonVerdict::Refuted(way);
         found.attempts.iter().filter(|attempt| attempt.verdict == refuted).count()
     };
-    let (sets, solves) =
-        (by(HorizonRefutation::Sets), by(HorizonRefutation::Propagation) + by(HorizonRefutation::Relaxation));
+    let (sets, solves) = (
+        by(HorizonRefutation::Sets),
+        by(HorizonRefutation::Propagation) + by(HorizonRefutation::Relaxation),
+    );
     match (sets, solves) {
         (0, 0) => String::new(),
         (_, 0) => ": reach sets exclude them all, without solving a program".into(),

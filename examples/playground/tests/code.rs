@@ -58,10 +58,10 @@ fn vehicles() -> Value {
 
 #[test]
 fn code_of_tasks_is_that_of_the_examples() {
-    let wall = |limit| code(&plan_with(&wall(limit).to_string(), &mut |_| {}));
+    let wall = |limit| code(&plan_with(&wall(limit).to_string(), |_| {}));
     check("wall.rs", &wall(Value::Null));
     check("gentle_hits.rs", &wall(json!(9.5)));
-    let scene = |task: Value| code(&plan_scene_with(&task.to_string(), &mut |_| {}));
+    let scene = |task: Value| code(&plan_scene_with(&task.to_string(), |_| {}));
     check("pillar.rs", &scene(pillar()));
     check("two_vehicles.rs", &scene(vehicles()));
 }

@@ -1,5 +1,8 @@
 //! What a visitor reads where there is no plan, and what comes with a plan.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use carom_playground::{explain, explain_scene, less, plan_scene_with, plan_with};
 use serde_json::{Value, json};
 
@@ -16,7 +19,7 @@ fn puck(start: [f64; 4], goal: [f64; 2], block: [[f64; 2]; 2]) -> Value {
 const CORNER: [[f64; 2]; 2] = [[0.4, 0.6], [0.8, 1.0]];
 
 fn scene(task: &Value) -> Value {
-    serde_json::from_str(&plan_scene_with(&task.to_string(), &mut |_| {})).unwrap()
+    serde_json::from_str(&plan_scene_with(&task.to_string(), |_| {})).unwrap()
 }
 
 fn wall(changed: &[(&str, f64)]) -> (Value, String) {
@@ -28,7 +31,7 @@ fn wall(changed: &[(&str, f64)]) -> (Value, String) {
         task[*key] = json!(value);
     }
     let text = task.to_string();
-    (serde_json::from_str(&plan_with(&text, &mut |_| {})).unwrap(), text)
+    (serde_json::from_str(&plan_with(&text, |_| {})).unwrap(), text)
 }
 
 #[test]
@@ -99,9 +102,12 @@ fn one_step_less_is_explained_and_drawn() {
 
 #[test]
 fn news_come_while_it_plans() {
-    let mut news: Vec<Value> = Vec::new();
+    let told: Rc<RefCell<Vec<Value>>> = Rc::default();
     let task = puck([1.2, 0.2, 2.0, 2.0], [0.4, 0.2], CORNER);
-    plan_scene_with(&task.to_string(), &mut |text| news.push(serde_json::from_str(text).unwrap()));
+    let listener = Rc::clone(&told);
+    let tell = move |text: &str| listener.borrow_mut().push(serde_json::from_str(text).unwrap());
+    plan_scene_with(&task.to_string(), tell);
+    let news = told.borrow();
     let found = news.iter().position(|news| !news["found"].is_null()).unwrap();
     assert!(news[..found].iter().all(|news| news["side"] == "free"));
     assert!(

@@ -20,7 +20,7 @@ use proptest::prelude::*;
 fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> ShortestHorizon<Plan> {
     let search = ShortestOptions::default().with_max_steps(max_steps).with_reach_sets(sets);
     let options = PlanningOptions::default().with_search(search);
-    scenario.shortest_plan(&options, &mut BranchAndBound::default()).unwrap()
+    scenario.shortest_with(&options, &mut BranchAndBound::default()).unwrap()
 }
 
 fn scenario() -> impl Strategy<Value = Scenario> {
@@ -130,23 +130,24 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
 fn limits_and_interrupts_keep_what_the_sets_refuted() {
     let scenario = Scenario::paper();
     let interrupt = Interrupt::new();
-    let search = ShortestOptions::default().with_interrupt(&interrupt);
-    let options = PlanningOptions::default().with_search(search);
-    let mut progress = |event: &HorizonEvent| {
+    let trigger = interrupt.clone();
+    let progress = move |event: &HorizonEvent| {
         if let HorizonEvent::Decided(attempt) = event
             && attempt.steps == 100
         {
-            interrupt.trigger();
+            trigger.trigger();
         }
     };
+    let search = ShortestOptions::default().with_interrupt(&interrupt).with_progress(progress);
+    let options = PlanningOptions::default().with_search(search);
     let mut solver = BranchAndBound::default();
-    let found = scenario.shortest_plan_with(&options, &mut solver, &mut progress).unwrap();
+    let found = scenario.shortest_with(&options, &mut solver).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
     assert_eq!((found.steps, found.refuted_steps), (None, Some(100)));
 
     let search = ShortestOptions::default().with_time_limit(Duration::ZERO);
     let options = PlanningOptions::default().with_search(search);
-    let found = scenario.shortest_plan(&options, &mut solver).unwrap();
+    let found = scenario.shortest_with(&options, &mut solver).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::TimeLimit));
     assert!(found.steps.is_none());
 }
@@ -214,7 +215,7 @@ fn a_coarser_plan_guesses_the_contacts() {
     let find = |coarse| {
         let search = ShortestOptions::default().with_reach_sets(false).with_coarse_guess(coarse);
         let options = PlanningOptions::default().with_search(search).with_upper_hint(255);
-        scenario.shortest_plan(&options, &mut BranchAndBound::default()).unwrap()
+        scenario.shortest_with(&options, &mut BranchAndBound::default()).unwrap()
     };
     let (guessed, blind) = (find(true), find(false));
     assert_eq!((guessed.steps, guessed.refuted_steps), (Some(229), Some(228)));

@@ -170,7 +170,7 @@ fn scenes_and_the_papers_vehicle_have_shortest_robust_plans() -> Result<(), Erro
     let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
     let feedback = Feedback::regulator(&scene(0.03).hybrid_system()?)?;
     let found = scene(0.03).shortest_robust(&feedback, &options, &mut solver)?;
-    let nominal = scene(0.03).shortest_plan(&options, &mut solver)?;
+    let nominal = scene(0.03).shortest_with(&options, &mut solver)?;
     assert!(found.steps.is_some() && nominal.steps <= found.steps);
     let steps = found.steps.unwrap_or(0);
     let fewer = scene(0.03).program(steps - 1)?.program().robust(&feedback)?.solve(&mut solver);

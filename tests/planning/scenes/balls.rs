@@ -67,7 +67,7 @@ fn turned_scenes_have_the_same_optimum() {
 fn shortest_plans_keep_lengths_and_sets_refute_the_rest() {
     let options = ShortestOptions::default().with_max_steps(40);
     let shortest = |scene: &Scene| {
-        let found = scene.shortest_plan(&options, &mut BranchAndBound::default()).unwrap();
+        let found = scene.shortest_with(&options, &mut BranchAndBound::default()).unwrap();
         let plan = found.plan.unwrap();
         (plan.steps(), plan)
     };

@@ -16,7 +16,7 @@ fn plans_of_the_paper_switch_instead_of_turning() {
         if let Some(limits) = limits.clone() {
             scenario = scenario.with_damage(limits);
         }
-        let found = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
+        let found = scenario.shortest(&mut solver).unwrap();
         let plan = found.plan.unwrap();
         let extreme = plan.extreme(&scenario, &mut solver).unwrap();
         let (old, new) = (&plan.trajectory, &extreme.trajectory);
@@ -39,7 +39,7 @@ fn scenes_keep_their_hits_and_the_least_price() {
     let scene = Scene::new(0.1).with_body(puck).with_room("cushion", table, cushion);
     let mut solver = BranchAndBound::default();
     for scene in [scene.clone(), scene.with_rule(rule)] {
-        let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
+        let found = scene.shortest(&mut solver).unwrap();
         let plan = found.plan.unwrap();
         let extreme = plan.extreme(&scene, &mut solver).unwrap();
         let hits = |plan: &carom::hybrid::scene::ScenePlan| {

@@ -71,7 +71,7 @@ fn shortest_plans_take_rows_about_bodies() {
     let goal = |x: &[State], v: &[State]| [x[0].ge(2.0), v[0].le(x[0] - 2.0)];
     let puck = scene.body(puck.with_goal_where(goal).unwrap()).unwrap();
     let mut solver = BranchAndBound::default();
-    let free = scene.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
+    let free = scene.shortest(&mut solver).unwrap();
     let end = |found: &ShortestHorizon<ScenePlan>| {
         let path = &found.plan.as_ref().unwrap().bodies[0];
         (path.position.last().unwrap()[0], path.velocity.last().unwrap()[0])
@@ -83,7 +83,7 @@ fn shortest_plans_take_rows_about_bodies() {
         program.require("slow", [puck.velocity(0).le(1.0)], When::Throughout(0..=steps))
     };
     let options = ShortestOptions::default().with_rows(slow);
-    let slow = scene.shortest_plan(&options, &mut solver).unwrap();
+    let slow = scene.shortest_with(&options, &mut solver).unwrap();
     assert!(slow.steps > free.steps);
     let path = &slow.plan.as_ref().unwrap().bodies[0];
     assert!(path.velocity.iter().all(|v| v[0] <= 1.0 + 1e-6));

@@ -54,7 +54,7 @@ fn limits_of_damage_and_other_goals_give_as_many_steps() {
         (paper.clone().with_goal_position(0.6), None),
         (paper.with_goal_position(0.9), None),
     ] {
-        let expected = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
+        let expected = scenario.shortest(&mut solver).unwrap();
         let mut own = scene(&scenario);
         if scenario.collisions == Collisions::Forbidden {
             own.obstacles = vec![Solid::halfspace("wall", [1.0], 0.0, Surface::avoid())];
@@ -63,7 +63,7 @@ fn limits_of_damage_and_other_goals_give_as_many_steps() {
             let rule = DamageRule::new("limit", DamageMeasure::ImpactSpeed);
             own = own.with_rule(rule.with_per_hit(most));
         }
-        let found = own.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
+        let found = own.shortest(&mut solver).unwrap();
         assert!(expected.steps.is_some());
         assert_eq!(found.steps, expected.steps);
     }
@@ -75,8 +75,8 @@ fn a_scene_on_a_line_needs_as_many_steps_as_the_papers_planner() {
     for (restitution, time_step) in [(0.0, 0.05), (0.025, 0.02), (0.5, 0.025), (0.8, 0.05)] {
         let scenario = Scenario::paper().with_restitution(restitution).unwrap();
         let scenario = scenario.with_time_step(time_step);
-        let expected = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
-        let found = scene(&scenario).shortest_plan(&ShortestOptions::default(), &mut solver);
+        let expected = scenario.shortest(&mut solver).unwrap();
+        let found = scene(&scenario).shortest(&mut solver);
         let found = found.unwrap();
         assert!(found.is_found() && found.monotonicity.is_monotone());
         let plan = expected.plan.unwrap();

@@ -14,7 +14,7 @@ fn bounce(e: f64) -> Surface {
 
 fn shortest(scene: &Scene) -> Option<ScenePlan> {
     let options = ShortestOptions::default().with_max_steps(80);
-    let found = scene.shortest_plan(&options, &mut BranchAndBound::default()).unwrap();
+    let found = scene.shortest_with(&options, &mut BranchAndBound::default()).unwrap();
     found.plan
 }
 
@@ -134,7 +134,7 @@ fn sets_know_how_many_hits_of_two_bodies_are_allowed() {
     let options = ShortestOptions::default().with_max_steps(40);
     let known = |count| {
         let found = carrier_and_cart(count)
-            .shortest_plan(&options, &mut BranchAndBound::default())
+            .shortest_with(&options, &mut BranchAndBound::default())
             .unwrap();
         // Without sets and without an eye on the number of hits, it takes some hundred nodes.
         assert!(found.nodes() <= 120, "{} nodes", found.nodes());

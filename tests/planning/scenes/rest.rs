@@ -28,7 +28,7 @@ fn ball(surface: Surface, time_step: f64, goal: Region) -> Scene {
 }
 
 fn shortest(scene: &Scene, options: &ShortestOptions) -> Option<ScenePlan> {
-    scene.shortest_plan(options, &mut BranchAndBound::default()).unwrap().plan
+    scene.shortest_with(options, &mut BranchAndBound::default()).unwrap().plan
 }
 
 /// The law, written down once more: the positions and velocities that the ball may have by step.
@@ -57,7 +57,7 @@ fn a_bouncing_ball_comes_to_rest() {
     let options = ShortestOptions::default();
     // Mirrored, what each step adds keeps it bouncing.
     let mirrored = ball(bounce(0.8), 0.05, near());
-    let found = mirrored.shortest_plan(&options, &mut BranchAndBound::default()).unwrap();
+    let found = mirrored.shortest_with(&options, &mut BranchAndBound::default()).unwrap();
     assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 10_000 });
     for e in [0.0, 0.5, 0.8] {
         for (time_step, goal) in [(0.05, near()), (0.05, Region::point([0.0, 0.0]))] {
@@ -260,7 +260,7 @@ fn claims_name_the_stepped_law_and_its_time_step() {
     let options = ShortestOptions::default().with_max_steps(200);
     let mut solver = BranchAndBound::default();
     let refuted = ball(bounce(0.8), 0.05, near.clone());
-    let refuted = refuted.shortest_plan(&options, &mut solver).unwrap();
+    let refuted = refuted.shortest_with(&options, &mut solver).unwrap();
     assert_eq!(
         refuted.status.to_string(),
         "no feasible horizon up to 200 steps of the time-stepped law"
@@ -271,7 +271,7 @@ fn claims_name_the_stepped_law_and_its_time_step() {
          ones were not looked for"
     );
     let scene = ball(bounce(0.8).with_rest(), 0.05, near);
-    let found = scene.shortest_plan(&options, &mut solver).unwrap();
+    let found = scene.shortest_with(&options, &mut solver).unwrap();
     assert_eq!(
         found.to_string(),
         "52 steps at least, 2.6 s: fewer are refuted for the time-stepped law with Δt = 0.05 s"
@@ -281,7 +281,7 @@ fn claims_name_the_stepped_law_and_its_time_step() {
     let words = plan.certificate.to_string();
     assert!(words.contains("the time-stepped law with Δt = 0.05 s"), "{words}");
     // One call from the plan: half the step, and the least step for as many steps.
-    let both = plan.with_half_steps(&scene, &options, &mut solver).unwrap();
+    let both = plan.compare_half_steps(&scene, &options, &mut solver).unwrap();
     let halved = both.halved.plan.as_ref().unwrap();
     assert_eq!((halved.time_step, halved.steps()), (0.025, 113));
     assert!(both.to_string().contains("\nΔt = 0.025 s: 113 steps, 2.825000 s, "), "{both}");
@@ -309,8 +309,8 @@ fn half_steps_keep_what_moves_where_it_was() {
     let course = (0..20).map(|t| [0.02 * f64::from(t)]);
     let scene = Scene::new(0.1).with_body(body).with_obstacle(door.with_course(course));
     let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
-    let plan = scene.shortest_plan(&options, &mut solver).unwrap().plan.unwrap();
-    let both = plan.with_half_steps(&scene, &options, &mut solver).unwrap();
+    let plan = scene.shortest_with(&options, &mut solver).unwrap().plan.unwrap();
+    let both = plan.compare_half_steps(&scene, &options, &mut solver).unwrap();
     let halved = both.halved.plan.unwrap();
     assert!(halved.steps() <= 2 * plan.steps(), "{} {}", halved.steps(), plan.steps());
     let moved = plan.least_time_step(&scene, [0.1], &options, &mut solver).unwrap_err();

@@ -129,9 +129,7 @@ fn a_pillar_to_bounce_off_is_followed_by_the_sets_of_a_room() {
             .with_body(robot)
             .with_room("wall", room, surface)
             .with_obstacle(Solid::cuboid("pillar", pillar, surface));
-        let found = scene
-            .shortest_plan(&ShortestOptions::default(), &mut BranchAndBound::default())
-            .unwrap();
+        let found = scene.shortest(&mut BranchAndBound::default()).unwrap();
         let solves = found.attempts.iter().filter(|a| a.is_solve()).count();
         assert!(solves <= 3, "{solves}");
         let plan = found.plan.unwrap();

@@ -236,7 +236,7 @@ fn bounce(e: f64) -> Surface {
 }
 
 fn shortest(scene: &Scene) -> ScenePlan {
-    let found = scene.shortest_plan(&ShortestOptions::default(), &mut BranchAndBound::default());
+    let found = scene.shortest(&mut BranchAndBound::default());
     found.unwrap().plan.unwrap()
 }
 
@@ -453,7 +453,7 @@ fn grids_that_get_coarser_without_plans_end() {
     let walls = bounce(0.6).with_friction(0.3);
     let scene = Scene::new(0.1).with_body(puck).with_room("wall", sides, walls);
     let steps = |options: ShortestOptions| {
-        scene.shortest_plan(&options, &mut BranchAndBound::default()).unwrap().steps
+        scene.shortest_with(&options, &mut BranchAndBound::default()).unwrap().steps
     };
     let options = ShortestOptions::default();
     assert_eq!(steps(options.clone()), Some(9));

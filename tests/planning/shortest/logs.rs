@@ -5,6 +5,8 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use carom::ErrorKind;
 use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
@@ -95,12 +97,12 @@ fn the_paper_is_logged() -> Result<(), Error> {
     {
         let folder = folder(&format!("paper_{name}"));
         let options = PlanningOptions::default();
-        let without = scenario.shortest_plan(&options, &mut BranchAndBound::default())?;
+        let without = scenario.shortest_with(&options, &mut BranchAndBound::default())?;
         assert!(without.proofs.is_empty());
         let said = without.refuted_steps.unwrap() + 1;
         assert_eq!(without.unlogged().count(), said);
         let mut solver = logging(&folder);
-        let found = scenario.shortest_plan(&options, &mut solver)?;
+        let found = scenario.shortest_with(&options, &mut solver)?;
         assert_eq!(solver.options().proof.as_deref(), Some(&*folder));
         assert!(found.is_found());
         assert_eq!((found.steps, found.refuted_steps), (without.steps, without.refuted_steps));
@@ -198,7 +200,7 @@ fn scenes_are_logged() -> Result<(), Error> {
     two.pair(pair[0], pair[1], bounce()?)?;
     for (name, scene) in [("puck", alone), ("two", two)] {
         let folder = folder(name);
-        let found = scene.shortest_plan(&ShortestOptions::default(), &mut logging(&folder))?;
+        let found = scene.shortest(&mut logging(&folder))?;
         assert!(found.is_found(), "{name}: {found}");
         let values = is_proved(&found, &folder);
         let plan = found.plan.unwrap();
@@ -284,24 +286,25 @@ fn a_folder_that_cannot_be_made_is_an_error() -> Result<(), Error> {
 fn horizons_without_a_log_are_listed() -> Result<(), Error> {
     let folder = folder("interrupted");
     let interrupt = Interrupt::new();
-    let search = ShortestOptions::default().with_interrupt(&interrupt);
-    let options = PlanningOptions::default().with_search(search);
     let scenario = Scenario::paper().with_time_step(0.2);
-    let mut logged = 0;
-    let mut watch = |event: &HorizonEvent| {
+    let logged = Arc::new(AtomicUsize::new(0));
+    let (count, trigger) = (Arc::clone(&logged), interrupt.clone());
+    let watch = move |event: &HorizonEvent| {
         if let HorizonEvent::Logged(proof) = event {
-            logged += 1;
+            count.fetch_add(1, Ordering::Relaxed);
             if proof.steps == 5 {
-                interrupt.trigger();
+                trigger.trigger();
             }
         }
     };
-    let found = scenario.shortest_plan_with(&options, &mut logging(&folder), &mut watch)?;
+    let search = ShortestOptions::default().with_interrupt(&interrupt).with_progress(watch);
+    let options = PlanningOptions::default().with_search(search);
+    let found = scenario.shortest_with(&options, &mut logging(&folder))?;
     let (steps, refuted) = (found.steps.unwrap(), found.refuted_steps.unwrap());
     assert!(found.is_found() && refuted > 6);
     assert_eq!(found.unlogged().collect::<Vec<_>>(), (6..=refuted).collect::<Vec<_>>());
     assert_eq!(found.proofs.len(), steps);
-    assert_eq!(logged, steps);
+    assert_eq!(logged.load(Ordering::Relaxed), steps);
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 6);
     Ok(())
 }

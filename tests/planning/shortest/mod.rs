@@ -52,7 +52,7 @@ fn options(max_steps: usize) -> PlanningOptions {
 /// As [`answer`], with other options.
 fn answer_with(scenario: &Scenario, options: &PlanningOptions) -> Result<ShortestHorizon, String> {
     let found = scenario
-        .shortest_plan(options, &mut BranchAndBound::default())
+        .shortest_with(options, &mut BranchAndBound::default())
         .map_err(|error| error.to_string())?;
     match found.status {
         ShortestStatus::Found => {

@@ -215,7 +215,7 @@ fn scenes_take_windows_and_rows() {
         Surface::avoid(),
     ));
     let mut solver = BranchAndBound::default();
-    let plain = scene.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
+    let plain = scene.shortest(&mut solver).unwrap();
     let steps = plain.steps.unwrap();
     let far = [
         Interval::new(0.0, 4.0),
@@ -228,7 +228,7 @@ fn scenes_take_windows_and_rows() {
         far,
         When::OnceIn(2..=3 * steps),
     );
-    let window = scene.shortest_plan(&options, &mut solver).unwrap();
+    let window = scene.shortest_with(&options, &mut solver).unwrap();
     assert!(window.is_found());
     assert!(window.steps.unwrap() >= steps);
     let heights = window.plan.unwrap().bodies[0].position.iter().map(|p| p[1]).fold(0.0, f64::max);
@@ -237,7 +237,7 @@ fn scenes_take_windows_and_rows() {
         let v = program.system().state_named("puck vx")?;
         program.require("slow", [v.le(1.0)], When::Throughout(0..=program.steps()))
     });
-    let slow = scene.shortest_plan(&slow, &mut solver).unwrap();
+    let slow = scene.shortest_with(&slow, &mut solver).unwrap();
     assert!(slow.is_found() && slow.steps.unwrap() > steps);
 }
 
@@ -246,7 +246,7 @@ fn scenes_take_windows_and_rows() {
 fn the_planner_of_the_paper_takes_rows() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let mut solver = BranchAndBound::default();
-    let plain = scenario.shortest_plan(&PlanningOptions::default(), &mut solver).unwrap();
+    let plain = scenario.shortest(&mut solver).unwrap();
     let fastest = |velocity: &[f64]| velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let limit = 0.8 * fastest(&plain.plan.as_ref().unwrap().trajectory.velocity);
     let search = ShortestOptions::default().with_max_steps(400).with_rows(move |program| {
@@ -255,7 +255,7 @@ fn the_planner_of_the_paper_takes_rows() {
         program.require("calm", calm, When::Throughout(0..=program.steps()))
     });
     let options = PlanningOptions::default().with_search(search);
-    let calm = scenario.shortest_plan(&options, &mut solver).unwrap();
+    let calm = scenario.shortest_with(&options, &mut solver).unwrap();
     assert!(calm.is_found() && calm.steps > plain.steps, "{:?} {:?}", calm.steps, plain.steps);
     assert!(fastest(&calm.plan.unwrap().trajectory.velocity) <= limit + 1e-5);
 }

@@ -100,7 +100,7 @@ impl Lift {
 
 fn hits(scene: &Scene) -> (Option<usize>, Option<usize>) {
     let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
-    let found = scene.shortest_plan(&options, &mut solver).unwrap();
+    let found = scene.shortest_with(&options, &mut solver).unwrap();
     (found.steps, found.plan.map(|plan| plan.hits.len()))
 }
 
@@ -157,7 +157,7 @@ fn digits_that_do_not_suffice_are_an_error() {
     assert!(text.contains("`x`") && text.contains("from another origin"), "{text}");
     for scene in [puck(Units::at(1e10)), boxes(Units::at(1e10))] {
         let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
-        let text = scene.shortest_plan(&options, &mut solver).unwrap_err().to_string();
+        let text = scene.shortest_with(&options, &mut solver).unwrap_err().to_string();
         assert!(text.contains(" x`") && text.contains("from another origin"), "{text}");
     }
 }

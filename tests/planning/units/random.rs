@@ -223,7 +223,7 @@ impl Table {
             scene = scene.with_obstacle(Solid::cuboid("block", &sides, Surface::avoid()));
         }
         let options = ShortestOptions::default().with_max_steps(25);
-        let found = scene.shortest_plan(&options, &mut BranchAndBound::default())?;
+        let found = scene.shortest_with(&options, &mut BranchAndBound::default())?;
         if let Some(plan) = &found.plan {
             let drift = plan.certificate.drift / units.length.max(units.speed(1.0));
             assert!(drift < 1e-4, "{units:?}: a drift of {drift}");

@@ -54,7 +54,7 @@ impl Task {
 fn answer(task: Task, units: Units) -> Result<(usize, usize, [[f64; 2]; 2]), Error> {
     let scenario = task.scenario(units)?;
     let (options, mut solver) = (PlanningOptions::default(), BranchAndBound::default());
-    let found = scenario.shortest_plan(&options, &mut solver)?;
+    let found = scenario.shortest_with(&options, &mut solver)?;
     let steps = found.steps.expect("a plan");
     assert_eq!(found.refuted_steps, Some(steps - 1));
     let hits = found.plan.expect("a plan").trajectory.impacts.len();

@@ -9,7 +9,7 @@
 //! | describe the task | [`Scenario`] | |
 //! | write the programs, (1)-(21) | [`Scenario::program`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
 //! | plan over a fixed horizon | [`Scenario::plan`] | any [`Solver`](crate::solver::Solver) |
-//! | find the shortest plan, with a proof | [`Scenario::shortest_plan`], [`Scenario::compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
+//! | find the shortest plan, with a proof | [`Scenario::shortest`], [`Scenario::compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
 //! | read the result | [`Plan`]: a [`Trajectory`] and its [`PlanCertificate`] | two replays |
 //! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`] | [`reach`](crate::hybrid::reach) |
 //! | ask which limits prevent a plan | [`Scenario::explainable_program`] | `explain` |
@@ -24,7 +24,7 @@
 //!
 //! let scenario = Scenario::paper().with_time_step(0.05);
 //! let mut solver = BranchAndBound::default();
-//! let shortest = scenario.shortest_plan(&PlanningOptions::default(), &mut solver)?;
+//! let shortest = scenario.shortest(&mut solver)?;
 //! let plan = shortest.plan.expect("there is one");
 //! assert_eq!(plan.trajectory.impacts.len(), 1);
 //! # Ok::<(), carom::Error>(())

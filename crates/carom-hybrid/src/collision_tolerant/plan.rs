@@ -58,7 +58,7 @@ pub struct Plan {
     /// Counts and time of the solve.
     pub statistics: Statistics,
     /// Whether it is proved that no plan of so many steps has fewer impacts (with prices of damage:
-    /// a smaller sum of impacts and prices). Only [`Scenario::shortest_plan`] looks for the fewest.
+    /// a smaller sum of impacts and prices). Only [`Scenario::shortest`] looks for the fewest.
     pub fewest_impacts: bool,
     /// The solves that minimised the impacts.
     pub refinements: Vec<Statistics>,
@@ -154,10 +154,10 @@ impl PlanningProgram {
     /// The plan of a solution whose states are the run of its inputs.
     fn read(&self, solution: &Solution) -> Result<Plan, Error> {
         self.scenario.check()?;
+        let run = self.program().variables().read(solution)?;
         let mut trajectory = Trajectory::read(self, solution)?;
         let horizon = Horizon::new(self.steps(), self.scenario.time_step)?;
         let system = self.scenario.system(&horizon, &self.scenario.damage)?;
-        let run = self.program().variables().read(solution)?;
         let checked = match self.units.is_plain() {
             true => system.certify(&run)?,
             false => system.certify_in(self.program().variables().coordinates(), &run)?,

@@ -191,7 +191,7 @@ impl Scenario {
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let parked = scenario.with_goal_where(|x, v| [x.le(0.5), v.le(2.0 * x), v.ge(-2.0 * x)])?;
     /// let (options, mut solver) = (PlanningOptions::default(), BranchAndBound::default());
-    /// let found = parked.shortest_plan(&options, &mut solver)?;
+    /// let found = parked.shortest_with(&options, &mut solver)?;
     /// let trajectory = found.plan.expect("there is one").trajectory;
     /// let last = trajectory.steps();
     /// let (x, v) = (trajectory.position[last], trajectory.velocity[last]);

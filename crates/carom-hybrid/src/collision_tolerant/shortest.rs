@@ -11,9 +11,7 @@ use crate::hybrid::reach::Tube;
 use crate::hybrid::robust::shortest_robust;
 use crate::hybrid::shortest_horizon::{HorizonLogs, without_logs};
 use crate::hybrid::{Feedback, RobustPlan};
-use crate::hybrid::{
-    HorizonEvent, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon_with,
-};
+use crate::hybrid::{ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon};
 use crate::setters::setters;
 use crate::solution::Solution;
 use crate::solver::{MipStart, Solver, StopToken};
@@ -59,8 +57,8 @@ impl Scenario {
     ///
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let (options, mut solver) = (PlanningOptions::default(), BranchAndBound::default());
-    /// let careful = scenario.clone().collision_free().shortest_plan(&options, &mut solver)?;
-    /// let tolerant = scenario.shortest_plan(&options, &mut solver)?;
+    /// let careful = scenario.clone().collision_free().shortest_with(&options, &mut solver)?;
+    /// let tolerant = scenario.shortest_with(&options, &mut solver)?;
     /// assert!(tolerant.is_found() && tolerant.steps < careful.steps);
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -68,32 +66,26 @@ impl Scenario {
     /// # Errors
     ///
     /// As for [`plan`](Scenario::plan); [`ErrorKind::OutOfRange`] for bad options.
-    pub fn shortest_plan(
-        &self,
-        options: &PlanningOptions,
-        solver: &mut dyn Solver,
-    ) -> Result<ShortestHorizon<Plan>, Error> {
-        self.shortest_plan_with(options, solver, &mut |_| {})
+    pub fn shortest(&self, solver: &mut dyn Solver) -> Result<ShortestHorizon<Plan>, Error> {
+        self.shortest_with(&PlanningOptions::default(), solver)
     }
 
-    /// Same as [`shortest_plan`](Scenario::shortest_plan), with progress events on the calling
-    /// thread.
+    /// As [`shortest`](Scenario::shortest), with limits and hints.
     ///
     /// # Errors
     ///
-    /// As for [`shortest_plan`](Scenario::shortest_plan).
-    pub fn shortest_plan_with(
+    /// As for [`shortest`](Scenario::shortest).
+    pub fn shortest_with(
         &self,
         options: &PlanningOptions,
         solver: &mut dyn Solver,
-        progress: &mut dyn FnMut(&HorizonEvent),
     ) -> Result<ShortestHorizon<Plan>, Error> {
         self.check()?;
         let programs = Programs { scenario: self.clone(), upper_hint: options.upper_hint };
         without_logs(solver, |solver, folder| {
-            let mut found = self.find(&programs, options, solver, progress)?;
+            let mut found = self.find(&programs, options, solver)?;
             let Some(folder) = folder else { return Ok(found) };
-            let mut logs = HorizonLogs::new(folder, &options.search, solver, progress);
+            let mut logs = HorizonLogs::new(folder, &options.search, solver);
             if let Some(plan) = &mut found.plan {
                 let fewest = options.fewest_impacts && plan.fewest_impacts;
                 let objective = if fewest { Objective::Impacts } else { Objective::Feasibility };
@@ -110,10 +102,9 @@ impl Scenario {
         programs: &Programs,
         options: &PlanningOptions,
         solver: &mut dyn Solver,
-        progress: &mut dyn FnMut(&HorizonEvent),
     ) -> Result<ShortestHorizon<Plan>, Error> {
         let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
-        let found = shortest_horizon_with(programs, &options.search, solver, progress)?;
+        let found = shortest_horizon(programs, &options.search, solver)?;
         let mut found =
             found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))?;
         if options.fewest_impacts && found.is_found() {
@@ -155,7 +146,7 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// Those of [`shortest_plan`](Scenario::shortest_plan) and of
+    /// Those of [`shortest`](Scenario::shortest) and of
     /// [`robust`](crate::hybrid::HybridProgram::robust).
     pub fn shortest_robust(
         &self,
@@ -174,7 +165,7 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// As for [`shortest_plan`](Scenario::shortest_plan).
+    /// As for [`shortest`](Scenario::shortest).
     pub fn compare(
         &self,
         options: &PlanningOptions,
@@ -183,7 +174,7 @@ impl Scenario {
         let folder = solver.options().proof.clone();
         let mut logged = |name: &str, scenario: &Scenario, options: &PlanningOptions| {
             solver.options_mut().proof = folder.as_ref().map(|folder| folder.join(name));
-            let found = scenario.shortest_plan(options, solver);
+            let found = scenario.shortest_with(options, solver);
             solver.options_mut().proof.clone_from(&folder);
             found
         };

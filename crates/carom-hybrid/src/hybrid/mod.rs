@@ -44,7 +44,7 @@ pub use rows::HybridRun;
 pub use shortest_horizon::{
     HorizonAttempt, HorizonEvent, HorizonModel, HorizonProof, HorizonRefutation, HorizonVerdict,
     LeastTimeStep, Monotonicity, ShortestHorizon, ShortestOptions, ShortestStatus, SolvedHorizon,
-    TimeStepGrid, least_time_step, shortest_horizon, shortest_horizon_with,
+    TimeStepGrid, least_time_step, shortest_horizon,
 };
 pub use simulate::{
     Condition, DeadEnd, Decisions, DisturbedRun, RunCertificate, RunError, SimulatedStep,

@@ -12,7 +12,7 @@ use crate::hybrid::shortest_horizon::{
 };
 use crate::solver::Solver;
 
-/// A plan beside the shortest one with half of its time step, from [`ScenePlan::with_half_steps`].
+/// A plan beside the shortest one with half of its time step, from [`ScenePlan::compare_half_steps`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]
@@ -87,8 +87,8 @@ impl ScenePlan {
     ///     .with_body(ball)
     ///     .with_obstacle(Solid::halfspace("floor", [1.0], 0.0, floor));
     /// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
-    /// let plan = scene.shortest_plan(&options, &mut solver)?.plan.expect("it comes to rest");
-    /// let both = plan.with_half_steps(&scene, &options, &mut solver)?;
+    /// let plan = scene.shortest_with(&options, &mut solver)?.plan.expect("it comes to rest");
+    /// let both = plan.compare_half_steps(&scene, &options, &mut solver)?;
     /// assert_eq!(both.halved.time_step, Some(0.025));
     /// assert!(both.to_string().starts_with("Δt = 0.05 s: "));
     /// # Ok::<(), carom::Error>(())
@@ -96,8 +96,8 @@ impl ScenePlan {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::shortest_plan`].
-    pub fn with_half_steps(
+    /// Those of [`Scene::shortest`].
+    pub fn compare_half_steps(
         &self,
         scene: &Scene,
         options: &ShortestOptions,
@@ -105,7 +105,7 @@ impl ScenePlan {
     ) -> Result<StepComparison, Error> {
         let mut own = scene.clone();
         own.time_step = self.time_step;
-        let halved = own.with_half_steps().shortest_plan(&options.halved(), solver)?;
+        let halved = own.with_half_steps().shortest_with(&options.halved(), solver)?;
         Ok(StepComparison { plan: self.clone(), halved })
     }
 

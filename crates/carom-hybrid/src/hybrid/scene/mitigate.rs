@@ -132,7 +132,7 @@ impl SceneProgram {
     /// that of the last one, or of the first one that is not proved optimal.
     ///
     /// To have the least damage first, and the least time with it, ask for the damage of each
-    /// horizon that [`Scene::shortest_plan`] leaves open, from the shortest one on.
+    /// horizon that [`Scene::shortest`] leaves open, from the shortest one on.
     ///
     /// ```
     /// use carom::hybrid::scene::{Body, Scene, Solid, Surface};

@@ -15,11 +15,8 @@ use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use crate::hybrid::robust::{Feedback, RobustPlan, shortest_robust};
-#[cfg(doc)]
-use crate::hybrid::shortest_horizon::shortest_horizon;
 use crate::hybrid::shortest_horizon::{
-    HorizonEvent, HorizonModel, Monotonicity, ShortestHorizon, ShortestOptions, SolvedHorizon,
-    shortest_horizon_with,
+    HorizonModel, Monotonicity, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon,
 };
 use crate::hybrid::system::{HybridSystem, Region, Restated};
 use crate::interval::Interval;
@@ -52,27 +49,22 @@ impl Scene {
     ///
     /// Those of [`Scene::program`]; those of [`shortest_horizon`] and of the solver; those of
     /// [`SceneProgram::plan`] for a plan that is not what the scene does.
-    pub fn shortest_plan(
-        &self,
-        options: &ShortestOptions,
-        solver: &mut dyn Solver,
-    ) -> Result<ShortestHorizon<ScenePlan>, Error> {
-        self.shortest_plan_with(options, solver, &mut |_| {})
+    pub fn shortest(&self, solver: &mut dyn Solver) -> Result<ShortestHorizon<ScenePlan>, Error> {
+        self.shortest_with(&ShortestOptions::default(), solver)
     }
 
-    /// Same as [`shortest_plan`](Scene::shortest_plan), with progress events on the calling thread.
+    /// As [`shortest`](Scene::shortest), with limits, windows and rows of your own.
     ///
     /// # Errors
     ///
-    /// As for [`shortest_plan`](Scene::shortest_plan).
-    pub fn shortest_plan_with(
+    /// As for [`shortest`](Scene::shortest); [`ErrorKind::OutOfRange`] for a bad `max_steps`.
+    pub fn shortest_with(
         &self,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-        progress: &mut dyn FnMut(&HorizonEvent),
     ) -> Result<ShortestHorizon<ScenePlan>, Error> {
         let (task, options) = self.task(options)?;
-        let found = shortest_horizon_with(&task, &options, solver, progress)?;
+        let found = shortest_horizon(&task, &options, solver)?;
         found.try_map(|SolvedHorizon { program, solution }| program.plan(&solution))
     }
 
@@ -82,7 +74,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`shortest_plan`](Scene::shortest_plan) and of [`robust`](HybridProgram::robust).
+    /// Those of [`shortest`](Scene::shortest) and of [`robust`](HybridProgram::robust).
     pub fn shortest_robust(
         &self,
         feedback: &Feedback,

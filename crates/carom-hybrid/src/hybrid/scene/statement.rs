@@ -57,7 +57,7 @@ pub(super) struct Pair {
 ///     .with_body(puck)
 ///     .with_obstacle(Solid::halfspace("cushion", [1.0, 0.0], 0.0, cushion));
 /// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
-/// let found = scene.shortest_plan(&options, &mut solver)?;
+/// let found = scene.shortest_with(&options, &mut solver)?;
 /// let plan = found.plan.expect("there is one");
 /// assert!(plan.certificate.largest_residual < 1e-6);
 /// # Ok::<(), carom::Error>(())

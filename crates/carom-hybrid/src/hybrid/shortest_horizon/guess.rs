@@ -60,7 +60,7 @@ impl Guess {
             options.max_steps = options.max_steps.min(most);
         }
         // Nobody has asked for the coarser grid: what is wrong there is no error.
-        let found = find(&*coarser, &options, solver, &mut |_| {}).ok();
+        let found = find(&*coarser, &options, solver).ok();
         let Some(SolvedHorizon { program, solution }) =
             found.as_ref().and_then(|f| f.plan.as_ref())
         else {

@@ -2,7 +2,6 @@
 //! asked for.
 
 use super::HorizonModel;
-use super::event::HorizonEvent;
 use super::options::ShortestOptions;
 use super::outcome::{ShortestHorizon, SolvedHorizon};
 use super::proofs::{HorizonLogs, without_logs};
@@ -21,21 +20,10 @@ pub fn shortest_horizon<B: HorizonModel + ?Sized>(
     options: &ShortestOptions,
     solver: &mut dyn Solver,
 ) -> Result<ShortestHorizon<SolvedHorizon<B::Program>>, Error> {
-    shortest_horizon_with(builder, options, solver, &mut |_| {})
-}
-
-/// Same as [`shortest_horizon`], with progress events on the calling thread.
-#[doc(hidden)]
-pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
-    builder: &B,
-    options: &ShortestOptions,
-    solver: &mut dyn Solver,
-    progress: &mut dyn FnMut(&HorizonEvent),
-) -> Result<ShortestHorizon<SolvedHorizon<B::Program>>, Error> {
     without_logs(solver, |solver, folder| {
-        let mut found = find(builder, options, solver, progress)?;
+        let mut found = find(builder, options, solver)?;
         let Some(folder) = folder else { return Ok(found) };
-        let mut logs = HorizonLogs::new(folder, options, solver, progress);
+        let mut logs = HorizonLogs::new(folder, options, solver);
         if let (Some(steps), Some(plan)) = (found.steps, &mut found.plan) {
             logs.repeat(builder, steps, plan)?;
         }

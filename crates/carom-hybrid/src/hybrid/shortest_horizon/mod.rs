@@ -16,7 +16,7 @@ mod time_step;
 mod watch;
 
 pub use event::HorizonEvent;
-pub use logged::{shortest_horizon, shortest_horizon_with};
+pub use logged::shortest_horizon;
 pub use options::ShortestOptions;
 pub use outcome::{
     HorizonAttempt, HorizonProof, HorizonRefutation, HorizonVerdict, ShortestHorizon,

@@ -49,7 +49,6 @@ pub(crate) struct HorizonLogs<'a> {
     folder: &'a Path,
     options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
-    progress: &'a mut dyn FnMut(&HorizonEvent),
     token: StopToken,
     /// Whether the solver has turned out to write no logs.
     is_in_vain: bool,
@@ -62,18 +61,9 @@ impl<'a> HorizonLogs<'a> {
         folder: &'a Path,
         options: &'a ShortestOptions,
         solver: &'a mut dyn Solver,
-        progress: &'a mut dyn FnMut(&HorizonEvent),
     ) -> Self {
         let token = StopToken::new(options.time_limit, &options.interrupt);
-        HorizonLogs {
-            folder,
-            options,
-            solver,
-            progress,
-            token,
-            is_in_vain: false,
-            proofs: Vec::new(),
-        }
+        HorizonLogs { folder, options, solver, token, is_in_vain: false, proofs: Vec::new() }
     }
 
     /// Writes the log of every horizon up to one. Returns all that was written, in ascending order.
@@ -163,7 +153,6 @@ impl<'a> HorizonLogs<'a> {
     fn file(&mut self, proof: HorizonProof) {
         let event = HorizonEvent::Logged(proof.clone());
         self.options.tell(&event);
-        (self.progress)(&event);
         self.proofs.push(proof);
     }
 }

@@ -28,18 +28,13 @@ const MANY_OPEN: usize = 16;
 /// A gap that any point closes, where only the first point is wanted.
 pub(super) const ANY_GAP: f64 = 1e9;
 
-/// Finds the smallest feasible horizon and refutes the smaller ones, with progress events.
+/// Finds the smallest feasible horizon and refutes the smaller ones.
 pub(super) fn find<B: HorizonModel + ?Sized>(
     builder: &B,
     options: &ShortestOptions,
     solver: &mut dyn Solver,
-    progress: &mut dyn FnMut(&HorizonEvent),
 ) -> Result<ShortestHorizon<SolvedHorizon<B::Program>>, Error> {
     check_steps("the largest number of steps", options.max_steps)?;
-    let progress = &mut |event: &HorizonEvent| {
-        options.tell(event);
-        progress(event);
-    };
     let monotonicity = options.monotonicity(builder.monotonicity());
     let mut search = Search {
         is_free: monotonicity.is_monotone(),
@@ -47,7 +42,6 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         options,
         solver,
         token: StopToken::new(options.time_limit, &options.interrupt),
-        progress,
         refuted: 0,
         best: None,
         undecided: Vec::new(),
@@ -117,7 +111,6 @@ pub(super) struct Search<'a, B: HorizonModel + ?Sized> {
     pub(super) options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
     pub(super) token: StopToken,
-    progress: &'a mut dyn FnMut(&HorizonEvent),
     /// Every horizon up to this one is refuted.
     pub(super) refuted: usize,
     /// The smallest horizon found feasible.
@@ -178,7 +171,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             self.refuted = steps;
             self.attempts.push(attempt);
             self.ascended = self.attempts.len();
-            (self.progress)(&HorizonEvent::Decided(attempt));
+            self.options.tell(&HorizonEvent::Decided(attempt));
             steps += 1;
         }
         Ok(None)
@@ -259,7 +252,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     /// * `nodes`: a limit for a look.
     pub(super) fn attempt(&mut self, steps: usize, nodes: Option<u64>) -> Result<(), Error> {
         let feasible = self.best.as_ref().map(|best| best.steps);
-        (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
+        self.options.tell(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
         let token = &self.token;
         let tube = match &mut self.sets {
             Some(sets) => {
@@ -323,9 +316,9 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         nodes: Option<u64>,
         model: &Model,
     ) -> Result<Solution, Error> {
-        let progress = &mut *self.progress;
+        let options = self.options;
         let mut relay = |event: &Event| {
-            progress(&HorizonEvent::Solving { steps, progress: *event.progress() });
+            options.tell(&HorizonEvent::Solving { steps, progress: *event.progress() });
         };
         let gap = self.solver.options().absolute_gap;
         if self.builder.takes_any_point() {
@@ -392,7 +385,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             HorizonVerdict::NotAsGuessed => {}
         }
         self.attempts.push(attempt);
-        (self.progress)(&HorizonEvent::Decided(attempt));
+        self.options.tell(&HorizonEvent::Decided(attempt));
     }
 }
 

@@ -24,7 +24,7 @@ use crate::setters::setters;
 ///     .with_start([0.2, 0.5, 0.0, 0.0])
 ///     .with_goal([0.4, 0.5, 0.0, 0.0]);
 /// let scene = Scene::new(0.1).with_body(puck);
-/// let found = scene.shortest_plan(&ShortestOptions::default(), &mut BranchAndBound::default())?;
+/// let found = scene.shortest(&mut BranchAndBound::default())?;
 /// let plan = found.plan.expect("there is one");
 /// let svg = plan.picture(&scene)?.with_title("A puck on a table").to_svg();
 /// assert!(svg.contains("A puck on a table"));
