@@ -16,9 +16,9 @@
 //! Ctrl-C ends the loop at hand with the row of its steps so far, and the exit status 3.
 
 #[macro_use]
-#[path = "common/output.rs"]
+#[path = "../crates/carom-cli/src/output.rs"]
 mod output;
-#[path = "common/interrupts.rs"]
+#[path = "../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
 #[path = "../tests/instances/mod.rs"]

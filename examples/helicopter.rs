@@ -7,7 +7,7 @@
 //! one a unit of time. The file has a line `x,y,radius` for each island after its heading. Ctrl-C
 //! ends the search with the best path so far, and the exit status is 3.
 
-#[path = "common/interrupts.rs"]
+#[path = "../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
 use std::process::ExitCode;

@@ -15,9 +15,9 @@
 //! and the exit status 3.
 
 #[macro_use]
-#[path = "common/output.rs"]
+#[path = "../crates/carom-cli/src/output.rs"]
 mod output;
-#[path = "common/interrupts.rs"]
+#[path = "../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
 use std::collections::BTreeMap;

@@ -11,9 +11,9 @@
 mod instances;
 
 #[macro_use]
-#[path = "common/output.rs"]
+#[path = "../crates/carom-cli/src/output.rs"]
 mod output;
-#[path = "common/interrupts.rs"]
+#[path = "../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
 use std::process::ExitCode;

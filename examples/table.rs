@@ -21,9 +21,9 @@
 //! exit status is 3.
 
 #[macro_use]
-#[path = "common/output.rs"]
+#[path = "../crates/carom-cli/src/output.rs"]
 mod output;
-#[path = "common/interrupts.rs"]
+#[path = "../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
 #[path = "../tests/instances/mod.rs"]

@@ -16,7 +16,7 @@
 //! exit status is 3. A second Ctrl-C ends the program. With a file, the next run searches what is
 //! missing.
 
-#[path = "../common/interrupts.rs"]
+#[path = "../../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
 mod grid;

@@ -8,8 +8,7 @@ use std::time::Duration;
 use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
 use carom::hybrid::scene::{DamageLimitOptions, DamageLimitRange, DamageRule};
 use carom::hybrid::{
-    HorizonEvent, HorizonRefutation, HorizonVerdict, ShortestHorizon, ShortestOptions,
-    ShortestStatus,
+    HorizonRefutation, HorizonVerdict, ShortestHorizon, ShortestOptions, ShortestStatus,
 };
 use carom::prelude::*;
 

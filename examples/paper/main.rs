@@ -15,9 +15,9 @@
 //! planning of autonomous vehicles", arXiv:1611.07608.
 
 #[macro_use]
-#[path = "../common/output.rs"]
+#[path = "../../crates/carom-cli/src/output.rs"]
 mod output;
-#[path = "../common/interrupts.rs"]
+#[path = "../../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 #[path = "../common/proofs.rs"]
 mod proofs;

@@ -9,12 +9,21 @@ use carom::solver::{Heuristics, PoolMode, RelaxationMethod};
 
 use crate::format::Format;
 
-const USAGE: &str = "usage: solve FILE [OPTIONS]; `solve --help` lists the options";
+const USAGE: &str = concat!(
+    "usage: ",
+    env!("CARGO_BIN_NAME"),
+    " FILE [OPTIONS]; `",
+    env!("CARGO_BIN_NAME"),
+    " --help` lists the options"
+);
 
-pub(crate) const HELP: &str = "\
-Solves a model file (MPS, LP, CBF, or JSON with `--features serde`), or writes it in another format.
+pub(crate) const HELP: &str = concat!(
+    "\
+Solves a model file (MPS, LP, CBF, or JSON with the feature `serde`), or writes it in another format.
 
-usage: solve FILE [OPTIONS]
+usage: ",
+    env!("CARGO_BIN_NAME"),
+    " FILE [OPTIONS]
 
 FILE is `-` for the standard input. It may be compressed by gzip.
 
@@ -51,7 +60,8 @@ A second Ctrl-C ends the program at once.
 
 exit status: 0 if the search came to its end or to a limit that was set, 1 after an error, 2 if the
 arguments are wrong, 3 if Ctrl-C ended the search; what the signal says after a second Ctrl-C (130 in
-a shell)";
+a shell)"
+);
 
 /// What is to be done.
 pub(crate) enum Command {

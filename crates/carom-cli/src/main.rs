@@ -1,28 +1,25 @@
-//! Solves a model file, or writes it in another format.
-//!
-//! `cargo run --release --example solve -- FILE [OPTIONS]`; `--help` lists the options.
-//!
-//! Files are MPS (free or fixed), LP, CBF, or JSON (with `--features serde`), plain or compressed
-//! by gzip; `-` is the standard input. The format follows from `--format`, else from the extension
-//! `.mps`, `.lp`, `.cbf` or `.json`, otherwise from the contents.
-//!
-//! The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
-//! those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line
-//! is `status=… objective=… bound=… nodes=… seconds=…`. The status is `optimal`, `infeasible`,
-//! `unbounded`, `feasible` (stopped with a point that is not proved optimal) or `limit` (stopped
-//! without a point). The objective is `-` if there is no point. The seconds exclude reading the
-//! file. What people want to see is on the standard error: the size and the numbers of the program,
-//! what presolve has left, the bound before and after cuts, lines of progress and a summary; on a
-//! terminal, a last line moves.
-//!
-//! Ctrl-C ends the search and keeps what was found; see `--help` for that and for the exit status.
+// The program `carom`: solves a model file, or writes it in another format. `--help` lists the options.
+//
+// Files are MPS (free or fixed), LP, CBF, or JSON (with the feature `serde`), plain or compressed
+// by gzip; `-` is the standard input. The format follows from `--format`, else from the extension
+// `.mps`, `.lp`, `.cbf` or `.json`, otherwise from the contents.
+//
+// The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
+// those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line
+// is `status=… objective=… bound=… nodes=… seconds=…`. The status is `optimal`, `infeasible`,
+// `unbounded`, `feasible` (stopped with a point that is not proved optimal) or `limit` (stopped
+// without a point). The objective is `-` if there is no point. The seconds exclude reading the
+// file. What people want to see is on the standard error: the size and the numbers of the program,
+// what presolve has left, the bound before and after cuts, lines of progress and a summary; on a
+// terminal, a last line moves.
+//
+// Ctrl-C ends the search and keeps what was found; see `--help` for that and for the exit status.
+//
+// These are no doc comments, because the example `solve` of `carom` includes this file.
 
 #[macro_use]
-#[path = "../common/output.rs"]
 mod output;
-#[path = "../common/interrupts.rs"]
 mod interrupts;
-#[path = "../common/sol.rs"]
 mod sol;
 
 mod answer;
@@ -46,6 +43,9 @@ use arguments::{Arguments, Command, Values};
 use interrupts::{INTERRUPTED, Signals};
 use live::Live;
 
+/// The name of the program, `carom` or that of the example.
+const NAME: &str = env!("CARGO_BIN_NAME");
+
 /// The exit status for wrong arguments; all of them are in `--help`.
 const WRONG_ARGUMENTS: u8 = 2;
 
@@ -57,7 +57,7 @@ fn main() -> ExitCode {
             return ExitCode::SUCCESS;
         }
         Err(error) => {
-            eprintln!("solve: {error}");
+            eprintln!("{NAME}: {error}");
             return WRONG_ARGUMENTS.into();
         }
     };
@@ -65,7 +65,7 @@ fn main() -> ExitCode {
         Ok(Termination::Interrupted) => INTERRUPTED.into(),
         Ok(_) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("solve: {error}");
+            eprintln!("{NAME}: {error}");
             ExitCode::FAILURE
         }
     }
