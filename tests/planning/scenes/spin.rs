@@ -331,7 +331,7 @@ fn torque_is_an_input_and_spin_stands_in_rows() {
     spinning.name = "spinning".into();
     let spinning = scene.body(spinning).unwrap();
     let mut program = scene.program(4).unwrap();
-    program.maximize(program.program().end(spinning.spin()).unwrap()).unwrap();
+    program.maximize(program.end(spinning.spin()).unwrap()).unwrap();
     let first = program.at(spinning.torque(), 0).unwrap();
     program.add("gently", first.le(0.1)).unwrap();
     let plan = program.solve(&mut BranchAndBound::default()).unwrap();
@@ -341,7 +341,7 @@ fn torque_is_an_input_and_spin_stands_in_rows() {
     assert!(plan.bodies[0].spin.is_empty() && plan.bodies[0].torque.is_empty());
     assert!(program.at(still.spin(), 0).is_err() && program.at(still.torque(), 0).is_err());
     // Effort and fuel are of what pushes.
-    program.add("turns", program.program().end(spinning.spin()).unwrap().ge(5.0)).unwrap();
+    program.add("turns", program.end(spinning.spin()).unwrap().ge(5.0)).unwrap();
     let cost = program.effort().unwrap() + program.fuel().unwrap();
     program.minimize(cost).unwrap();
     let cheapest = BranchAndBound::default().solve(program.model()).unwrap();

@@ -260,7 +260,7 @@ impl Scenario {
     /// let program = scenario.program(30, Objective::Effort)?;
     /// // The goal is narrow beside the way to it, so that errors have to end soon.
     /// let feedback = Feedback::new(program.system(), [[-6.0, -5.0]])?;
-    /// let plan = program.robust(&feedback)?.solve(&mut BranchAndBound::default())?;
+    /// let plan = program.program().robust(&feedback)?.solve(&mut BranchAndBound::default())?;
     /// assert!(plan.simulate(&mut |range| range.upper)?.kept);
     /// # Ok::<(), carom::Error>(())
     /// ```

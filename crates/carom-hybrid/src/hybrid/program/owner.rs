@@ -49,6 +49,19 @@ macro_rules! owns_program {
                 self.program.at(expression, sample)
             }
 
+            /// An expression at the last sample, as
+            /// [`HybridProgram::end`](crate::hybrid::HybridProgram::end).
+            ///
+            /// # Errors
+            ///
+            /// Those of [`HybridProgram::end`](crate::hybrid::HybridProgram::end).
+            pub fn end<E: $crate::hybrid::AtSample>(
+                &self,
+                expression: E,
+            ) -> Result<E::Output, $crate::error::Error> {
+                self.program.end(expression)
+            }
+
             /// The sum of an expression over the steps, as
             /// [`HybridProgram::sum`](crate::hybrid::HybridProgram::sum).
             ///
