@@ -245,7 +245,7 @@ fn verdicts_and_limits_are_words() {
 /// The restriction to the modes of a coarser plan may fail; that is no verdict of infeasibility.
 #[test]
 fn no_attempt_is_undecided_because_it_is_infeasible() {
-    use carom::collision_tolerant::{PlanningOptions, Scenario};
+    use carom::collision_tolerant::Scenario;
     let scenario = Scenario::paper().with_time_step(0.05);
     let found = scenario.shortest(&mut solver()).unwrap();
     for attempt in &found.attempts {

@@ -1,8 +1,8 @@
 //! Extreme plans: inputs at the ends of their range, where many plans are as good.
 
-use carom::collision_tolerant::{PlanningOptions, Scenario};
+use carom::collision_tolerant::Scenario;
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Surface};
-use carom::hybrid::{Region, Restitution, ShortestOptions};
+use carom::hybrid::{Region, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
 

@@ -1,8 +1,8 @@
 //! A scene on a line is the paper's program.
 
-use carom::collision_tolerant::{Collisions, Objective, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Collisions, Objective, Scenario};
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
-use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::hybrid::{ImpactEstimate, Region, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Programs that sets have tightened have the optimum of those that they have not.
 
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
-use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::hybrid::{ImpactEstimate, Region, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
 
