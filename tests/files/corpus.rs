@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use carom::model::{cbf, lp, mps};
+use carom::model::{cbf, lp, mps, qplib};
 use carom::prelude::*;
 
 use crate::there_and_back::through_files;
@@ -54,6 +54,14 @@ fn cbf_files() {
     assert!(each("cbf", read) >= 2);
     each("lp", read);
     each("mps", read);
+}
+
+#[test]
+fn qplib_files() {
+    let read = |text: &str| qplib::read(text).map(|read| read.model).map_err(|e| e.to_string());
+    assert!(each("qplib", read) >= 2);
+    each("lp", read);
+    each("cbf", read);
 }
 
 #[cfg(feature = "serde")]

@@ -19,7 +19,7 @@ const USAGE: &str = concat!(
 
 pub(crate) const HELP: &str = concat!(
     "\
-Solves a model file (MPS, LP, CBF, or JSON with the feature `serde`), or writes it in another format.
+Solves a model file (MPS, LP, CBF, QPLIB, or JSON with the feature `serde`), or writes it in another format.
 
 usage: ",
     env!("CARGO_BIN_NAME"),
@@ -27,7 +27,8 @@ usage: ",
 
 FILE is `-` for the standard input. It may be compressed by gzip.
 
-  --format FORMAT      `mps`, `lp`, `cbf` or `json`; else the extension or the contents tell
+  --format FORMAT      `mps`, `lp`, `cbf`, `qplib` or `json`; else the extension or the contents
+                       tell
   --solution [FILE]    write the values to FILE, lines `name value`; without FILE, or with `-`, print
                        those with magnitudes above 1e-9, `name = value`
   --start FILE.sol     begin with the integers of a point: lines `name value` or `name = value`;

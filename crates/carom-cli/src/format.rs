@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::str::FromStr;
 
-use carom::model::{Warning, cbf, lp, mps};
+use carom::model::{Warning, cbf, lp, mps, qplib};
 use carom::prelude::Model;
 
 use crate::input::{self, STANDARD_INPUT};
@@ -16,6 +16,7 @@ pub(crate) enum Format {
     Mps,
     Lp,
     Cbf,
+    Qplib,
     Json,
 }
 
@@ -27,8 +28,11 @@ impl FromStr for Format {
             "mps" => Ok(Format::Mps),
             "lp" => Ok(Format::Lp),
             "cbf" => Ok(Format::Cbf),
+            "qplib" => Ok(Format::Qplib),
             "json" => Ok(Format::Json),
-            _ => Err(format!("no format is called `{name}`; there are mps, lp, cbf and json")),
+            _ => {
+                Err(format!("no format is called `{name}`; there are mps, lp, cbf, qplib and json"))
+            }
         }
     }
 }
@@ -42,12 +46,21 @@ fn of_extension(path: &str) -> Option<Format> {
 /// The format that the contents of a file tell.
 fn of_contents(text: &str) -> Format {
     let is_rows = |line: &str| line.trim_end().eq_ignore_ascii_case("ROWS");
+    // The second line of a QPLIB file has three letters, and the third one the sense.
+    let mut filled = text.lines().filter_map(|line| line.split_whitespace().next());
+    let mut filled = filled.by_ref().filter(|word| !word.starts_with(['#', '!', '%'])).skip(1);
+    let is_quadratic = filled.next().is_some_and(|word| word.len() == 3)
+        && filled.next().is_some_and(|word| {
+            ["minimize", "maximize"].contains(&word.to_ascii_lowercase().as_str())
+        });
     if text.trim_start().starts_with('{') {
         Format::Json
     } else if text.lines().any(is_rows) {
         Format::Mps
     } else if text.lines().any(|line| line.trim_end() == "VER") {
         Format::Cbf
+    } else if is_quadratic {
+        Format::Qplib
     } else {
         Format::Lp
     }
@@ -70,6 +83,7 @@ fn parse(format: Format, text: &str) -> Result<(Model, Vec<Warning>), Box<dyn Er
         Format::Mps => mps::read(text)?,
         Format::Lp => lp::read(text)?,
         Format::Cbf => cbf::read(text)?,
+        Format::Qplib => qplib::read(text)?,
         #[cfg(feature = "serde")]
         Format::Json => return Ok((serde_json::from_str(text)?, Vec::new())),
         #[cfg(not(feature = "serde"))]
@@ -88,7 +102,9 @@ pub(crate) fn write(model: &Model, path: &str) -> Result<(), Box<dyn Error>> {
         Some(Format::Json) => serde_json::to_string_pretty(model)?,
         #[cfg(not(feature = "serde"))]
         Some(Format::Json) => return Err("JSON needs `--features serde`".into()),
-        None => return Err(format!("{path}: expected .mps, .lp, .cbf or .json").into()),
+        Some(Format::Qplib) | None => {
+            return Err(format!("{path}: expected .mps, .lp, .cbf or .json").into());
+        }
     };
     let bytes = if path.ends_with(".gz") { input::compressed(&text)? } else { text.into_bytes() };
     Ok(std::fs::write(path, bytes).map_err(|error| format!("{path}: {error}"))?)

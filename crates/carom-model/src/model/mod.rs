@@ -24,6 +24,7 @@ mod objective;
 mod operators;
 mod parameter;
 mod piecewise;
+pub mod qplib;
 mod quadratic;
 mod reformulation;
 mod refs;
