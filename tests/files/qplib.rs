@@ -95,6 +95,18 @@ fn binaries_have_no_bounds_in_the_file() -> Result<(), Error> {
     Ok(())
 }
 
+/// `x y` from the lower triangle, and half of it from the upper one.
+#[test]
+fn an_entry_of_the_upper_triangle_is_the_sum_of_both() -> Result<(), Error> {
+    let best = |entry: &str| {
+        let text =
+            format!("p\nQBN\nmaximize\n2\n1\n{entry} 3.0\n0.0\n0\n0.0\n1e20\n0.0\n0\n0.0\n0\n0\n");
+        BranchAndBound::default().solve(&read(&text)).map(|found| found.objective())
+    };
+    assert_eq!((best("2 1")?, best("1 2")?), (Some(3.0), Some(1.5)));
+    Ok(())
+}
+
 #[test]
 fn what_is_damaged_is_named_with_its_place() {
     let place = |text: &str| match qplib::read(text).unwrap_err().kind() {
@@ -117,15 +129,16 @@ fn what_is_damaged_is_named_with_its_place() {
     is(changed("1 1 -2.0", "1 1 two"), (9, 5), "not a number");
     is(changed("2 entries", "2e entries"), (8, 1), "the number of entries");
     is(changed("3 variables", "300000000000 variables"), (5, 1), "more than a file of this length");
-    is(changed("-1.0E20\n0", "0.0\n0"), (17, 1), "two it is not convex");
+    is(changed("-1.0E20\n0", "0.0\n0"), (16, 1), "two it is not convex");
     is(place("name\nLCN\nminimize\n1\n0.0\n"), (6, 1), "the file ends before");
     is(place(""), (1, 1), "the file ends before the name");
 }
 
 #[test]
 fn what_is_not_convex_is_refused() {
-    // A product of two variables, one of which is no binary.
-    let error = qplib::read(SMALL).and_then(|read| BranchAndBound::default().solve(&read.model));
+    // A product of two variables that are no binaries.
+    let text = SMALL.replace("3 2 -1.0", "3 1 -1.0");
+    let error = qplib::read(&text).and_then(|read| BranchAndBound::default().solve(&read.model));
     let error = error.unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::NotConvex { .. }), "{error}");
 }
@@ -199,7 +212,12 @@ fn cases() -> impl Strategy<Value = Case> {
     let number = || (-8..9_i32).prop_map(|value| f64::from(value) / 4.0);
     (1..5_usize, 0..4_usize).prop_flat_map(move |(n, m)| {
         let positive = (1..9_i32).prop_map(|value| f64::from(value) / 4.0);
+        // Without variables a row is refused.
         let row = (prop::collection::vec(number(), n), number());
+        let row = row.prop_map(|(mut factors, limit)| {
+            factors[0] += 2.25;
+            (factors, limit)
+        });
         (
             prop::collection::vec(positive, n),
             prop::collection::vec(number(), n),

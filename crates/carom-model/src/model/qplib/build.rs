@@ -47,11 +47,10 @@ pub(super) fn model(file: QplibFile<'_>) -> Result<Read, Error> {
     Ok(Read { model, warnings: Vec::new() })
 }
 
-/// `1/2 x'Hx + a'x`, from a triangle of H.
+/// `1/2 x'Hx + a'x`.
 fn form(products: &[Product<'_>], linear: Affine, variables: &[Variable]) -> Quadratic {
     let mut sum = Quadratic::from(linear);
-    for &Product { pair: (i, j), value, .. } in products {
-        let factor = if i == j { 0.5 * value } else { value };
+    for &Product { pair: (i, j), factor, .. } in products {
         sum.add_product(factor, variables[i], variables[j]);
     }
     sum

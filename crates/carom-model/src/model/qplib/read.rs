@@ -22,11 +22,11 @@ pub(super) struct QplibFile<'a> {
     pub(super) rows: Vec<QplibRow<'a>>,
 }
 
-/// An entry of a symmetric matrix, given once for both triangles.
+/// A product in `1/2 x'Hx`, from an entry of H and the one across the diagonal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Product<'a> {
     pub(super) pair: (usize, usize),
-    pub(super) value: f64,
+    pub(super) factor: f64,
     pub(super) place: Token<'a>,
 }
 
@@ -167,11 +167,13 @@ fn once<T: Eq + std::hash::Hash>(
     }
 }
 
-/// The entry of a triangle.
+/// The entry of a triangle: of the lower one, as the format's paper has it, it stands for itself and
+/// its mirror image; files with the upper one, converted from LP files, have the sum of both.
 fn product<'a>(words: [Token<'a>; 3], count: usize) -> Result<Product<'a>, Error> {
-    let [i, j, value] = words;
-    let pair = (index(&i, count)?, index(&j, count)?);
-    Ok(Product { pair: (pair.0.max(pair.1), pair.0.min(pair.1)), value: value.finite()?, place: i })
+    let [row, column, value] = words;
+    let (i, j) = (index(&row, count)?, index(&column, count)?);
+    let factor = if i > j { value.finite()? } else { 0.5 * value.finite()? };
+    Ok(Product { pair: (i.max(j), i.min(j)), factor, place: row })
 }
 
 impl<'a> QplibFile<'a> {
