@@ -1,8 +1,6 @@
 //! Goals that are regions, and programs that their user extends: the plans are certified all the
 //! same.
 
-use std::error::Error as StdError;
-
 use crate::common::config;
 use carom::ErrorKind;
 use carom::collision_tolerant::{Endpoint, Objective, Plan, PlanningOptions, Scenario, Trajectory};
@@ -174,11 +172,6 @@ fn regions_that_cannot_be_ends_are_refused() {
 
 // -- extended programs --------------------------------------------------------------------------
 
-/// The error behind an error of the crate.
-fn source<E: StdError + 'static>(error: &Error) -> &E {
-    error.source().and_then(|source| source.downcast_ref()).expect("another source")
-}
-
 #[test]
 fn extended_programs_are_certified() {
     let scenario = coarse();
@@ -208,12 +201,12 @@ fn plans_of_other_scenarios_are_no_plans() {
         of_other.plan(&solution).unwrap_err()
     };
     let error = refused(&scenario.clone().with_goal_position(0.4));
-    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::Scene(SceneError::Replay { .. })), "{error}");
     let error =
         refused(&scenario.clone().with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
-    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::Scene(SceneError::Replay { .. })), "{error}");
     let error = refused(&scenario.clone().with_acceleration(-1.0..=1.0));
-    assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::Run(RunError::Transition { .. })), "{error}");
     // A solution of another program.
     let other = scenario.program(30, Objective::Effort).unwrap();
     let error = other.plan(&solution).unwrap_err();
@@ -230,11 +223,11 @@ fn extensions_that_bend_the_scenario_are_found() {
     }
     let solution = solver().solve(program.model()).unwrap();
     let error = program.plan(&solution).unwrap_err();
-    assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::Run(RunError::Transition { .. })), "{error}");
     // Elsewhere than the goal.
     let last = program.position[24].terms()[0].0;
     program.model_mut().set_bounds(last, 0.0, 9.0).unwrap();
     let solution = solver().solve(program.model()).unwrap();
     let error = program.plan(&solution).unwrap_err();
-    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::Scene(SceneError::Replay { .. })), "{error}");
 }

@@ -16,4 +16,3 @@ use carom_model::internals::serde_numbers;
 use carom_model::internals::{
     activity, error, interval, model, number, setters, solution, solver, sum, tolerance, union_find,
 };
-use error::Error;

@@ -13,8 +13,8 @@ fn scalar(a: f64, b: f64, q: f64, r: f64) -> f64 {
 }
 
 fn reason(error: &carom::Error) -> TerminalError {
-    let source = std::error::Error::source(error).expect("a source");
-    source.downcast_ref::<TerminalError>().expect("a terminal error").clone()
+    let carom::ErrorKind::Terminal(own) = error.kind() else { panic!("{error}") };
+    own.clone()
 }
 
 proptest! {

@@ -12,8 +12,8 @@ use proptest::prelude::*;
 use crate::common::config;
 
 fn reason(error: &carom::Error) -> TerminalError {
-    let source = std::error::Error::source(error).expect("a source");
-    source.downcast_ref::<TerminalError>().expect("a terminal error").clone()
+    let carom::ErrorKind::Terminal(own) = error.kind() else { panic!("{error}") };
+    own.clone()
 }
 
 /// A limit on the state and the input, as plain numbers: `state . x + input . u <= limit`.

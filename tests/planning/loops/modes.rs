@@ -1,7 +1,6 @@
 //! Loops whose plans choose transitions and modes: the plant is told, and what has elapsed is
 //! carried.
 
-use std::error::Error as _;
 use std::time::Duration;
 
 use carom::ErrorKind;
@@ -73,8 +72,8 @@ fn a_plant_that_is_told_the_input_alone_is_an_error_that_keeps_the_record() {
         );
         assert_eq!(broken.to_string(), format!("the loop ended in step 2: {error}"));
         assert_eq!(format!("{broken:?}"), format!("BrokenLoop: {broken}"));
-        let source = broken.error.source().and_then(|own| own.downcast_ref::<DeadEnd>());
-        assert!(matches!(source, Some(DeadEnd::Ambiguous { step: 0, .. })));
+        let kind = broken.error.kind();
+        assert!(matches!(kind, ErrorKind::DeadEnd(DeadEnd::Ambiguous { step: 0, .. })));
         assert_eq!(Error::from(broken).to_string(), error);
         // The ways out.
         let input = [[0.0]];

@@ -1,13 +1,11 @@
 //! Attempts to break tubes: other kinds of systems, with the statements of the programs checked on
 //! each run.
 
-use std::collections::BTreeSet;
-use std::error::Error as _;
-
 use carom::ErrorKind;
 use carom::hybrid::{Feedback, RobustError};
 use carom::model::sos1;
 use carom::prelude::*;
+use std::collections::BTreeSet;
 
 use super::promises::{MISS, runs, value};
 use super::{Draw, random_systems};
@@ -96,9 +94,8 @@ fn functions_of_defined_variables_are_tightened() -> Result<(), Error> {
     let size = program.model_mut().absolute("size", free)?;
     program.add("size is", size.equals(program.end(x)?))?;
     let error = program.robust(&Feedback::none(&cart)?);
-    let error =
-        error.err().and_then(|error| error.source()?.downcast_ref::<RobustError>().cloned());
-    assert!(matches!(error, Some(RobustError::OneValue { .. })), "{error:?}");
+    let Err(error) = error else { panic!("not refused") };
+    assert!(matches!(error.kind(), ErrorKind::Robust(RobustError::OneValue { .. })), "{error}");
     Ok(())
 }
 
@@ -114,9 +111,10 @@ fn ordered_sets_and_products_of_states_are_refused() -> Result<(), Error> {
     let members = [(program.variable(x, 2)?, 1.0), (program.variable(y, 2)?, 2.0)];
     program.add("one of them", sos1(members))?;
     let error = program.robust(&Feedback::none(&cart)?);
-    let error =
-        error.err().and_then(|error| error.source()?.downcast_ref::<RobustError>().cloned());
-    let Some(RobustError::Statement { statement, kind, .. }) = error else { panic!("{error:?}") };
-    assert_eq!((statement.as_str(), kind), ("one of them", "an ordered set of states or inputs"));
+    let Err(error) = error else { panic!("not refused") };
+    let ErrorKind::Robust(RobustError::Statement { statement, kind, .. }) = error.kind() else {
+        panic!("{error}")
+    };
+    assert_eq!((statement.as_str(), *kind), ("one of them", "an ordered set of states or inputs"));
     Ok(())
 }

@@ -103,9 +103,8 @@ fn a_certificate_fails_where_a_run_does() -> Result<(), Error> {
     assert!(holds < 1.0 + 1e-3, "{holds}");
     let error = tube.certify(1.05);
     let Err(error) = error else { panic!("certified too much") };
-    assert!(matches!(error.kind(), ErrorKind::Other));
-    let source = std::error::Error::source(&error).and_then(|s| s.downcast_ref::<RobustError>());
-    assert!(matches!(source, Some(RobustError::Violated { .. } | RobustError::Condition { .. })));
+    let ErrorKind::Robust(own) = error.kind() else { panic!("{error}") };
+    assert!(matches!(own, RobustError::Violated { .. } | RobustError::Condition { .. }));
     let run = tube.simulate(&mut |range| 1.05 * range.upper)?;
     let speeds = run.run.state("v")?;
     let ends = run.run.state("x")?;

@@ -1,7 +1,5 @@
 //! What has no robust form, and bad input.
 
-use std::error::Error as _;
-
 use carom::ErrorKind;
 use carom::hybrid::{Feedback, RobustError};
 use carom::prelude::*;
@@ -16,7 +14,10 @@ fn cart() -> Result<(HybridSystem, State, Input), Error> {
 }
 
 fn reason<T>(result: Result<T, Error>) -> Option<RobustError> {
-    result.err()?.source()?.downcast_ref::<RobustError>().cloned()
+    match result.err()?.kind() {
+        ErrorKind::Robust(own) => Some(own.clone()),
+        _ => None,
+    }
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Bodies whose speed and thrust are limited in length: turned scenes, shortest plans, replays.
 
-use std::error::Error as _;
 use std::f64::consts::TAU;
 
+use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, SceneError, ScenePlan, Solid, Surface};
 use carom::hybrid::{Region, Restitution, ShortestOptions};
 use carom::model::norm;
@@ -10,7 +10,8 @@ use carom::prelude::*;
 
 /// The scene's error within an error.
 fn scene_error(error: Error) -> SceneError {
-    error.source().and_then(|source| source.downcast_ref::<SceneError>()).unwrap().clone()
+    let ErrorKind::Scene(own) = error.kind() else { panic!("{error}") };
+    own.clone()
 }
 
 /// A point turned by an angle.

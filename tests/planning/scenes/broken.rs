@@ -1,7 +1,5 @@
 //! Plans that are not what their scene allows are refused by its replay.
 
-use std::error::Error as _;
-
 use carom::ErrorKind;
 use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, Scene, SceneError, ScenePlan, Solid, Surface,
@@ -36,8 +34,8 @@ fn plan(scene: &Scene) -> ScenePlan {
 /// What the replay says against a plan.
 fn refused(scene: &Scene, plan: &ScenePlan) -> String {
     let error = scene.replay(plan).unwrap_err();
-    match error.source().and_then(|source| source.downcast_ref::<SceneError>()) {
-        Some(SceneError::Replay { what, .. }) => what.clone(),
+    match error.kind() {
+        ErrorKind::Scene(SceneError::Replay { what, .. }) => what.clone(),
         _ => panic!("{error}"),
     }
 }
@@ -167,8 +165,8 @@ fn goals_with_half_spaces() {
     let narrow = Halfspace::new("side", [1.0, 1.0], 0.0);
     scene.bodies[0].goal = Some(Region::from(ranges.clone()).with_halfspace(narrow));
     let error = scene.program(6).unwrap_err();
-    let source = error.source().and_then(|source| source.downcast_ref::<SceneError>());
-    assert!(matches!(source, Some(SceneError::Axes { found: 2, expected: 4, .. })), "{error}");
+    let ErrorKind::Scene(own) = error.kind() else { panic!("{error}") };
+    assert!(matches!(own, SceneError::Axes { found: 2, expected: 4, .. }), "{error}");
 }
 
 #[test]

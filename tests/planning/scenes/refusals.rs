@@ -1,7 +1,5 @@
 //! Scenes that contradict themselves are typed errors that name the thing.
 
-use std::error::Error as _;
-
 use carom::ErrorKind;
 use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, Scene, SceneError, Shape, Solid, Surface,
@@ -16,7 +14,8 @@ fn body() -> Body {
 
 fn refused(scene: &Scene) -> SceneError {
     let error = scene.program(4).unwrap_err();
-    error.source().and_then(|source| source.downcast_ref::<SceneError>()).unwrap().clone()
+    let ErrorKind::Scene(own) = error.kind() else { panic!("{error}") };
+    own.clone()
 }
 
 fn error(scene: &Scene) -> Error {

@@ -1,5 +1,7 @@
 //! Bodies that come to rest at a surface, in rows, sets, simulations and replays alike.
 
+use super::seeded_numbers::Numbers;
+use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, SceneError, ScenePlan, Solid, Surface};
 use carom::hybrid::{
     Contact, HybridSystem, ImpactEstimate, Region, Restitution, ShortestOptions, ShortestStatus,
@@ -8,9 +10,6 @@ use carom::hybrid::{
 use carom::interval::Interval;
 use carom::model::Affine;
 use carom::prelude::*;
-use std::error::Error as _;
-
-use super::seeded_numbers::Numbers;
 
 fn bounce(e: f64) -> Surface {
     Surface::bounce(Restitution::new(e).unwrap())
@@ -182,8 +181,7 @@ fn it_leaves_as_soon_as_it_is_pulled_away() {
 fn surfaces_at_which_nothing_can_rest() {
     let refused = |surface: Surface| {
         let error = ball(surface, 0.1, Region::point([0.0, 0.0])).program(2).unwrap_err();
-        let source = error.source().and_then(|source| source.downcast_ref::<SceneError>());
-        assert!(matches!(source, Some(SceneError::Surface { .. })), "{error}");
+        assert!(matches!(error.kind(), ErrorKind::Scene(SceneError::Surface { .. })), "{error}");
         error.to_string()
     };
     assert!(refused(Surface::avoid().with_rest()).contains("nothing rests there"));
@@ -297,7 +295,7 @@ fn claims_name_the_stepped_law_and_its_time_step() {
     assert_eq!(least.time_step, shortest.first().copied());
     assert!(least.is_proved && least.run.unwrap().time_step == least.time_step.unwrap());
     let empty = plan.least_time_step(&scene, [], &options, &mut solver).unwrap_err();
-    assert!(matches!(empty.kind(), carom::ErrorKind::OutOfRange { .. }), "{empty}");
+    assert!(matches!(empty.kind(), ErrorKind::OutOfRange { .. }), "{empty}");
 }
 
 #[test]

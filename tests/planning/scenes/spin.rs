@@ -1,8 +1,7 @@
 //! Spin: random hits keep what mechanics keeps, plans are what their laws do, and without friction
 //! nothing changes.
 
-use std::error::Error as _;
-
+use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, SceneError, ScenePlan, Shape, Solid, Surface};
 use carom::hybrid::{Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
@@ -394,7 +393,10 @@ fn spins_that_cannot_be_are_refused() {
     let spinning = |body: Body| scene(body.with_spin(0.1, 9.0, 1.0));
     let kind = |scene: &Scene| {
         let error = scene.hybrid_system().unwrap_err();
-        error.source().and_then(|source| source.downcast_ref::<SceneError>()).cloned()
+        match error.kind() {
+            ErrorKind::Scene(own) => Some(own.clone()),
+            _ => None,
+        }
     };
     for (body, words) in [
         (disc().with_shape(Shape::Point), "give it the shape of a ball"),

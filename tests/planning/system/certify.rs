@@ -1,12 +1,11 @@
 //! Certificates of runs: what is simulated agrees, and one wrong number or name does not.
 
-use carom_hybrid::internals::HasParts;
-use std::error::Error as _;
-
+use carom::ErrorKind;
 use carom::hybrid::{Condition, Contact, HybridRun, HybridSystem, Restitution, RunError, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Point;
+use carom_hybrid::internals::HasParts;
 use proptest::prelude::*;
 
 use super::random::{follow_wishes, system, wishes};
@@ -14,7 +13,8 @@ use crate::common::config;
 
 fn refusal(system: &HybridSystem, run: &HybridRun) -> RunError {
     let error = system.certify(run).unwrap_err();
-    error.source().and_then(|source| source.downcast_ref::<RunError>()).unwrap().clone()
+    let ErrorKind::Run(own) = error.kind() else { panic!("{error}") };
+    own.clone()
 }
 
 fn wall() -> HybridSystem {
@@ -106,7 +106,8 @@ proptest! {
             // A tie: it was possible, to the tolerance of a certificate.
             return Ok(());
         };
-        match error.source().and_then(|source| source.downcast_ref::<RunError>()).unwrap() {
+        let ErrorKind::Run(own) = error.kind() else { panic!("{error}") };
+        match own {
             RunError::Transition { step, transition, .. } => {
                 // Modes, dwell times and events may tell at a later step.
                 prop_assert!(*step > t || (*step, transition) == (t, other), "{}", error);

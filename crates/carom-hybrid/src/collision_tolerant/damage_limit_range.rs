@@ -1,10 +1,10 @@
 //! The limits on the damage of one impact, equation (19), for which a horizon is the shortest.
 
 use super::scenario::Scenario;
-use crate::error::Error;
+use crate::error::{Error, SceneError};
 use crate::hybrid::ContactLaw;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::scene::{DamageLimitOptions, DamageLimitRange, SceneError};
+use crate::hybrid::scene::{DamageLimitOptions, DamageLimitRange};
 use crate::solver::Solver;
 
 impl Scenario {

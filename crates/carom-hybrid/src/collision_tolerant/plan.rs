@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
-use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
+use crate::error::{Error, SceneError};
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::rows::no_plan;
 use crate::hybrid::scene::samples::{Samples, check_line_ends, replay_line_in};
-use crate::hybrid::scene::{SceneCertificate, SceneError, SceneHit};
+use crate::hybrid::scene::{SceneCertificate, SceneHit};
 use crate::hybrid::{ContactLaw, HybridRun, RunCertificate};
 use crate::solution::{Solution, Statistics, Termination, Verification};
 use crate::solver::{Control, Interrupt, Solver, StopToken};

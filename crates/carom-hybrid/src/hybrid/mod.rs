@@ -39,7 +39,7 @@ pub use receding::RecedingHorizon;
 pub use receding::{BrokenLoop, ClosedLoop, ControlMove, Disturbance, MoveSource};
 #[doc(alias("tube", "robust control"))]
 pub use robust::RobustProgram;
-pub use robust::{Feedback, RobustCertificate, RobustError, RobustPlan};
+pub use robust::{Feedback, RobustCertificate, RobustPlan};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
     HorizonAttempt, HorizonEvent, HorizonModel, HorizonProof, HorizonRefutation, HorizonVerdict,
@@ -58,9 +58,11 @@ pub use system::{
 };
 #[doc(alias("linear-quadratic regulator", "Riccati equation"))]
 pub use terminal::Lqr;
+pub use terminal::TerminalOptions;
 #[doc(alias("invariant set", "terminal constraint"))]
 pub use terminal::TerminalSet;
-pub use terminal::{TerminalError, TerminalOptions};
 pub(crate) use wall::FreeSide;
 pub use wall::Wall;
 pub use well_posedness::{IllPosedness, WitnessPoint};
+
+pub use crate::error::{RobustError, TerminalError};

@@ -2,6 +2,11 @@
 
 use thiserror::Error;
 
+use super::dead_end::DeadEnd;
+use super::robust::RobustError;
+use super::run::RunError;
+use super::scene::SceneError;
+use super::terminal::TerminalError;
 use crate::number::Exact;
 
 /// The kind of an [`Error`](super::Error).
@@ -448,9 +453,22 @@ pub enum ErrorKind {
         /// The failure, in words.
         message: String,
     },
-    /// An error that has a type of its own, such as a
-    /// `SceneError` or the error of a solver outside
-    /// the crate.
+    /// A scene that contradicts itself, or a plan that its replay refuses.
+    #[error(transparent)]
+    Scene(SceneError),
+    /// A run that is not what its hybrid system says.
+    #[error(transparent)]
+    Run(RunError),
+    /// A program or a plan that does not hold for every disturbance.
+    #[error(transparent)]
+    Robust(RobustError),
+    /// A system without the terminal cost or the terminal set.
+    #[error(transparent)]
+    Terminal(TerminalError),
+    /// A simulation that has no end, because it cannot go on or does not know where.
+    #[error(transparent)]
+    DeadEnd(DeadEnd),
+    /// An error of a type that the crate does not know, such as that of a solver outside the crate.
     ///
     /// The source is that error, and the [`Error`](super::Error) has the same text.
     #[error("another error; see its source")]

@@ -4,20 +4,32 @@
 //! [`Solution`](crate::solution::Solution).
 
 pub(crate) mod checks;
+mod condition;
+mod dead_end;
 mod kind;
+mod robust;
+mod run;
+mod scene;
+mod terminal;
 
 use std::error::Error as StdError;
 use std::fmt;
 use std::sync::Arc;
 
 pub(crate) use checks::{check_finite, check_length};
+pub use condition::Condition;
+pub use dead_end::{DeadEnd, TransitionCandidate};
 pub use kind::ErrorKind;
+pub use robust::RobustError;
+pub use run::RunError;
+pub use scene::SceneError;
+pub use terminal::TerminalError;
 
 /// An error in writing, lowering, solving or reading a model.
 ///
 /// [`kind`](Self::kind) is what programs match on. The text is for people: what is wrong, then what
 /// to do. [`source`](StdError::source) is the error underneath, if there is one: of the operating
-/// system, of reading a number, of a planner.
+/// system, of reading a number, of a solver outside the crate.
 ///
 /// `{}` prints the text alone, `{:#}` and `{:?}` append the sources, separated by colons.
 ///
@@ -95,6 +107,24 @@ impl From<ErrorKind> for Error {
     fn from(kind: ErrorKind) -> Self {
         Error { inner: Arc::new(Inner { kind, source: None }) }
     }
+}
+
+macro_rules! from_own {
+    ($($own:ident: $kind:ident,)*) => {$(
+        impl From<$own> for Error {
+            fn from(error: $own) -> Self {
+                ErrorKind::$kind(error).into()
+            }
+        }
+    )*};
+}
+
+from_own! {
+    SceneError: Scene,
+    RunError: Run,
+    RobustError: Robust,
+    TerminalError: Terminal,
+    DeadEnd: DeadEnd,
 }
 
 impl StdError for Error {

@@ -6,12 +6,11 @@
 //! optimal no more if it is not within the gap.
 
 use std::borrow::Cow;
-use std::error::Error as _;
 
 use super::{HybridProgram, ProgramSystems};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, RunError};
 use crate::hybrid::rows::{HybridRun, SystemVariables};
-use crate::hybrid::simulate::{Followed, RunError};
+use crate::hybrid::simulate::Followed;
 use crate::interval::Interval;
 use crate::model::{Model, Variable};
 use crate::solution::{Outcome, Point, Solution, Termination};
@@ -24,8 +23,10 @@ const INPUT_ROOM: f64 = 1e-4;
 
 /// The drift for which an error refuses a plan, if it does.
 pub(crate) fn as_drift(error: &Error) -> Option<&RunError> {
-    let own = error.source()?.downcast_ref::<RunError>()?;
-    matches!(own, RunError::Drift { .. }).then_some(own)
+    match error.kind() {
+        ErrorKind::Run(own @ RunError::Drift { .. }) => Some(own),
+        _ => None,
+    }
 }
 
 impl HybridProgram {

@@ -26,7 +26,7 @@ pub struct ClosedLoop {
 
 /// A loop that an error ended: the error, and what happened until then.
 ///
-/// `?` in a function that returns a [`carom::Error`](crate::Error) keeps the error alone.
+/// `?` in a function that returns a [`carom::Error`](crate::error::Error) keeps the error alone.
 #[derive(Clone)]
 #[non_exhaustive]
 pub struct BrokenLoop {

@@ -6,11 +6,10 @@
 //! the rows. No sample is drawn. Domains, guards and ranges hold to the tolerances of nominal
 //! certificates.
 
-use super::error::RobustError;
 use super::feedback::Feedback;
-use crate::error::Error;
+use crate::error::{Condition, Error, RobustError};
 use crate::hybrid::rows::HybridRun;
-use crate::hybrid::simulate::Condition;
+use crate::hybrid::simulate::{guard_condition, limit_condition};
 use crate::hybrid::step::{self, AffineForm, ConditionMaps, StepCondition};
 use crate::hybrid::system::{HybridSystem, Transition};
 use crate::interval::Interval;
@@ -281,7 +280,7 @@ impl Flight<'_> {
         let mut start = state.to_vec();
         start.resize(width, 0.0);
         for limit in system.limits_of(false) {
-            self.condition(sample, Condition::limit(limit), limit, &[], &start)?;
+            self.condition(sample, limit_condition(limit), limit, &[], &start)?;
         }
         Ok(())
     }
@@ -295,7 +294,7 @@ impl Flight<'_> {
     ) -> Result<(), Error> {
         let (system, width, n) = (self.system, self.width(), self.inverse.len());
         for limit in system.limits_of(true) {
-            self.condition(step, Condition::limit(limit), limit, &[], start)?;
+            self.condition(step, limit_condition(limit), limit, &[], start)?;
         }
         for (u, (name, _)) in system.inputs.iter().enumerate() {
             let range = system.input_range_of(taken, u, step);
@@ -310,7 +309,7 @@ impl Flight<'_> {
         for transition in taken {
             let flow = step::flow(&transition.flow);
             for own in transition.conditions() {
-                self.condition(step, Condition::guard(own), own, &flow, start)?;
+                self.condition(step, guard_condition(own), own, &flow, start)?;
             }
         }
         Ok(())

@@ -3,9 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::error::RobustError;
 use super::tighten::{BOUNDS, Carried, StatementTightening};
-use crate::error::Error;
+use crate::error::{Error, RobustError};
 use crate::interval::Interval;
 use crate::model::{Affine, Function, FunctionRef, Model, StoredRow, Variable, VariableKind};
 

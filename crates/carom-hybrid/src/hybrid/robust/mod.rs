@@ -11,14 +11,12 @@
 //! | plans and their promise | `robust/plan.rs` |
 //! | shortest horizons | `robust/shortest.rs` |
 //! | several cases with the inputs shared until they differ | `robust/scenarios.rs` |
-//! | what can be refused | `robust/error.rs` |
 //! | what its rows say, in words; modes that no tube goes between | `robust/words.rs` |
 //!
 //! Disturbed runs are flown by `simulate/disturbed.rs`.
 
 mod certificate;
 mod defined;
-mod error;
 mod feedback;
 mod plan;
 mod program;
@@ -29,7 +27,6 @@ mod tube;
 mod words;
 
 pub use certificate::RobustCertificate;
-pub use error::RobustError;
 pub use feedback::Feedback;
 pub use plan::RobustPlan;
 pub use program::RobustProgram;

@@ -3,13 +3,12 @@
 use std::fmt;
 
 use super::certificate::{MISS, RobustCertificate, certify};
-use super::error::RobustError;
 use super::feedback::Feedback;
 use super::program::{RobustProgram, own_start};
 use super::tighten::{TightRow, TightStatement};
-use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
+use crate::error::{Error, RobustError};
 use crate::hybrid::program::HybridPlan;
 use crate::hybrid::simulate::DisturbedRun;
 #[cfg(doc)]
@@ -134,8 +133,7 @@ impl RobustPlan {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Other`] with a [`RobustError`] as its source, which names the condition that
-    /// some disturbance may violate.
+    /// [`ErrorKind::Robust`] with the condition that some disturbance may violate.
     pub fn certify(&self, scale: f64) -> Result<RobustCertificate, Error> {
         let certificate = certified(&self.plan, &self.own_feedback, &self.start, scale)?;
         self.check_statements(&certificate)?;

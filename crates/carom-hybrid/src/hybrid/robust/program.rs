@@ -2,13 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use super::error::RobustError;
 use super::feedback::Feedback;
 use super::plan::RobustPlan;
 use super::tighten::{StatementTightening, TightStatement};
 use super::tube::ErrorTube;
 use super::words::meetings;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, RobustError};
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::system::{Coordinates, HybridSystem, Meaning, Measure, State};
 use crate::interval::Interval;
@@ -73,9 +72,9 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Other`] with a [`RobustError`] as its source for a program of several systems,
-    /// for a statement that cannot be tightened, and for one that requires a single value where
-    /// runs differ; [`ErrorKind::DuplicateName`] for names that begin with `tube`.
+    /// [`ErrorKind::Robust`] for a program of several systems, for a statement that cannot be
+    /// tightened, and for one that requires a single value where runs differ;
+    /// [`ErrorKind::DuplicateName`] for names that begin with `tube`.
     #[doc(alias("tube", "robust optimisation", "constraint tightening"))]
     pub fn robust(&self, feedback: &Feedback) -> Result<RobustProgram, Error> {
         let none: [(State, Interval); 0] = [];
@@ -206,10 +205,9 @@ impl RobustProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`HybridProgram::solve`]; [`ErrorKind::Other`] with a [`RobustError`] as its source
-    /// for a plan that is not certified. If there is no plan, and modes of the system meet in one
-    /// value, so that no tube goes between them, the source of [`ErrorKind::NoPlan`] is
-    /// [`RobustError::NoCrossing`].
+    /// Those of [`HybridProgram::solve`]; [`ErrorKind::Robust`] for a plan that is not certified. If
+    /// there is no plan, and modes of the system meet in one value, so that no tube goes between
+    /// them, the source of [`ErrorKind::NoPlan`] is [`RobustError::NoCrossing`].
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<RobustPlan, Error> {
         self.solve_with(&mut Control::default(), solver)
     }

@@ -6,10 +6,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::error::RobustError;
 use super::tube::ErrorTube;
 use super::words::{GROWTH, for_every};
-use crate::error::Error;
+use crate::error::{Error, RobustError};
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::step::AffineForm;
 use crate::interval::Interval;

@@ -1,8 +1,8 @@
 //! The meaning of the rows of a tube, in the names of the system, for explanations; and which
 //! transitions no tube can go between.
 
-use super::error::RobustError;
 use super::tube::ErrorTube;
+use crate::error::RobustError;
 use crate::hybrid::system::{Halfspace, HybridSystem, Transition};
 use crate::model::Model;
 use crate::tolerance::largest_magnitude;

@@ -3,10 +3,9 @@
 use faer::Mat;
 
 use super::axes::region_where;
-use super::error::SceneError;
 use super::geometry::length;
 use crate::activity;
-use crate::error::{Error, ErrorKind, check_finite};
+use crate::error::{Error, ErrorKind, SceneError, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
 use crate::hybrid::system::{Region, State, SystemRow};

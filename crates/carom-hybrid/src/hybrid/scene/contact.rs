@@ -1,11 +1,11 @@
 //! Contact pairs: a body and an obstacle, or two bodies, that can touch, face by face in one frame.
 
 use super::body::Body;
-use super::error::SceneError;
 use super::geometry::{self, Across, Side, dot};
 use super::solid::Solid;
 use super::statement::{Pair, Scene};
 use super::surface::Surface;
+use crate::error::SceneError;
 
 /// A face of a contact: the body is in front where `normal . x >= limit`, with the position x of
 /// the body, or of the first body relative to the second.

@@ -12,15 +12,14 @@
 
 use web_time::Duration;
 
-use super::error::SceneError;
 use super::plan::ScenePlan;
 use super::program::SceneProgram;
 use super::rule::{DamageMeasure, DamageRule};
 use super::statement::Scene;
 use super::system::Stated;
-use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
+use crate::error::{Error, SceneError};
 use crate::setters::setters;
 use crate::solution::Termination;
 use crate::solver::{Interrupt, Solver, StopToken};

@@ -4,11 +4,10 @@
 use super::axes::AXES;
 use super::body::Body;
 use super::contact::{ContactFace, ContactPair, contacts};
-use super::error::SceneError;
 use super::geometry::{length, minus};
 use super::statement::{INSIDE, Scene};
 use crate::activity::term_ends;
-use crate::error::Error;
+use crate::error::{Error, SceneError};
 use crate::hybrid::system::{Region, check_cut, check_ends};
 use crate::interval::Interval;
 use crate::tolerance::{FEASIBILITY, margin_scale};
@@ -72,9 +71,9 @@ impl Body {
             let both = range.intersection(allowed);
             let miss = FEASIBILITY * margin_scale(allowed.magnitude(), 0.0);
             if both.lower - both.upper > miss {
-                let Interval { lower, upper } = allowed;
-                let limit = format!("{words}, {lower} to {upper} {unit}");
-                return Err(SceneError::Limits { body: body(), end, what, range, limit });
+                let limit = format!("{words}, {} to {} {unit}", allowed.lower, allowed.upper);
+                let Interval { lower, upper } = range;
+                return Err(SceneError::Limits { body: body(), end, what, lower, upper, limit });
             }
             left.push(if both.is_empty() { Interval::point(both.lower) } else { both });
         }
@@ -87,9 +86,9 @@ impl Body {
             let limit = self.max_speed;
             if nearest - limit > FEASIBILITY * margin_scale(nearest, limit) {
                 let what = "the speed".to_owned();
-                let range = Interval::point(nearest);
+                let (lower, upper) = (nearest, nearest);
                 let limit = format!("largest speed, 0 to {limit} m/s");
-                return Err(SceneError::Limits { body: body(), end, what, range, limit });
+                return Err(SceneError::Limits { body: body(), end, what, lower, upper, limit });
             }
         }
         for side in &polygon.halfspaces {

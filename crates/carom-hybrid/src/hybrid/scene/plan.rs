@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use super::axes::AXES;
 use super::contact::Mode;
-use super::error::SceneError;
 use super::program::SceneProgram;
 use super::replay::SceneCertificate;
 use super::statement::Scene;
-use crate::error::{Error, ErrorKind, check_length};
+use crate::error::{Error, ErrorKind, SceneError, check_length};
 use crate::hybrid::rows::HybridRun;
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};

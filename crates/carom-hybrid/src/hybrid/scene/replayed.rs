@@ -1,10 +1,10 @@
 //! The replay of a scene in its own units, with what it finds in the user's.
 
-use super::error::SceneError;
 use super::plan::{BodyPath, SceneHit};
 use super::replay::{self, SceneCertificate};
 use super::statement::Scene;
 use super::units::SceneUnits;
+use crate::error::SceneError;
 
 impl SceneUnits {
     /// A path in these units.

@@ -1,11 +1,10 @@
 //! Rules about damage: what is measured, at which hits, and how much of it is allowed or costs.
 
 use super::contact::ContactPair;
-use super::error::SceneError;
 use super::handles::{BodyHandle, ObstacleHandle};
 use super::place::Where;
 use super::statement::Scene;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, SceneError};
 use crate::model::is_name;
 use crate::setters::setters;
 

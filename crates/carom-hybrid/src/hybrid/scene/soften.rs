@@ -1,13 +1,12 @@
 //! Obstacles and rooms that bodies may enter or leave at a price.
 
-use super::SceneError;
 use super::program::SceneProgram;
 use super::solid::Solid;
 use super::statement::check_name;
 use super::surface::Surface;
-use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
+use crate::error::{Error, SceneError};
 use crate::interval::Interval;
 use crate::model::{Affine, Either, Model, Row};
 

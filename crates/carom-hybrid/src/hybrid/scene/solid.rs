@@ -1,9 +1,8 @@
 //! Obstacles: half-spaces and convex polytopes, still or on a course.
 
-use super::error::SceneError;
 use super::geometry::length;
 use super::surface::Surface;
-use crate::error::{Error, check_finite};
+use crate::error::{Error, SceneError, check_finite};
 use crate::interval::Interval;
 
 /// Entries of a normal of length 1 below this are rounding (no unit).

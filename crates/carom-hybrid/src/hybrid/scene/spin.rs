@@ -5,10 +5,9 @@
 
 use super::body::{Body, Shape, Spin};
 use super::contact::ContactSpin;
-use super::error::SceneError;
 use super::handles::BodyHandle;
 use super::statement::Scene;
-use crate::error::Error;
+use crate::error::{Error, SceneError};
 use crate::hybrid::system::State;
 use crate::model::Variable;
 

@@ -1,13 +1,12 @@
 //! A scene: bodies, obstacles, pairs of bodies.
 
 use super::body::{Body, Shape};
-use super::error::SceneError;
 use super::geometry::{self, Side, dot, length};
 use super::handles::BodyHandle;
 use super::rule::DamageRule;
 use super::solid::Solid;
 use super::surface::Surface;
-use crate::error::{Error, ErrorKind, check_finite};
+use crate::error::{Error, ErrorKind, SceneError, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::interval::Interval;

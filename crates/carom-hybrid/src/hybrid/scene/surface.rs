@@ -1,6 +1,6 @@
 //! Surfaces: to avoid, or to bounce off with or without friction.
 
-use super::error::SceneError;
+use crate::error::SceneError;
 use crate::hybrid::contact::Restitution;
 use crate::setters::setters;
 

@@ -6,9 +6,8 @@ use std::path::PathBuf;
 use web_time::Duration;
 
 use super::Monotonicity;
-use crate::error::Error;
+use crate::error::{Error, RunError};
 use crate::hybrid::reach::{ReachSets, Tube};
-use crate::hybrid::simulate::RunError;
 use crate::solution::{ProofReport, Solution, Statistics, Termination};
 
 /// How a horizon was refuted.

@@ -9,11 +9,10 @@ use super::options::ShortestOptions;
 use super::outcome::{
     HorizonAttempt, HorizonVerdict, ShortestHorizon, ShortestStatus, SolvedHorizon,
 };
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, RunError};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::program::as_drift;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
-use crate::hybrid::simulate::RunError;
 use crate::model::Model;
 use crate::solution::{Solution, Termination};
 use crate::solver::{Event, Solver, StopToken};

@@ -2,14 +2,13 @@
 //! the samples are where the inputs lead from the first one.
 
 use super::condition::{Slack, tightest};
-use super::error::RunError;
 use super::memory;
 use super::open_run::OpenRun;
 use super::plan::PlannedRun;
 use super::step::{Flown, StepStart, sample_conditions};
-use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
+use crate::error::{Error, RunError};
 use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::{HybridRun, SystemVariables};
 use crate::hybrid::system::{Coordinates, HybridSystem, Measure, Transition};
@@ -54,11 +53,11 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Other`] with a [`RunError`] as its source if the run is not what the system
-    /// states: next states and outputs differ by more than [`tolerance::REPLAY`], or a condition is
-    /// violated by more than that and [`tolerance::FEASIBILITY`] together; beyond a magnitude of
-    /// 1000 both grow in proportion, and for domains that are not of an ordinary size (some 0.02 to
-    /// 2e6) they are relative to the domain. [`RunError::Drift`] if a sample is farther from the
+    /// [`ErrorKind::Run`] if the run is not what the system states: next states and outputs differ
+    /// by more than [`tolerance::REPLAY`], or a condition is violated by more than that and
+    /// [`tolerance::FEASIBILITY`] together; beyond a magnitude of 1000 both grow in proportion, and
+    /// for domains that are not of an ordinary size (some 0.02 to 2e6) they are relative to the
+    /// domain. [`RunError::Drift`] if a sample is farther from the
     /// run of the inputs than [`tolerance::REPLAY`] a step and [`tolerance::DRIFT`] of the state's
     /// domain. [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run of another system.
     /// The errors of [`HybridSystem::check`].

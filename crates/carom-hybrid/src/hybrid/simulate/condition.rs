@@ -1,7 +1,6 @@
 //! The conditions of a step, and by how much they hold.
 
-use std::fmt;
-
+use crate::error::Condition;
 use crate::hybrid::step::{ConditionSet, Moment, StepCondition};
 use crate::hybrid::system::{Coordinates, Measure, power_of_two};
 use crate::interval::Interval;
@@ -11,86 +10,17 @@ use crate::tolerance::margin_scale;
 /// How many half roundings of numbers far from 0 a condition may have.
 const ROUNDED_TERMS: f64 = 8.0;
 
-/// A condition on a step or a sample of a run, for reports.
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Condition {
-    /// A guard on the start of the step.
-    Guard {
-        /// Its name.
-        name: String,
-    },
-    /// A guard on the prediction.
-    PredictionGuard {
-        /// Its name.
-        name: String,
-    },
-    /// The range of an input.
-    InputRange {
-        /// The input.
-        input: String,
-    },
-    /// The domain of a state.
-    Domain {
-        /// The state.
-        state: String,
-    },
-    /// A limit of the system.
-    Limit {
-        /// Its name.
-        name: String,
-    },
-    /// The transition begins in this mode. It has no slack: it holds or not.
-    Mode {
-        /// The mode.
-        mode: String,
-    },
-    /// The mode is kept long enough before it is left; the slack is a number of samples.
-    LeastDwell {
-        /// The mode.
-        mode: String,
-    },
-    /// The mode is not kept too long; the slack is a number of samples.
-    MostDwell {
-        /// The mode.
-        mode: String,
-    },
-    /// The run has not too many events; the slack is a number of events.
-    MostEvents,
+/// A limit of the system.
+pub(crate) fn limit_condition(own: StepCondition<'_>) -> Condition {
+    Condition::Limit { name: own.name().to_owned() }
 }
 
-impl Condition {
-    /// A limit of the system.
-    pub(crate) fn limit(own: StepCondition<'_>) -> Self {
-        Condition::Limit { name: own.name().to_owned() }
-    }
-
-    /// A condition of a transition.
-    pub(crate) fn guard(own: StepCondition<'_>) -> Self {
-        let name = own.name().to_owned();
-        match own.moment {
-            Moment::Start => Condition::Guard { name },
-            Moment::Prediction => Condition::PredictionGuard { name },
-        }
-    }
-}
-
-impl fmt::Display for Condition {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Condition::Guard { name } => write!(f, "the guard `{name}`"),
-            Condition::PredictionGuard { name } => {
-                write!(f, "the guard `{name}` on the prediction")
-            }
-            Condition::InputRange { input } => write!(f, "the range of `{input}`"),
-            Condition::Domain { state } => write!(f, "the domain of `{state}`"),
-            Condition::Limit { name } => write!(f, "the limit `{name}`"),
-            Condition::Mode { mode } => write!(f, "the start in the mode `{mode}`"),
-            Condition::LeastDwell { mode } => write!(f, "the least time in the mode `{mode}`"),
-            Condition::MostDwell { mode } => write!(f, "the longest time in the mode `{mode}`"),
-            Condition::MostEvents => write!(f, "the limit on the number of events"),
-        }
+/// A condition of a transition.
+pub(crate) fn guard_condition(own: StepCondition<'_>) -> Condition {
+    let name = own.name().to_owned();
+    match own.moment {
+        Moment::Start => Condition::Guard { name },
+        Moment::Prediction => Condition::PredictionGuard { name },
     }
 }
 

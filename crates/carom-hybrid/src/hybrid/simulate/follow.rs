@@ -1,10 +1,9 @@
 //! Whether a plan is the run of its inputs, and inputs with which it is.
 
-use super::error::RunError;
 use super::open_run::OpenRun;
 use super::plan::PlannedRun;
 use super::track::{Freedom, TrackedRun};
-use crate::error::Error;
+use crate::error::{Error, RunError};
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::HybridSystem;
 

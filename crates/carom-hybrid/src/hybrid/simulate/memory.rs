@@ -1,6 +1,7 @@
 //! Conditions of the next step that follow from the memory of a run.
 
-use super::condition::{Condition, Slack};
+use super::condition::Slack;
+use crate::error::Condition;
 use crate::hybrid::memory::Memory;
 use crate::hybrid::system::{Choice, HybridSystem, Transition};
 

@@ -13,7 +13,6 @@ mod condition;
 mod decisions;
 mod digits;
 mod disturbed;
-mod error;
 mod follow;
 mod memory;
 mod open_run;
@@ -26,11 +25,12 @@ mod stepper;
 mod track;
 
 pub use certify::RunCertificate;
-pub use condition::Condition;
+pub(crate) use condition::{guard_condition, limit_condition};
 pub(crate) use decisions::Decided;
 pub use decisions::Decisions;
 pub use disturbed::DisturbedRun;
-pub use error::RunError;
 pub(crate) use follow::Followed;
 pub use options::SimulationOptions;
-pub use simulation::{DeadEnd, SimulatedStep, Simulation, TransitionCandidate};
+pub use simulation::{SimulatedStep, Simulation};
+
+pub use crate::error::{Condition, DeadEnd, RunError, TransitionCandidate};

@@ -6,8 +6,8 @@
 //! is seen only from the start.
 
 use super::digits::{Digits, RoundedFloat, RunNumber};
-use super::error::RunError;
 use super::plan::PlannedRun;
+use crate::error::RunError;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::step::{self, AffineForm};
 use crate::hybrid::system::{HybridSystem, Measure, Transition};

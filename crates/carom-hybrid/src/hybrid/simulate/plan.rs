@@ -1,8 +1,7 @@
 //! A run of names and numbers, sorted as its system is.
 
-use super::error::RunError;
 use super::step::StepStart;
-use crate::error::{Error, check_finite, check_length};
+use crate::error::{Error, RunError, check_finite, check_length};
 use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{Coordinates, HybridSystem};

@@ -53,9 +53,9 @@ impl HybridSystem {
     /// # Errors
     ///
     /// Those of [`HybridSystem::check`]; [`ErrorKind::Length`] and [`ErrorKind::NotFinite`] for the
-    /// state and the inputs; [`ErrorKind::Other`] with [`DeadEnd::Ambiguous`] as its source for a
-    /// step in which nothing says what is taken. A state or an input that the system does not allow
-    /// is no error: the simulation ends there, and [`Simulation::dead_end`] says why.
+    /// state and the inputs; [`ErrorKind::DeadEnd`] with [`DeadEnd::Ambiguous`] for a step in
+    /// which nothing says what is taken. A state or an input that the system does not allow is no
+    /// error: the simulation ends there, and [`Simulation::dead_end`] says why.
     ///
     /// [`DeadEnd::Ambiguous`]: super::DeadEnd::Ambiguous
     pub fn simulate<D: Decisions + ?Sized>(

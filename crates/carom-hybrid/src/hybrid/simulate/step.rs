@@ -1,8 +1,8 @@
 //! One step of a hybrid system in numbers: flows, guards and resets, evaluated as they are stated.
 
-use super::condition::{Condition, Slack};
+use super::condition::{Slack, guard_condition, limit_condition};
 use super::memory::events;
-use crate::error::Error;
+use crate::error::{Condition, Error};
 use crate::hybrid::step::{Moment, StepCondition};
 use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Transition};
 use crate::sum::Sum;
@@ -41,7 +41,7 @@ pub(super) fn sample_conditions(
     });
     let limits = system
         .limits_of(false)
-        .filter_map(|own| Slack::of_set(Condition::limit(own), own.set, coordinates, state, step));
+        .filter_map(|own| Slack::of_set(limit_condition(own), own.set, coordinates, state, step));
     domains.chain(limits).collect()
 }
 
@@ -56,7 +56,7 @@ impl StepStart<'_> {
         let point = self.joint();
         let limits = self.system.limits_of(true);
         let slack = |own: StepCondition<'_>| {
-            Slack::of_set(Condition::limit(own), own.set, self.coordinates, &point, self.step)
+            Slack::of_set(limit_condition(own), own.set, self.coordinates, &point, self.step)
         };
         limits.filter_map(slack).collect()
     }
@@ -71,7 +71,7 @@ impl StepStart<'_> {
         let joint = self.joint();
         let guards = transition.conditions().filter_map(|own| {
             let point = if own.moment == Moment::Start { &joint } else { &prediction };
-            Slack::of_set(Condition::guard(own), own.set, self.coordinates, point, self.step)
+            Slack::of_set(guard_condition(own), own.set, self.coordinates, point, self.step)
         });
         let own = self.system.inputs.iter().zip(self.input).enumerate();
         let ranges = own.filter_map(|(k, ((name, _), &value))| {

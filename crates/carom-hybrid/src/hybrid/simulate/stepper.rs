@@ -1,11 +1,11 @@
 //! The transitions of one step: which are possible, and which are taken.
 
-use super::condition::{Condition, Slack, tightest};
+use super::condition::{Slack, tightest};
 use super::memory;
 use super::options::SimulationOptions;
-use super::simulation::{DeadEnd, SimulatedStep, TransitionCandidate};
+use super::simulation::SimulatedStep;
 use super::step::{Flown, StepStart};
-use crate::error::Error;
+use crate::error::{Condition, DeadEnd, Error, TransitionCandidate};
 use crate::hybrid::memory::Memory;
 use crate::hybrid::step::CartesianProduct;
 use crate::hybrid::system::{Choice, Transition};
@@ -77,8 +77,7 @@ impl<'a> Stepper<'a> {
     ///
     /// # Errors
     ///
-    /// [`DeadEnd::Ambiguous`] as the source of an error, unless the options allow the first
-    /// possible one.
+    /// [`DeadEnd::Ambiguous`], unless the options allow the first possible one.
     pub(super) fn take(&self, plan: &[Option<&str>]) -> Result<Result<Taken, DeadEnd>, Error> {
         let (step, tolerance) = (self.start.step, self.options.tolerance);
         if self.options.keeps_limits
@@ -125,7 +124,7 @@ impl<'a> Stepper<'a> {
             return Ok(Err(DeadEnd::Combination { step, condition, violation }));
         }
         if let Some(rival) = rival.filter(|_| !self.options.first_possible) {
-            return Err(Error::other(self.ambiguous(&picked, &rival, &ways)));
+            return Err(self.ambiguous(&picked, &rival, &ways).into());
         }
         let taken: Vec<&Way<'a>> =
             picked.iter().zip(&ways).filter_map(|(&k, ways)| ways.get(k)).collect();
@@ -284,12 +283,9 @@ impl Way<'_> {
 
     fn candidate(&self) -> TransitionCandidate {
         let tightest = tightest(self.own.iter().chain(&self.joint).cloned());
-        TransitionCandidate {
-            transition: self.transition.name.clone(),
-            is_possible: self.is_possible,
-            slack: tightest.as_ref().map_or(f64::INFINITY, |slack| slack.slack),
-            tightest: tightest.map(|slack| slack.condition),
-        }
+        let slack = tightest.as_ref().map_or(f64::INFINITY, |slack| slack.slack);
+        let condition = tightest.map(|slack| slack.condition);
+        TransitionCandidate::new(self.transition.name.clone(), self.is_possible, condition, slack)
     }
 }
 

@@ -8,8 +8,7 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::error::TerminalError;
-use crate::error::{Error, ErrorKind, check_finite};
+use crate::error::{Error, ErrorKind, TerminalError, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
 

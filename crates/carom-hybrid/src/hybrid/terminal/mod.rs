@@ -1,12 +1,10 @@
 //! Ends of plans: the terminal cost and the terminal set of a mode under linear feedback.
 
-mod error;
 mod lqr;
 mod polyhedron;
 mod set;
 mod stay;
 
-pub use error::TerminalError;
 pub use lqr::Lqr;
 pub use set::{TerminalOptions, TerminalSet};
 

@@ -7,11 +7,10 @@
 
 use faer::Mat;
 
-use super::error::TerminalError;
 use super::lqr::{Lqr, spectral_radius};
 use super::polyhedron::Polyhedron;
 use super::stay::{Stay, unit};
-use crate::error::{Error, ErrorKind, check_length};
+use crate::error::{Error, ErrorKind, TerminalError, check_length};
 use crate::hybrid::step::AffineForm;
 use crate::hybrid::system::{Halfspace, HybridSystem, Region, Restated};
 use crate::interval::Interval;

@@ -2,8 +2,7 @@
 
 use faer::Mat;
 
-use super::error::TerminalError;
-use crate::error::{Error, check_length};
+use crate::error::{Error, TerminalError, check_length};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::step::{self, AffineForm, ConditionMaps, Dynamics, StepCondition};
 use crate::hybrid::system::{Approximation, Choice, HybridSystem, Transition};

@@ -2,9 +2,9 @@
 
 use super::world::{State, Touch};
 use super::{MISS, Played};
+use crate::error::SceneError;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::scene::entry::SHARP;
-use crate::hybrid::scene::error::SceneError;
 use crate::hybrid::scene::geometry::dot;
 
 impl Played<'_> {

@@ -12,9 +12,9 @@ use std::fmt;
 use events::Span;
 use world::{State, Touch, World};
 
-use super::error::SceneError;
 use super::plan::{BodyPath, SceneHit};
 use super::statement::Scene;
+use crate::error::SceneError;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::tolerance::{CONTACT_TIE, FEASIBILITY, REPLAY, allowed_drift, margin_scale};
 

@@ -3,8 +3,8 @@
 
 use super::world::Touch;
 use super::{MISS, Played};
+use crate::error::SceneError;
 use crate::hybrid::damage::ImpactEstimate;
-use crate::hybrid::scene::error::SceneError;
 use crate::hybrid::scene::geometry::{dot, length};
 use crate::hybrid::scene::handles::BodyHandle;
 use crate::hybrid::scene::place::Where;

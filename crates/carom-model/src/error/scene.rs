@@ -2,12 +2,9 @@
 
 use thiserror::Error;
 
-use crate::interval::Interval;
-
 /// A scene that contradicts itself, found before any planning.
 ///
-/// In a [`carom::Error`](crate::Error) it is the [`source`](std::error::Error::source) of an error
-/// of the kind [`ErrorKind::Other`](crate::error::ErrorKind::Other).
+/// It is an [`ErrorKind::Scene`](super::ErrorKind::Scene).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -63,7 +60,7 @@ pub enum SceneError {
     /// A start or a goal that its body's own limits exclude.
     #[error(
         "`{body}` {end} with {what} {}, outside its {limit}; move it, or widen the limit",
-        span(*range)
+        span(*lower, *upper)
     )]
     Limits {
         /// The body.
@@ -72,8 +69,10 @@ pub enum SceneError {
         end: &'static str,
         /// `x`, `vy`, `spin`, ...
         what: String,
-        /// The range that the start or the goal gives it, in m, m/s or rad/s.
-        range: Interval,
+        /// The least value that the start or the goal gives it, in m, m/s or rad/s.
+        lower: f64,
+        /// The largest value, in the same unit.
+        upper: f64,
         /// The limit in words, with its range and unit.
         limit: String,
     },
@@ -154,15 +153,9 @@ pub enum SceneError {
 }
 
 /// "0.3", or "from 0.2 to 0.4".
-pub(super) fn span(range: Interval) -> String {
-    match range.lower == range.upper {
-        true => format!("{}", range.lower),
-        false => format!("from {} to {}", range.lower, range.upper),
-    }
-}
-
-impl From<SceneError> for crate::Error {
-    fn from(error: SceneError) -> Self {
-        crate::Error::other(error)
+fn span(lower: f64, upper: f64) -> String {
+    match lower == upper {
+        true => format!("{lower}"),
+        false => format!("from {lower} to {upper}"),
     }
 }

@@ -2,12 +2,11 @@
 
 use thiserror::Error;
 
-use crate::hybrid::simulate::Condition;
+use super::condition::Condition;
 
 /// A program or a plan that does not hold for every disturbance.
 ///
-/// In a [`carom::Error`](crate::Error) it is the [`source`](std::error::Error::source) of an error
-/// of the kind [`ErrorKind::Other`](crate::error::ErrorKind::Other).
+/// It is an [`ErrorKind::Robust`](super::ErrorKind::Robust).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RobustError {
@@ -101,10 +100,4 @@ pub enum RobustError {
         /// By how much, in its unit.
         violation: f64,
     },
-}
-
-impl From<RobustError> for crate::error::Error {
-    fn from(error: RobustError) -> Self {
-        crate::error::Error::other(error)
-    }
 }

@@ -4,8 +4,7 @@ use thiserror::Error;
 
 /// Why a system has no terminal cost or no terminal set.
 ///
-/// In a [`carom::Error`](crate::Error) it is the [`source`](std::error::Error::source) of an error
-/// of the kind [`ErrorKind::Other`](crate::error::ErrorKind::Other).
+/// It is an [`ErrorKind::Terminal`](super::ErrorKind::Terminal).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TerminalError {
@@ -114,10 +113,4 @@ pub enum TerminalError {
         /// The largest allowed value, as a fraction of the facet's distance.
         allowed: f64,
     },
-}
-
-impl From<TerminalError> for crate::Error {
-    fn from(error: TerminalError) -> Self {
-        crate::Error::other(error)
-    }
 }

@@ -6,8 +6,7 @@ use super::condition::Condition;
 
 /// A run of a hybrid system that does not satisfy what the system states.
 ///
-/// In a [`carom::Error`](crate::Error) it is the [`source`](std::error::Error::source) of an error
-/// of the kind [`ErrorKind::Other`](crate::error::ErrorKind::Other).
+/// It is an [`ErrorKind::Run`](super::ErrorKind::Run).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -108,10 +107,4 @@ pub enum RunError {
         /// The largest allowed difference, in the same unit.
         allowed: f64,
     },
-}
-
-impl From<RunError> for crate::Error {
-    fn from(error: RunError) -> Self {
-        crate::Error::other(error)
-    }
 }
