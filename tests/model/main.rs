@@ -16,6 +16,7 @@ mod implied_bounds;
 mod logic;
 mod norm_sums;
 mod ordered_sets;
+mod out_of_range;
 mod reify;
 #[cfg(feature = "serde")]
 mod serde;

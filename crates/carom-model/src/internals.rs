@@ -7,6 +7,7 @@ pub mod activity {
 
 pub mod error {
     pub use crate::error::checks::{check_finite, check_length};
+    pub use crate::error::range::FINITE_POSITIVE;
     pub use crate::error::*;
 }
 

@@ -298,8 +298,8 @@ impl Scenario {
         self.pushes.check("the pushes")?;
         if self.contact.law == ContactLaw::Literal && self.contact.spread != 0.0 {
             let what = "the spread of the restitution";
-            let help = "0 under the literal law; use the reflecting one";
-            return Err(Error::out_of_range(what, self.contact.spread, help));
+            let help = " under the literal law; use the reflecting one";
+            return Err(Error::out_of_range_with(what, self.contact.spread, 0.0..=0.0, help));
         }
         if let Some(domain) = self.domain {
             domain.check("domain")?;
@@ -312,7 +312,8 @@ impl Scenario {
         {
             let Interval { lower, upper } = self.acceleration;
             let range = format!("within {lower} and {upper}");
-            return Err(Error::out_of_range("the goal's acceleration", acceleration, range));
+            let what = "the goal's acceleration";
+            return Err(Error::out_of_range_in_words(what, acceleration, lower..=upper, range));
         }
         let (near, units) = (self.near(), self.units());
         check_digits("x", near)?;

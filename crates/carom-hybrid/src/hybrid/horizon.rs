@@ -36,6 +36,6 @@ pub(super) fn check_steps(what: &str, steps: usize) -> Result<(), Error> {
     if (1..=tolerance::MAX_STEPS).contains(&steps) {
         return Ok(());
     }
-    let range = format!("from 1 to {}", tolerance::MAX_STEPS);
-    Err(Error::out_of_range(what, steps as f64, range))
+    let most = tolerance::MAX_STEPS as f64;
+    Err(Error::out_of_range_in_words(what, steps as f64, 1.0..=most, format!("from 1 to {most}")))
 }

@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::exponential::{RADIUS, exponential};
 use super::matrix::Matrix;
-use crate::error::{Error, ErrorKind, check_finite, check_length};
+use crate::error::{Error, ErrorKind, FINITE_POSITIVE, check_finite, check_length};
 use crate::model::Affine;
 
 /// A discrete linear time-invariant system `x⁺ = A x + B u + c`.
@@ -127,9 +127,10 @@ impl LinearSystem {
             c: (0..n).map(|i| discrete[(i, n + m)] / scales[n + m]).collect(),
         };
         system.check().map_err(|_| {
-            Error::out_of_range(
+            Error::out_of_range_in_words(
                 "the time step of the zero-order hold",
                 time_step,
+                ..,
                 "short enough for the discrete system to stay finite",
             )
         })?;
@@ -244,7 +245,7 @@ pub(super) fn check_time_step(time_step: f64) -> Result<(), Error> {
     if time_step.is_finite() && time_step > 0.0 {
         return Ok(());
     }
-    Err(Error::out_of_range("the time step (s)", time_step, "finite and positive"))
+    Err(Error::out_of_range("the time step (s)", time_step, FINITE_POSITIVE))
 }
 
 /// The serialised form of a system: rows of numbers.

@@ -342,7 +342,12 @@ pub enum ErrorKind {
         what: String,
         /// Its value.
         value: f64,
-        /// The allowed range, in words.
+        /// The lower limit, in the unit of the value; `None` if there is none. Whether it is
+        /// allowed itself is said by `range`.
+        lower: Option<f64>,
+        /// The upper limit, likewise.
+        upper: Option<f64>,
+        /// The allowed range, in words, which may say more than the limits.
         range: String,
     },
     /// A matrix whose shape does not fit.

@@ -7,6 +7,7 @@ pub(crate) mod checks;
 mod condition;
 mod dead_end;
 mod kind;
+pub(crate) mod range;
 mod robust;
 mod run;
 mod scene;
@@ -14,12 +15,14 @@ mod terminal;
 
 use std::error::Error as StdError;
 use std::fmt;
+use std::ops::RangeBounds;
 use std::sync::Arc;
 
 pub(crate) use checks::{check_finite, check_length};
 pub use condition::Condition;
 pub use dead_end::{DeadEnd, TransitionCandidate};
 pub use kind::ErrorKind;
+pub(crate) use range::FINITE_POSITIVE;
 pub use robust::RobustError;
 pub use run::RunError;
 pub use scene::SceneError;
@@ -73,16 +76,36 @@ impl Error {
         Error::with_source(ErrorKind::Other, source)
     }
 
-    /// [`ErrorKind::OutOfRange`].
+    /// [`ErrorKind::OutOfRange`]. The words are made from the range: "at least 1", "below 5",
+    /// "within [0, 1]", "finite and positive".
     #[doc(hidden)]
-    pub fn out_of_range(what: impl Into<String>, value: f64, range: impl Into<String>) -> Self {
-        let (what, range) = (what.into(), range.into());
-        Error {
-            inner: Arc::new(Inner {
-                kind: ErrorKind::OutOfRange { what, value, range },
-                source: None,
-            }),
-        }
+    pub fn out_of_range(what: impl Into<String>, value: f64, range: impl RangeBounds<f64>) -> Self {
+        Error::out_of_range_with(what, value, range, "")
+    }
+
+    /// [`ErrorKind::OutOfRange`], with words that follow those of the range.
+    #[doc(hidden)]
+    pub fn out_of_range_with(
+        what: impl Into<String>,
+        value: f64,
+        range: impl RangeBounds<f64>,
+        more: &str,
+    ) -> Self {
+        let words = format!("{}{more}", range::words(&range));
+        Error::out_of_range_in_words(what, value, range, words)
+    }
+
+    /// [`ErrorKind::OutOfRange`], with words that say more than the range.
+    #[doc(hidden)]
+    pub fn out_of_range_in_words(
+        what: impl Into<String>,
+        value: f64,
+        range: impl RangeBounds<f64>,
+        words: impl Into<String>,
+    ) -> Self {
+        let (lower, upper) = range::limits(&range);
+        let (what, range) = (what.into(), words.into());
+        ErrorKind::OutOfRange { what, value, lower, upper, range }.into()
     }
 
     /// [`ErrorKind::UnknownName`].

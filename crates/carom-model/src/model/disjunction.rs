@@ -204,10 +204,11 @@ impl Statement for Either {
 
     fn add_to(self, model: &mut Model, name: Name) -> Result<Selected, Error> {
         if self.depth > MAX_NESTING {
-            return Err(Error::out_of_range(
+            return Err(Error::out_of_range_with(
                 format!("the number of levels of `{name}`"),
                 f64::from(self.depth),
-                format!("at most {MAX_NESTING}; give inner disjunctions statements of their own"),
+                ..=f64::from(MAX_NESTING),
+                "; give inner disjunctions statements of their own",
             ));
         }
         let method = self.method;
@@ -228,16 +229,14 @@ fn store(
     inner: bool,
 ) -> Result<Vec<StoredTerm>, Error> {
     let count = of.terms.len();
-    let wrong = |what: &str, value: usize, range: String| {
-        let what = format!("the number of {what} of `{name}`");
-        Err(Error::out_of_range(what, value as f64, range))
-    };
     if count == 0 {
-        return wrong("terms", 0, "at least 1".into());
+        return Err(Error::out_of_range(format!("the number of terms of `{name}`"), 0.0, 1.0..));
     }
     let selectors = match of.selectors {
         Some(given) if given.len() != count => {
-            return wrong("selectors", given.len(), format!("{count}, one for each term"));
+            let (what, terms) = (format!("the number of selectors of `{name}`"), count as f64);
+            let (given, more) = (given.len() as f64, ", one for each term");
+            return Err(Error::out_of_range_with(what, given, terms..=terms, more));
         }
         Some(given) => given,
         // Two terms share one binary, unless both can be off.

@@ -225,11 +225,8 @@ impl Model {
             }
         }
         if function.expressions().is_empty() {
-            return Err(Error::out_of_range(
-                format!("the number of expressions in `{name}`"),
-                0.0,
-                "at least 1",
-            ));
+            let what = format!("the number of expressions in `{name}`");
+            return Err(Error::out_of_range(what, 0.0, 1.0..));
         }
         for expression in function.expressions() {
             for (variable, coefficient) in expression.terms() {

@@ -15,7 +15,7 @@ use super::row::Row;
 use super::statement::{SealedStatement, Statement, stored};
 use super::store::{IndicatorData, Model, StatementKind};
 use super::stored::StoredRow;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, FINITE_POSITIVE};
 use crate::tolerance;
 
 /// The consequence of a condition: a [`Row`], a [`ConicRow`] or logic. Sealed.
@@ -157,9 +157,10 @@ impl Statement for Reification {
     fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
         let Reification { condition, row, margin } = self;
         if !(margin > 0.0 && margin < tolerance::INFINITE) {
-            return Err(Error::out_of_range(
+            return Err(Error::out_of_range_in_words(
                 format!("the margin of `{name}`"),
                 margin,
+                FINITE_POSITIVE,
                 "finite and greater than 0",
             ));
         }
@@ -180,9 +181,10 @@ impl Statement for Reification {
         let lost = row.upper.is_finite() && above.lower <= row.upper
             || row.lower.is_finite() && below.upper >= row.lower;
         if lost {
-            return Err(Error::out_of_range(
+            return Err(Error::out_of_range_in_words(
                 format!("the margin of `{name}`"),
                 margin,
+                ..,
                 "large enough to tell apart from the row's limit in double precision",
             ));
         }
@@ -257,9 +259,10 @@ impl BigM {
             BigM::Given(value) | BigM::Assumed(value)
                 if !(0.0..tolerance::INFINITE).contains(&value) =>
             {
-                Err(Error::out_of_range(
+                Err(Error::out_of_range_in_words(
                     format!("the big-M of `{name}`"),
                     value,
+                    0.0..f64::INFINITY,
                     "finite and not negative",
                 ))
             }

@@ -182,9 +182,10 @@ fn check_value(name: &Name, value: f64, range: Interval) -> Result<(), Error> {
     if range.contains(value) {
         return Ok(());
     }
-    Err(Error::out_of_range(
+    Err(Error::out_of_range_in_words(
         format!("the value of the parameter `{name}`"),
         value,
+        range.lower..=range.upper,
         format!(
             "within its declared range [{}, {}]; widen that with `set_parameter_range`",
             range.lower, range.upper

@@ -1,5 +1,7 @@
 //! Piecewise-affine functions of one variable, given by their breakpoints.
 
+use std::ops::Bound;
+
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
@@ -35,18 +37,20 @@ impl PiecewiseAffine {
         let points: Vec<(f64, f64)> = points.into_iter().collect();
         if points.len() < 2 {
             let what = "the number of breakpoints of a piecewise-affine function";
-            return Err(Error::out_of_range(what, points.len() as f64, "at least 2"));
+            return Err(Error::out_of_range(what, points.len() as f64, 2.0..));
         }
         for (k, &(x, y)) in points.iter().enumerate() {
             for (value, axis) in [(x, "x"), (y, "y")] {
                 if value.is_nan() || value.abs() >= tolerance::INFINITE {
                     let what = format!("the {axis} of breakpoint {k}");
-                    return Err(Error::out_of_range(what, value, "finite"));
+                    return Err(Error::out_of_range_in_words(what, value, .., "finite"));
                 }
             }
             if k > 0 && x <= points[k - 1].0 {
                 let range = format!("greater than {}, the one before", points[k - 1].0);
-                return Err(Error::out_of_range(format!("the x of breakpoint {k}"), x, range));
+                let (what, after) = (format!("the x of breakpoint {k}"), points[k - 1].0);
+                let limits = (Bound::Excluded(after), Bound::Unbounded);
+                return Err(Error::out_of_range_in_words(what, x, limits, range));
             }
         }
         Ok(PiecewiseAffine { points })

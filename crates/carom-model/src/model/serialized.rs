@@ -91,15 +91,12 @@ fn checked(
     level: u32,
 ) -> Result<Vec<StoredTerm>, Error> {
     name.check()?;
-    let wrong = |what: &str, value: u32, range: String| {
-        let what = format!("the number of {what} of `{name}`");
-        Err(Error::out_of_range(what, f64::from(value), range))
-    };
     if terms.is_empty() {
-        return wrong("terms", 0, "at least 1".into());
+        return Err(Error::out_of_range(format!("the number of terms of `{name}`"), 0.0, 1.0..));
     }
     if level > MAX_NESTING {
-        return wrong("levels", level, format!("at most {MAX_NESTING}"));
+        let (what, most) = (format!("the number of levels of `{name}`"), f64::from(MAX_NESTING));
+        return Err(Error::out_of_range(what, f64::from(level), ..=most));
     }
     let term = |StoredTerm { selector, rows, conic, nested }| {
         check_selector(selector, model, name)?;

@@ -115,15 +115,14 @@ impl Model {
         mut members: Vec<(Variable, f64)>,
     ) -> Result<SpecialOrderedSet, Error> {
         name.check()?;
-        let wrong = |what: String, value: f64, range: String| {
-            Err(Error::out_of_range(format!("{what} `{name}`"), value, range))
-        };
         if !(1..=2).contains(&most) {
-            let what = "the number of members other than 0 in".into();
-            return wrong(what, f64::from(most), "1 or 2".into());
+            let (what, most) =
+                (format!("the number of members other than 0 in `{name}`"), f64::from(most));
+            return Err(Error::out_of_range_in_words(what, most, 1.0..=2.0, "1 or 2"));
         }
         if members.is_empty() {
-            return wrong("the number of members of".into(), 0.0, "at least 1".into());
+            let what = format!("the number of members of `{name}`");
+            return Err(Error::out_of_range(what, 0.0, 1.0..));
         }
         for &(variable, weight) in &members {
             self.check_variable(variable, &name)?;
@@ -133,14 +132,15 @@ impl Model {
         let mut known: Vec<Variable> = members.iter().map(|&(variable, _)| variable).collect();
         known.sort();
         if let Some(pair) = known.windows(2).find(|pair| pair[0] == pair[1]) {
-            let what = format!("how often `{}` is in", self.name_of(pair[0]));
-            return wrong(what, 2.0, "1".into());
+            let what = format!("how often `{}` is in `{name}`", self.name_of(pair[0]));
+            return Err(Error::out_of_range(what, 2.0, 1.0..=1.0));
         }
         let same = members.windows(2).find(|pair| pair[0].1 == pair[1].1);
         if let Some(&[(first, _), (second, weight)]) = same.filter(|_| most == 2) {
             let (first, second) = (self.name_of(first), self.name_of(second));
             let range = format!("different from that of `{first}`, because weights order the set");
-            return wrong(format!("the weight of `{second}` in"), weight, range);
+            let what = format!("the weight of `{second}` in `{name}`");
+            return Err(Error::out_of_range_in_words(what, weight, .., range));
         }
         self.push_set(name, most, members)
     }

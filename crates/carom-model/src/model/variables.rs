@@ -234,7 +234,7 @@ fn variable_bounds(
         return Err(Error::out_of_range(
             format!("a bound of the binary `{name}`"),
             if lower < 0.0 { lower } else { upper },
-            "within [0, 1]",
+            0.0..=1.0,
         ));
     }
     Ok((lower, upper))

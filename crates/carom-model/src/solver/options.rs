@@ -349,15 +349,17 @@ impl Options {
     ///
     /// [`ErrorKind::OutOfRange`](crate::error::ErrorKind::OutOfRange), naming the option.
     pub fn check(&self) -> Result<(), Error> {
-        let check = |what: &str, value: f64, holds: bool, range: String| {
-            let error = || Error::out_of_range(format!("option `{what}`"), value, range);
-            if holds { Ok(()) } else { Err(error()) }
+        let named = |what: &str| format!("option `{what}`");
+        let gap = |what: &str, value: f64| match 0.0..f64::INFINITY {
+            range if range.contains(&value) => Ok(()),
+            range => {
+                let words = "finite and not negative";
+                Err(Error::out_of_range_in_words(named(what), value, range, words))
+            }
         };
-        let gap = |what: &str, value: f64| {
-            check(what, value, value.is_finite() && value >= 0.0, "finite and not negative".into())
-        };
-        let range = |what: &str, value: f64, low: f64, high: f64| {
-            check(what, value, (low..=high).contains(&value), format!("within [{low}, {high}]"))
+        let range = |what: &str, value: f64, low: f64, high: f64| match low..=high {
+            range if range.contains(&value) => Ok(()),
+            range => Err(Error::out_of_range(named(what), value, range)),
         };
         gap("relative_gap", self.relative_gap)?;
         gap("absolute_gap", self.absolute_gap)?;

@@ -1,5 +1,7 @@
 //! Elastic relaxation: which statements would have to give, and by how much.
 
+use std::ops::Bound;
+
 use std::fmt;
 
 use web_time::Duration;
@@ -63,9 +65,10 @@ impl ElasticOptions {
         let mut weights = vec![1.0; names.len()];
         for (name, weight) in &self.weights {
             if weight.is_nan() || *weight <= 0.0 {
-                return Err(Error::out_of_range(
+                return Err(Error::out_of_range_in_words(
                     format!("the weight of `{name}`"),
                     *weight,
+                    (Bound::Excluded(0.0), Bound::Unbounded),
                     "greater than 0; infinite for a statement that never gives",
                 ));
             }

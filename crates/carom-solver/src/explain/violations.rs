@@ -46,8 +46,9 @@ pub fn violations(
         check_finite(variable.name(), "the value", [value])?;
     }
     if !(feasibility.is_finite() && feasibility >= 0.0) {
-        let (what, range) = ("the feasibility tolerance", "finite and not negative");
-        return Err(Error::out_of_range(what, feasibility, range));
+        let (what, words) = ("the feasibility tolerance", "finite and not negative");
+        let range = 0.0..f64::INFINITY;
+        return Err(Error::out_of_range_in_words(what, feasibility, range, words));
     }
     let point = Point::new(model, values.to_vec())?;
     let mut found = Verification::of(model, &point, feasibility).violations().to_vec();

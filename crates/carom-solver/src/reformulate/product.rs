@@ -42,14 +42,15 @@ pub(super) fn apply(
     }
     let width = high - low;
     if width > MAX_FACTOR_RANGE {
-        return Err(Error::out_of_range(
+        return Err(Error::out_of_range_with(
             format!(
                 "the range of the integer `{}` in the product `{}`",
                 lowering.model.name_of(factor),
                 lowering.statement()
             ),
             width,
-            format!("at most {MAX_FACTOR_RANGE}; tighten its bounds"),
+            ..=MAX_FACTOR_RANGE,
+            "; tighten its bounds",
         ));
     }
     let range = lowering.bounded_range(of)?.hull(Interval::point(0.0));

@@ -65,7 +65,7 @@ fn state(
         let what = format!("the last sample of the run of `{name}`");
         let range = "late enough for its windows: what is beyond the end counts as not true; give it more \
                      steps, or let windows last to the end, as in `always(0..)`";
-        return Err(Error::out_of_range(what, last as f64, range));
+        return Err(Error::out_of_range_in_words(what, last as f64, .., range));
     }
     let bound = unrolled.finite_range(root);
     let ranges = unrolled.ranges.clone();
@@ -315,8 +315,8 @@ impl ProgramSystems {
             let holds = found >= wanted - REACH * (unit + wanted.abs());
             if !holds {
                 let what = format!("the robustness of `{name}` in the plan");
-                let range = format!("at least {wanted}, the margin of the rows");
-                return Err(Error::out_of_range(what, found, range));
+                let more = ", the margin of the rows";
+                return Err(Error::out_of_range_with(what, found, wanted.., more));
             }
         }
         Ok(())

@@ -246,12 +246,9 @@ pub(super) fn negated_norm(name: &str) -> Error {
 }
 
 pub(super) fn too_deep() -> Error {
-    let range = format!("at most {}; require its parts one by one", super::formula::MAX_DEPTH);
-    Error::out_of_range(
-        "the number of levels of the mission",
-        1.0 + f64::from(super::formula::MAX_DEPTH),
-        range,
-    )
+    let (what, most) =
+        ("the number of levels of the mission", f64::from(super::formula::MAX_DEPTH));
+    Error::out_of_range_with(what, 1.0 + most, ..=most, "; require its parts one by one")
 }
 
 /// A run given by a function of handle and sample.

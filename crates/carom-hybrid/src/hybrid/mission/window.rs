@@ -64,16 +64,15 @@ impl Window {
     /// The window in steps of some length (s): the first step and the last, `None` for the end of
     /// the run.
     pub(super) fn steps(&self, time_step: f64) -> Result<(usize, Option<usize>), Error> {
-        let wrong = |what: &str, value: f64, range: String| {
-            Err(Error::out_of_range(format!("the {what} of the window {self}"), value, range))
-        };
+        let named = |what: &str| format!("the {what} of the window {self}");
         let (first, last) = match *self {
             Window::Steps(first, last) => (first, last),
             Window::Seconds(first, last) => {
                 for (what, value) in [("beginning", Some(first)), ("end", last)] {
                     let value = value.unwrap_or(0.0);
                     if !(value >= 0.0 && value.is_finite()) {
-                        return wrong(what, value, "finite and at least 0 s".into());
+                        let range = 0.0..f64::INFINITY;
+                        return Err(Error::out_of_range_with(named(what), value, range, " s"));
                     }
                 }
                 let count = |seconds: f64| seconds / time_step;
@@ -90,7 +89,8 @@ impl Window {
                     "at least step {first}, its first one with {} s a step; no sample is in the window",
                     rounded(time_step, DIGITS)
                 );
-                wrong("last step", last as f64, range)
+                let (last, first) = (last as f64, first as f64);
+                Err(Error::out_of_range_in_words(named("last step"), last, first.., range))
             }
             _ => Ok((first, last)),
         }

@@ -210,8 +210,9 @@ impl HybridProgram {
         check_finite(name, "a price", [linear, quadratic])?;
         let lower = linear.min(quadratic);
         if lower < 0.0 || linear.max(quadratic) == 0.0 {
-            let range = "at least 0, and one of the two prices above 0";
-            return Err(Error::out_of_range(format!("a price of `{name}`"), lower, range));
+            let (what, more) =
+                (format!("a price of `{name}`"), ", and one of the two prices above 0");
+            return Err(Error::out_of_range_with(what, lower, 0.0.., more));
         }
         let row = match row.into() {
             SystemRow::Row(row) => row,

@@ -39,18 +39,21 @@ fn check_window(
     steps: usize,
 ) -> Result<(), Error> {
     let (first, last) = (*window.start(), *window.end());
-    let horizon = format!("at most {steps}, the last sample of the horizon");
-    let (what, sample, range) = match when {
-        When::At(_) if last > steps => ("sample", last, horizon),
+    let (what, sample) = match when {
+        When::At(_) if last > steps => ("sample", last),
         When::At(_) => return Ok(()),
-        _ if first > steps => ("first sample", first, horizon),
-        _ if window.is_empty() => {
-            ("last sample", last, format!("at least {first}, the first sample"))
-        }
-        _ if last > steps => ("last sample", last, horizon),
+        _ if first > steps => ("first sample", first),
+        _ if window.is_empty() || last > steps => ("last sample", last),
         _ => return Ok(()),
     };
-    Err(Error::out_of_range(format!("the {what} of `{name}`"), sample as f64, range))
+    let (what, sample) = (format!("the {what} of `{name}`"), sample as f64);
+    Err(match first <= steps && window.is_empty() {
+        true => Error::out_of_range_with(what, sample, first as f64.., ", the first sample"),
+        false => {
+            let more = ", the last sample of the horizon";
+            Error::out_of_range_with(what, sample, ..=steps as f64, more)
+        }
+    })
 }
 
 /// The rows of a region at a sample.

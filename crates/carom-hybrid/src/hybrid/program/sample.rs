@@ -90,8 +90,9 @@ impl ProgramSystems {
     pub(crate) fn check_new(&self, name: &str, system: &HybridSystem) -> Result<(), Error> {
         let time_step = self.first().system().time_step;
         if system.time_step != time_step {
-            let range = format!("{time_step}, that of the program");
-            return Err(Error::out_of_range("the time step (s)", system.time_step, range));
+            let (what, own) = ("the time step (s)", time_step..=time_step);
+            let more = ", that of the program";
+            return Err(Error::out_of_range_with(what, system.time_step, own, more));
         }
         let is_in = |own: &SystemVariables| own.system().handles.tag == system.handles.tag;
         if self.iter().any(is_in) {
@@ -123,11 +124,11 @@ impl ProgramSystems {
         };
         if sample >= ends {
             let what = format!("the sample of `{}`", own.system().handle_name(handle));
-            let range = match ends == self.steps {
-                true => format!("below {}, the number of steps", self.steps),
-                false => format!("at most {}, the last sample", self.steps),
-            };
-            return Err(Error::out_of_range(what, sample as f64, range));
+            let (sample, steps) = (sample as f64, self.steps as f64);
+            return Err(match ends == self.steps {
+                true => Error::out_of_range_with(what, sample, ..steps, ", the number of steps"),
+                false => Error::out_of_range_with(what, sample, ..=steps, ", the last sample"),
+            });
         }
         match meaning {
             Meaning::State(i) => {

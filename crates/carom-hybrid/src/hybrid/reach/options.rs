@@ -87,12 +87,13 @@ impl SetOptions {
     pub(super) fn check(&self, states: usize) -> Result<(), Error> {
         let (events, vertices) = (self.events as f64, self.vertices as f64);
         let ranges = [
-            ("number of events", events, events <= 64.0, "within [0, 64]"),
-            ("number of vertices", vertices, vertices >= 8.0, "at least 8"),
-            ("number of layers", self.layers as f64, self.layers >= 1, "at least 1"),
-            ("margin", self.margin, (0.0..=1.0).contains(&self.margin), "within [0, 1]"),
+            ("number of events", events, 0.0..=64.0),
+            ("number of vertices", vertices, 8.0..=f64::INFINITY),
+            ("number of layers", self.layers as f64, 1.0..=f64::INFINITY),
+            ("margin", self.margin, 0.0..=1.0),
         ];
-        if let Some((what, value, _, range)) = ranges.into_iter().find(|r| !r.2) {
+        let wrong = ranges.into_iter().find(|(_, value, range)| !range.contains(value));
+        if let Some((what, value, range)) = wrong {
             return Err(Error::out_of_range(format!("the {what} of reach sets"), value, range));
         }
         for direction in &self.directions {

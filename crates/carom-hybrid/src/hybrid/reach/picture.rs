@@ -115,7 +115,8 @@ impl Tube {
         let states = self.system.states.len();
         if first >= states || second >= states || first == second {
             let range = format!("two different ones below {states}");
-            return Err(Error::out_of_range("the number of a state to draw", second as f64, range));
+            let (what, value) = ("the number of a state to draw", second as f64);
+            return Err(Error::out_of_range_in_words(what, value, ..states as f64, range));
         }
         let Some(run) = run else { return Ok(Vec::new()) };
         let values = |state: usize| run.state(&self.system.states[state].0);

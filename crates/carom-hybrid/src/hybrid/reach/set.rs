@@ -262,11 +262,8 @@ impl ReachSet {
         for state in [first, second] {
             if state >= n || first == second {
                 let range = format!("two different ones below {n}");
-                return Err(Error::out_of_range(
-                    "the number of a state to draw",
-                    state as f64,
-                    range,
-                ));
+                let (what, value) = ("the number of a state to draw", state as f64);
+                return Err(Error::out_of_range_in_words(what, value, ..n as f64, range));
             }
         }
         for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {

@@ -220,7 +220,7 @@ impl Tube {
         for (number, family) in &variables.transitions {
             if *number >= count {
                 let (what, value) = ("the number of a transition", *number as f64);
-                return Err(Error::out_of_range(what, value, format!("below {count}")));
+                return Err(Error::out_of_range(what, value, ..count as f64));
             }
             check_length("a transition family of the horizon", family.len(), self.steps())?;
         }

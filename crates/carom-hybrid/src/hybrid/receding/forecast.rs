@@ -34,7 +34,7 @@ impl<'a> Forecasts<'a> {
         };
         if values.is_empty() {
             let what = format!("the number of values of the forecast of `{name}`");
-            return Err(Error::out_of_range(what, 0.0, "at least 1"));
+            return Err(Error::out_of_range(what, 0.0, 1.0..));
         }
         check_finite(&name, "a value of the forecast", values.iter().copied())?;
         for (t, &parameter) in parameters.iter().enumerate() {

@@ -103,8 +103,8 @@ impl Handles {
             let shared = systems.cases.get(name);
             if shared == Some(&0) {
                 let what = format!("the number of steps that `{name}` shares");
-                let range = "at least 1, because a controller applies one input for all cases";
-                return Err(Error::out_of_range(what, 0.0, range));
+                let more = ", because a controller applies one input for all cases";
+                return Err(Error::out_of_range_with(what, 0.0, 1.0.., more));
             }
             let number = if k == 0 { String::new() } else { format!("{k}_") };
             let states = own.computed().states.iter().zip(own.states()).enumerate();
@@ -276,8 +276,9 @@ impl Planner<'_> {
         if let Planner::Built { build, clock, program, .. } = self {
             let step = match clock {
                 Clock::Left(0) => {
-                    let what = "the step of a shrinking horizon";
-                    return Err(Error::out_of_range(what, number as f64, "before its end"));
+                    let (what, number) = ("the step of a shrinking horizon", number as f64);
+                    let range = "before its end";
+                    return Err(Error::out_of_range_in_words(what, number, ..number, range));
                 }
                 Clock::Left(left) => *left,
                 Clock::Passed(passed) => *passed,

@@ -89,9 +89,7 @@ fn inverse(shape: &faer::Mat<f64>, approximate: &faer::Mat<f64>) -> Option<Inter
 fn check_scale(scale: f64) -> Result<(), Error> {
     match scale.is_finite() && scale >= 0.0 {
         true => Ok(()),
-        false => {
-            Err(Error::out_of_range("the scale of the ranges", scale, "finite and at least 0"))
-        }
+        false => Err(Error::out_of_range("the scale of the ranges", scale, 0.0..f64::INFINITY)),
     }
 }
 

@@ -96,8 +96,9 @@ impl HybridProgram {
     fn check_until(&self, who: &str, until: usize) -> Result<(), Error> {
         if until > self.steps() {
             let what = format!("the number of steps that {who}");
-            let range = format!("at most {}, the number of steps", self.steps());
-            return Err(Error::out_of_range(what, until as f64, range));
+            let (until, steps) = (until as f64, self.steps() as f64);
+            let more = ", the number of steps";
+            return Err(Error::out_of_range_with(what, until, ..=steps, more));
         }
         Ok(())
     }

@@ -323,7 +323,7 @@ impl SystemVariables {
         if step < count {
             return Ok(());
         }
-        Err(Error::out_of_range(what, step as f64, format!("below {count}")))
+        Err(Error::out_of_range(what, step as f64, ..count as f64))
     }
 }
 

@@ -5,7 +5,7 @@ use faer::Mat;
 use super::axes::region_where;
 use super::geometry::length;
 use crate::activity;
-use crate::error::{Error, ErrorKind, SceneError, check_finite};
+use crate::error::{Error, ErrorKind, FINITE_POSITIVE, SceneError, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::matrix::{Matrix, faer};
 use crate::hybrid::system::{Region, State, SystemRow};
@@ -361,14 +361,15 @@ impl Body {
             if !(range.lower <= *value && *value <= range.upper) {
                 let what = format!("the first acceleration of `{name}`");
                 let limits = format!("within {} and {}", range.lower, range.upper);
-                return Err(Error::out_of_range(what, *value, limits));
+                let range = range.lower..=range.upper;
+                return Err(Error::out_of_range_in_words(what, *value, range, limits));
             }
         }
         if let (Some(most), Some(first)) = (self.acceleration_ball, &self.first) {
             let length = length(first);
             if length > most * (1.0 + 1e-12) {
                 let what = format!("the length of the first acceleration of `{name}`");
-                return Err(Error::out_of_range(what, length, format!("at most {most}")));
+                return Err(Error::out_of_range(what, length, ..=most));
             }
         }
         let sizes = match &self.shape {
@@ -384,7 +385,7 @@ impl Body {
         ] {
             if !fits {
                 let what = format!("the {what} of `{name}`");
-                return Err(Error::out_of_range(what, value, "finite and positive"));
+                return Err(Error::out_of_range(what, value, FINITE_POSITIVE));
             }
         }
         self.check_spin()?;

@@ -132,8 +132,8 @@ impl ScenePlan {
     ) -> Result<LeastTimeStep, Error> {
         if let Some((obstacle, last)) = scene.longest() {
             let what = format!("the number of places of the course of `{}`", obstacle.name);
-            let range = "0 for other time steps, because a course is stated for one";
-            return Err(Error::out_of_range(what, last as f64 + 1.0, range));
+            let more = " for other time steps, because a course is stated for one";
+            return Err(Error::out_of_range_with(what, last as f64 + 1.0, 0.0..=0.0, more));
         }
         let steps = self.steps();
         let grid = TimeStepGrid::new(steps, time_steps);

@@ -145,8 +145,9 @@ impl Scene {
             return Err(no_interval(format!("{reason}{}", monotonicity.reason())).into());
         }
         if !(1e-5..=1e3).contains(&(options.resolution / open.units.speed())) {
-            let (what, range) = ("the resolution (m/s)", "within [1e-5, 1e3]");
-            return Err(Error::out_of_range(what, options.resolution, range));
+            let (what, words) = ("the resolution (m/s)", "within [1e-5, 1e3]");
+            let range = 1e-5 * open.units.speed()..=1e3 * open.units.speed();
+            return Err(Error::out_of_range_in_words(what, options.resolution, range, words));
         }
         let token = StopToken::new(options.time_limit, &options.interrupt);
         let resolution = options.resolution;

@@ -220,7 +220,7 @@ impl DamageRule {
         match self.place.face {
             Some(face) if face >= faces => {
                 let what = format!("the face of {place}");
-                Err(Error::out_of_range(what, face as f64, format!("below {faces}")))
+                Err(Error::out_of_range(what, face as f64, ..faces as f64))
             }
             _ => Ok(()),
         }
@@ -240,18 +240,20 @@ impl DamageRule {
         for (what, value) in numbers {
             if !(value.is_finite() && value >= 0.0) {
                 let what = format!("the {what} of the rule `{}`", self.name);
-                return Err(Error::out_of_range(what, value, "finite and not negative"));
+                let (range, words) = (0.0..f64::INFINITY, "finite and not negative");
+                return Err(Error::out_of_range_in_words(what, value, range, words));
             }
         }
         if self.window == Some(0) {
             let what = format!("the window of the rule `{}`", self.name);
-            return Err(Error::out_of_range(what, 0.0, "at least 1 step"));
+            return Err(Error::out_of_range_with(what, 0.0, 1.0.., " step"));
         }
         if let Some(angle) = self.incidence
             && !(angle > 0.0 && angle < std::f64::consts::FRAC_PI_2)
         {
             let what = format!("the incidence of the rule `{}` (rad)", self.name);
-            return Err(Error::out_of_range(what, angle, "above 0 and below π/2"));
+            let (range, words) = (0.0..std::f64::consts::FRAC_PI_2, "above 0 and below π/2");
+            return Err(Error::out_of_range_in_words(what, angle, range, words));
         }
         if let DamageMeasure::Convex(pieces) = &self.measure {
             let fits = |(a, c): &(f64, f64)| a.is_finite() && *a >= 0.0 && c.is_finite();

@@ -150,12 +150,11 @@ impl Solid {
         let name = || self.name.clone();
         if own.faces.is_empty() {
             let what = format!("the number of faces of `{}`", self.name);
-            return Err(Error::out_of_range(what, 0.0, "at least 1"));
+            return Err(Error::out_of_range(what, 0.0, 1.0..));
         }
         if let Some(face) = self.missing {
             let what = format!("the face of `{}` whose surface is set", self.name);
-            let below = format!("below {}", self.faces.len());
-            return Err(Error::out_of_range(what, face as f64, below));
+            return Err(Error::out_of_range(what, face as f64, ..self.faces.len() as f64));
         }
         let lengths = self.faces.iter().map(|face| face.normal.len());
         let mut lengths = lengths.chain(self.course.iter().map(Vec::len));

@@ -3,11 +3,13 @@
 //! States and inputs of spins come after those of all bodies, so that scenes without spin have
 //! none.
 
+use std::ops::{Bound, RangeBounds};
+
 use super::body::{Body, Shape, Spin};
 use super::contact::ContactSpin;
 use super::handles::BodyHandle;
 use super::statement::Scene;
-use crate::error::{Error, SceneError};
+use crate::error::{Error, FINITE_POSITIVE, SceneError};
 use crate::hybrid::system::State;
 use crate::model::Variable;
 
@@ -64,18 +66,13 @@ impl Body {
                 );
             }
         }
-        let finite = "finite and positive";
-        for (what, value, fits, range) in [
-            ("inertia (kg m²)", spin.inertia, spin.inertia > 0.0, finite),
-            ("largest spin (rad/s)", spin.max_rate, spin.max_rate > 0.0, finite),
-            (
-                "largest torque (N m)",
-                spin.max_torque,
-                spin.max_torque >= 0.0,
-                "finite and at least 0",
-            ),
+        let not_negative = (Bound::Included(0.0), Bound::Excluded(f64::INFINITY));
+        for (what, value, range) in [
+            ("inertia (kg m²)", spin.inertia, FINITE_POSITIVE),
+            ("largest spin (rad/s)", spin.max_rate, FINITE_POSITIVE),
+            ("largest torque (N m)", spin.max_torque, not_negative),
         ] {
-            if !(fits && value.is_finite()) {
+            if !range.contains(&value) {
                 let what = format!("the {what} of `{}`", self.name);
                 return Err(Error::out_of_range(what, value, range));
             }

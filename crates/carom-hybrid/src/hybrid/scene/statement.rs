@@ -238,13 +238,13 @@ impl Scene {
     pub(crate) fn checked_as_stated(&self) -> Result<Scene, Error> {
         Horizon::new(1, self.time_step)?;
         if !(self.margin >= 0.0 && self.margin.is_finite()) {
-            let range = "finite and at least 0 m";
-            return Err(Error::out_of_range("the margin of the scene", self.margin, range));
+            let (what, range) = ("the margin of the scene", 0.0..f64::INFINITY);
+            return Err(Error::out_of_range_with(what, self.margin, range, " m"));
         }
         let axes = self.axes();
         if !(1..=3).contains(&axes) {
             let what = "the number of axes of the scene's first body";
-            return Err(Error::out_of_range(what, axes as f64, "from 1 to 3"));
+            return Err(Error::out_of_range_in_words(what, axes as f64, 1.0..=3.0, "from 1 to 3"));
         }
         for (k, name) in self.names().enumerate() {
             check_name(name, self.names().take(k))?;

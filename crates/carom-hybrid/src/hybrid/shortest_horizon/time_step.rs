@@ -1,5 +1,7 @@
 //! The least time step for a fixed number of steps.
 
+use std::ops::Bound::{Excluded, Unbounded};
+
 use super::HorizonModel;
 use super::Monotonicity;
 use super::options::ShortestOptions;
@@ -46,11 +48,11 @@ impl TimeStepGrid {
         }
         match self.time_steps.windows(2).find(|pair| pair[0] >= pair[1]) {
             Some(pair) => {
-                let range = format!("above {}, the one before it", pair[0]);
-                Err(Error::out_of_range("a time step of the grid", pair[1], range))
+                let (what, range) = ("a time step of the grid", (Excluded(pair[0]), Unbounded));
+                Err(Error::out_of_range_with(what, pair[1], range, ", the one before it"))
             }
             None if self.time_steps.is_empty() => {
-                Err(Error::out_of_range("the number of time steps of the grid", 0.0, "at least 1"))
+                Err(Error::out_of_range("the number of time steps of the grid", 0.0, 1.0..))
             }
             None => Ok(()),
         }

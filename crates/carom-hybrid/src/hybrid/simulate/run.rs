@@ -182,7 +182,7 @@ impl HybridSystem {
         }
         if !(options.tolerance.is_finite() && options.tolerance >= 0.0) {
             let what = "the tolerance of the simulation";
-            return Err(Error::out_of_range(what, options.tolerance, "finite and at least 0"));
+            return Err(Error::out_of_range(what, options.tolerance, 0.0..f64::INFINITY));
         }
         for disturbance in &options.disturbances {
             check_length("the disturbance", disturbance.len(), n)?;
@@ -191,8 +191,9 @@ impl HybridSystem {
                 let range = range.unwrap_or(Interval::point(0.0));
                 if !range.contains(value) {
                     let what = format!("the disturbance of `{name}`");
-                    let range = format!("from {} to {}", range.lower, range.upper);
-                    return Err(Error::out_of_range(what, value, range));
+                    let Interval { lower, upper } = range;
+                    let words = format!("from {lower} to {upper}");
+                    return Err(Error::out_of_range_in_words(what, value, lower..=upper, words));
                 }
             }
         }

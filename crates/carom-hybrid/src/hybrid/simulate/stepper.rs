@@ -117,7 +117,7 @@ impl<'a> Stepper<'a> {
         }
         let Some(Combination { picked, next, tightest }) = best else {
             let what = "the number of combinations of transitions in a step";
-            return Err(Error::out_of_range(what, f64::INFINITY, format!("at most {MOST_TRIED}")));
+            return Err(Error::out_of_range(what, f64::INFINITY, ..=MOST_TRIED as f64));
         };
         if let Some(slack) = tightest.filter(|slack| !slack.holds(tolerance)) {
             let (condition, violation) = (slack.condition, -slack.slack);

@@ -1,5 +1,7 @@
 //! Checks that refuse hybrid systems whose parts do not fit together.
 
+use std::ops::Bound;
+
 use faer::Mat;
 
 use super::halfspace::Halfspace;
@@ -33,7 +35,12 @@ impl HybridSystem {
         at_least_one("states", self.states.len())?;
         if self.transitions().count() == 0 {
             let what = "the number of transitions of the hybrid system";
-            return Err(Error::out_of_range(what, 0.0, "at least 1, stated by `mode` or `event`"));
+            return Err(Error::out_of_range_with(
+                what,
+                0.0,
+                1.0..,
+                ", stated by `mode` or `event`",
+            ));
         }
         // Switches without a flow of the mode that they enter have the common one.
         if let Some(&(choice, number)) = self.unstated.first().filter(|_| self.flow.is_none()) {
@@ -67,10 +74,9 @@ impl HybridSystem {
         match &self.flow {
             Some(flow) => check_flow("the common flow", flow, n, m)?,
             None if self.choices.len() > 1 => {
-                let count = self.choices.len() as f64;
-                let mend =
-                    "at most 1 without a common flow; state one by `rates` or `next` of the system";
-                return Err(Error::out_of_range("the number of choices", count, mend));
+                let (what, count) = ("the number of choices", self.choices.len() as f64);
+                let more = " without a common flow; state one by `rates` or `next` of the system";
+                return Err(Error::out_of_range_with(what, count, ..=1.0, more));
             }
             None => {}
         }
@@ -128,9 +134,10 @@ impl HybridSystem {
         }
         let with_modes = transitions.iter().filter(|t| t.modes.is_some()).count();
         if with_modes != 0 && with_modes != transitions.len() {
-            return Err(Error::out_of_range(
+            return Err(Error::out_of_range_in_words(
                 format!("the number of transitions of `{name}` that name modes"),
                 with_modes as f64,
+                ..,
                 "none or all of them; use `stay` and `switch` for all",
             ));
         }
@@ -200,7 +207,7 @@ fn changes_row(own: &LinearSystem, common: &LinearSystem, state: usize) -> bool 
 pub(super) fn at_least_one(what: &str, count: usize) -> Result<(), Error> {
     if count == 0 {
         let what = format!("the number of {what} of the hybrid system");
-        return Err(Error::out_of_range(what, 0.0, "at least 1"));
+        return Err(Error::out_of_range(what, 0.0, 1.0..));
     }
     Ok(())
 }
@@ -315,7 +322,8 @@ fn check_length_of(
         0 => format!("{states}, one entry per state"),
         _ => format!("{states}, one entry per state, or {}, with the inputs", states + inputs),
     };
-    Err(Error::out_of_range(what(), length as f64, range))
+    let (least, most) = (states as f64, (states + inputs) as f64);
+    Err(Error::out_of_range_in_words(what(), length as f64, least..=most, range))
 }
 
 /// Refuses ranges whose ends are not finite, crossed, or too large.
@@ -335,8 +343,14 @@ pub(super) fn check_numbers(
         check_finite(name, what, [value])?;
         if value.abs() >= INFINITE {
             let what = format!("{what} of `{name}`");
-            return Err(Error::out_of_range(what, value, "below 1e20 in magnitude"));
+            return Err(too_large(what, value));
         }
     }
     Ok(())
+}
+
+/// The error for a number of 1e20 and more in magnitude.
+pub(super) fn too_large(what: String, value: f64) -> Error {
+    let range = (Bound::Excluded(-INFINITE), Bound::Excluded(INFINITE));
+    Error::out_of_range_in_words(what, value, range, "below 1e20 in magnitude")
 }

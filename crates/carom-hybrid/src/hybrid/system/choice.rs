@@ -26,8 +26,8 @@ impl Dwell {
                 _ => format!("the longest dwell time of `{}`", self.mode),
             };
             let value = if least == 0 { least } else { most };
-            let range = format!("at least {} samples", least.max(1));
-            return Err(Error::out_of_range(what, value as f64, range));
+            let range = least.max(1) as f64..;
+            return Err(Error::out_of_range_with(what, value as f64, range, " samples"));
         }
         Ok(())
     }

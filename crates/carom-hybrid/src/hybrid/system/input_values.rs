@@ -1,5 +1,7 @@
 //! Inputs that take some values only: whole numbers, or those of a list.
 
+use std::ops::Bound::{Excluded, Unbounded};
+
 use super::handles::Input;
 use super::{HybridSystem, Schedule};
 #[cfg(doc)]
@@ -54,8 +56,8 @@ impl InputValues {
                         above.copied().unwrap_or(f64::INFINITY)
                     }
                 };
-                let text = format!("at least {needed}, the first value of the input in its range");
-                Err(Error::out_of_range(what, range.upper, text))
+                let more = ", the first value of the input in its range";
+                Err(Error::out_of_range_with(what, range.upper, needed.., more))
             }
         }
     }
@@ -64,16 +66,15 @@ impl InputValues {
 fn check_list(name: &str, list: &[f64]) -> Result<(), Error> {
     let what = format!("the number of values of `{name}`");
     if list.is_empty() || list.len() > MAX_STEPS {
-        return Err(Error::out_of_range(what, list.len() as f64, format!("from 1 to {MAX_STEPS}")));
+        let (count, range) = (list.len() as f64, 1.0..=MAX_STEPS as f64);
+        let words = format!("from 1 to {MAX_STEPS}");
+        return Err(Error::out_of_range_in_words(what, count, range, words));
     }
     check_finite(name, "a value of the input", list.iter().copied())?;
     if let Some(pair) = list.windows(2).find(|pair| pair[0] >= pair[1]) {
         let what = format!("a value of `{name}`");
-        return Err(Error::out_of_range(
-            what,
-            pair[1],
-            format!("above {}, the one before", pair[0]),
-        ));
+        let range = (Excluded(pair[0]), Unbounded);
+        return Err(Error::out_of_range_with(what, pair[1], range, ", the one before"));
     }
     Ok(())
 }

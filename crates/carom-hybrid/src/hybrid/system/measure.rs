@@ -124,12 +124,12 @@ pub(crate) fn check_digits(name: &str, range: Interval) -> Result<(), Error> {
     let (far, width) = (range.magnitude(), range.width());
     if width > 0.0 && far.is_finite() && far.next_up() - far > RESOLUTION * width {
         let what = format!("the distance from 0 to the range of `{name}`");
+        let most = RESOLUTION * width / f64::EPSILON;
         let range = format!(
-            "below {:.0e}, because beyond it the digits of a float do not tell points of a range of width {width} \
-             apart; state `{name}` from another origin",
-            RESOLUTION * width / f64::EPSILON
+            "below {most:.0e}, because beyond it the digits of a float do not tell points of a range of width \
+             {width} apart; state `{name}` from another origin"
         );
-        return Err(Error::out_of_range(what, far, range));
+        return Err(Error::out_of_range_in_words(what, far, ..most, range));
     }
     Ok(())
 }

@@ -56,8 +56,9 @@ impl Rows {
                     found.push(binaries.iter().map(|range| range.lower > 0.5).collect());
                     if found.len() > most {
                         let what = "the number of combinations of the binaries";
-                        let range = format!("at most {most}; split the system into choices");
-                        return Err(Error::out_of_range(what, found.len() as f64, range));
+                        let (count, range) = (found.len() as f64, ..=most as f64);
+                        let more = "; split the system into choices";
+                        return Err(Error::out_of_range_with(what, count, range, more));
                     }
                 }
                 Some(k) => {
@@ -71,8 +72,8 @@ impl Rows {
         }
         if found.is_empty() {
             let what = "the number of combinations of the binaries";
-            let range = "at least 1; the inequalities contradict each other";
-            return Err(Error::out_of_range(what, 0.0, range));
+            let more = "; the inequalities contradict each other";
+            return Err(Error::out_of_range_with(what, 0.0, 1.0.., more));
         }
         Ok(found)
     }

@@ -3,7 +3,7 @@
 use super::HybridSystem;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::error::{Error, check_finite};
+use crate::error::{Error, FINITE_POSITIVE, check_finite};
 use crate::hybrid::contact::Restitution;
 use crate::interval::Interval;
 
@@ -95,7 +95,7 @@ impl HybridSystem {
     ) -> Result<Self, Error> {
         if !(time_constant.is_finite() && time_constant > 0.0) {
             let what = "the time constant (s)";
-            return Err(Error::out_of_range(what, time_constant, "finite and positive"));
+            return Err(Error::out_of_range(what, time_constant, FINITE_POSITIVE));
         }
         check_finite("the thermostat", "a temperature", [cold, hot])?;
         band.check("the band of the thermostat")?;

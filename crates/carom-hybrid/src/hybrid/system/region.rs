@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::HybridSystem;
-use super::check::{check_halfspace, check_norm};
+use super::check::{check_halfspace, check_norm, too_large};
 use super::halfspace::Halfspace;
 use super::norm_limit::NormLimit;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
@@ -94,7 +94,8 @@ impl From<&Region> for Region {
 /// The error for a value outside the domain of its state.
 pub(crate) fn outside_domain(what: &str, name: &str, value: f64, domain: Interval) -> Error {
     let range = format!("within its domain, {} to {}", domain.lower, domain.upper);
-    Error::out_of_range(format!("{what} of `{name}`"), value, range)
+    let (what, limits) = (format!("{what} of `{name}`"), domain.lower..=domain.upper);
+    Error::out_of_range_in_words(what, value, limits, range)
 }
 
 impl Region {
@@ -229,7 +230,7 @@ impl Region {
                 }
                 if value.is_finite() && value.abs() >= INFINITE {
                     let what = format!("a limit of `{name}`");
-                    return Err(Error::out_of_range(what, value, "below 1e20 in magnitude"));
+                    return Err(too_large(what, value));
                 }
             }
             let Interval { lower, upper } = *range;
@@ -242,7 +243,12 @@ impl Region {
             if !halfspace.limit.is_constant() {
                 let what = format!("the number of limits of `{}` in {what}", halfspace.name);
                 let count = halfspace.limit.values().count() as f64;
-                return Err(Error::out_of_range(what, count, "1, the same at every step"));
+                return Err(Error::out_of_range_with(
+                    what,
+                    count,
+                    1.0..=1.0,
+                    ", the same at every step",
+                ));
             }
         }
         for disc in &self.norms {
@@ -250,7 +256,12 @@ impl Region {
             if disc.settles() > 0 {
                 let what = format!("the number of values of `{}` in {what}", disc.name);
                 let count = (disc.settles() + 1) as f64;
-                return Err(Error::out_of_range(what, count, "1, the same at every step"));
+                return Err(Error::out_of_range_with(
+                    what,
+                    count,
+                    1.0..=1.0,
+                    ", the same at every step",
+                ));
             }
         }
         for (choice, mode) in &self.modes {
@@ -272,7 +283,8 @@ pub(crate) fn check_cut(halfspace: &Halfspace, states: usize) -> Result<(), Erro
     if halfspace.normal.iter().all(|n| *n == 0.0) {
         let what =
             format!("the largest entry of the normal of the half-space `{}`", halfspace.name);
-        return Err(Error::out_of_range(what, 0.0, "another number than 0; give a direction"));
+        let range = "another number than 0; give a direction";
+        return Err(Error::out_of_range_in_words(what, 0.0, .., range));
     }
     Ok(())
 }

@@ -79,14 +79,16 @@ impl TransitionMut<'_> {
         let range = Interval::new(lower, upper);
         range.check(&what)?;
         if !range.contains(0.0) {
-            let value = if lower > 0.0 { lower } else { upper };
             let help = "a range that contains 0, the value of plans that are not robust";
-            return Err(Error::out_of_range(what, value, help));
+            return Err(match lower > 0.0 {
+                true => Error::out_of_range_in_words(what, lower, ..=0.0, help),
+                false => Error::out_of_range_in_words(what, upper, 0.0.., help),
+            });
         }
         if self.own().uncertain.len() == MOST_PARAMETERS {
             let what = self.place("the number of uncertain parameters");
             let count = MOST_PARAMETERS as f64 + 1.0;
-            return Err(Error::out_of_range(what, count, format!("at most {MOST_PARAMETERS}")));
+            return Err(Error::out_of_range(what, count, ..=MOST_PARAMETERS as f64));
         }
         let n = self.system.states.len();
         let effect = self.by_predictions(Mat::zeros(n, n), values, "an uncertain part")?;

@@ -74,7 +74,7 @@ impl<T> Schedule<T> {
     pub(crate) fn check(&self, what: &str) -> Result<(), Error> {
         if self.values.is_empty() {
             let what = format!("the number of values of {what}");
-            return Err(Error::out_of_range(what, 0.0, "at least 1"));
+            return Err(Error::out_of_range(what, 0.0, 1.0..));
         }
         Ok(())
     }

@@ -144,8 +144,8 @@ impl TerminalSet {
         check_length("the columns of the gain", lqr.gain.ncols(), n)?;
         let contraction = options.contraction;
         if !(1e-6..=0.5).contains(&contraction) {
-            let what = "the contraction of a terminal set";
-            return Err(Error::out_of_range(what, contraction, "from 1e-6 to 0.5"));
+            let (what, words) = ("the contraction of a terminal set", "from 1e-6 to 0.5");
+            return Err(Error::out_of_range_in_words(what, contraction, 1e-6..=0.5, words));
         }
         // From here on everything is in the coordinates of the domains.
         let (stated, system) = (target, own);

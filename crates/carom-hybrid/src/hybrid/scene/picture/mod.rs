@@ -56,11 +56,8 @@ impl ScenePicture {
     pub fn to_animation(&self) -> Result<String, Error> {
         let axes = self.scene.axes();
         if axes != 2 {
-            return Err(Error::out_of_range(
-                "the number of axes of an animation",
-                axes as f64,
-                "2",
-            ));
+            let what = "the number of axes of an animation";
+            return Err(Error::out_of_range(what, axes as f64, 2.0..=2.0));
         }
         let mut chart = paths::in_plane(self, PLANE);
         let period = self.duration() + PAUSE;
