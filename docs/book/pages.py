@@ -19,6 +19,7 @@ GUIDES = [
     ("A mission", "docs/missions.md", ["hybrid"]),
     ("Models", "docs/modelling.md", ["model", "reformulate"]),
     ("A search that does not finish", "docs/my_search_does_not_finish.md", ["solver", "explain"]),
+    ("A file and a solver", "docs/a_file_and_a_solver.md", ["model"]),
     ("On a cluster", "docs/cluster.md", ["sweep"]),
     ("How horizons are refuted", "docs/reach_sets.md", ["hybrid::reach"]),
     ("Plans that hold", "docs/robust_plans.md", ["hybrid"]),
