@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Objective, Scenario};
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{HybridSystem, LinearSystem, Matrix, ShortestOptions};
 use carom::interval::Interval;
@@ -60,8 +60,7 @@ fn searches(criterion: &mut Criterion) {
             if !wanted && time_step < 0.05 {
                 continue;
             }
-            let search = ShortestOptions::default().with_reach_sets(wanted);
-            let options = PlanningOptions::default().with_search(search);
+            let options = ShortestOptions::default().with_reach_sets(wanted);
             group.bench_function(format!("{name}_{time_step}"), |b| {
                 b.iter(|| {
                     let mut solver = BranchAndBound::default();

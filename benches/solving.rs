@@ -7,7 +7,7 @@ mod instances;
 
 use std::hint::black_box;
 
-use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Objective, Scenario};
 use carom::prelude::*;
 use carom::reformulate;
 use carom::solver::StopToken;
@@ -91,7 +91,7 @@ fn search(criterion: &mut Criterion) {
         let scenario = Scenario::paper().with_time_step(time_step);
         group.bench_function(name, |b| {
             b.iter(|| {
-                let options = PlanningOptions::default();
+                let options = ShortestOptions::default();
                 scenario.compare(&options, &mut BranchAndBound::default())
             });
         });

@@ -42,7 +42,7 @@ fn main() -> Result<(), Error> {
         let certificate = &plan.certificate;
         println!(
             "  replay: within {:.0e} m; in continuous time dips {:.1e} m, speed off by {:.1e} m/s",
-            certificate.replay.drift, certificate.replay.dip, certificate.replay.step_speed_error
+            certificate.drift, certificate.dip, certificate.step_speed_error
         );
     }
     Ok(())

@@ -19,7 +19,7 @@ mod interrupts;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario};
+use carom::collision_tolerant::{ContactLaw, Endpoint, Scenario};
 use carom::hybrid::ImpactEstimate;
 use carom::hybrid::scene::{DamageLimitOptions, DamageMeasure, DamageRule};
 use carom::interval::Interval;
@@ -138,9 +138,9 @@ fn on_a_line(scenario: &Scenario) -> Scene {
         Some(first) => car.with_first_acceleration([first]),
         None => car,
     };
-    let surface = match scenario.collisions {
-        Collisions::Forbidden => Surface::avoid(),
-        _ => Surface::bounce(scenario.contact.restitution),
+    let surface = match scenario.law {
+        ContactLaw::Forbidden => Surface::avoid(),
+        _ => Surface::bounce(scenario.restitution),
     };
     let scene = Scene::new(scenario.time_step)
         .with_body(car)
@@ -161,7 +161,6 @@ fn median(mut times: Vec<f64>) -> f64 {
 
 fn paper(interrupt: &Interrupt) -> Result<(), Error> {
     let search = ShortestOptions::default().with_interrupt(interrupt);
-    let planning = PlanningOptions::default().with_search(search.clone());
     let (mut by_hand, mut as_scene, mut differ) = (0.0, 0.0, 0);
     for (name, scenario) in rows(interrupt)? {
         let scene = on_a_line(&scenario);
@@ -169,7 +168,7 @@ fn paper(interrupt: &Interrupt) -> Result<(), Error> {
         let (mut times, mut steps) = ([Vec::new(), Vec::new()], [None, None]);
         for _ in 0..RUNS {
             let start = Instant::now();
-            steps[0] = scenario.shortest_with(&planning, &mut solver)?.steps;
+            steps[0] = scenario.shortest_with(&search, &mut solver)?.steps;
             let middle = Instant::now();
             let found = scene.shortest_with(&search, &mut solver)?;
             steps[1] = found.steps;

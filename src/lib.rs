@@ -1,12 +1,13 @@
 #![doc = include_str!("../docs/crate_page.md")]
 
+pub mod collision_tolerant;
 pub mod guide;
 pub mod prelude;
 
 #[doc(inline)]
 pub use carom_conformance as conformance;
 #[doc(inline)]
-pub use carom_hybrid::{collision_tolerant, graph_of_sets, hybrid, picture};
+pub use carom_hybrid::{graph_of_sets, hybrid, picture};
 #[doc(inline)]
 pub use carom_model::{Error, ErrorKind, error, interval, model, solution, solver, tolerance};
 #[cfg(not(target_family = "wasm"))]

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use carom::collision_tolerant::{PlanningOptions, Scenario};
-use carom::hybrid::{HorizonRefutation, HorizonVerdict, ShortestOptions, ShortestStatus};
+use carom::collision_tolerant::Scenario;
+use carom::hybrid::{HorizonRefutation, HorizonVerdict, ShortestOptions, ShortestStatus, shortest_horizon};
 use carom::prelude::*;
 use carom::sweep::{Sweep, SweepRecord, SweepResults};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -187,8 +187,7 @@ fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> 
         return Ok(Found::default());
     }
     // Only the horizon matters, so impacts are not minimised.
-    let options = PlanningOptions::default().with_fewest_impacts(false).with_search(search);
-    let shortest = scenario.shortest_with(&options, &mut BranchAndBound::default())?;
+    let shortest = shortest_horizon(scenario, &search, &mut BranchAndBound::default())?;
     let count = |wanted: fn(HorizonRefutation) -> bool| {
         let refuted = |verdict| matches!(verdict, HorizonVerdict::Refuted(by) if wanted(by));
         shortest.attempts.iter().filter(|attempt| refuted(attempt.verdict)).count()

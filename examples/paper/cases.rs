@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use carom::collision_tolerant::{Plan, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Plan, Scenario};
 use carom::hybrid::scene::{DamageLimitOptions, DamageLimitRange, DamageRule};
 use carom::hybrid::{
     HorizonRefutation, HorizonVerdict, ShortestHorizon, ShortestOptions, ShortestStatus,
@@ -214,5 +214,5 @@ fn search(
     let options = ShortestOptions::default()
         .with_interrupt(interrupt)
         .with_progress(move |event| horizons.note(event));
-    scenario.shortest_with(&PlanningOptions::default().with_search(options), solver)
+    scenario.shortest_with(&options, solver)
 }

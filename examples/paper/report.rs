@@ -37,7 +37,7 @@ pub(crate) fn print_csv(results: &[SolvedCase]) {
                 ("damage_limited", restitution.to_string(), limit)
             }
             Case::Destination { .. } => {
-                let restitution = solved.scenario.contact.restitution.value();
+                let restitution = solved.scenario.restitution.value();
                 ("destination", restitution.to_string(), String::new())
             }
         };
@@ -156,7 +156,7 @@ fn print_further(free: &SolvedCase, tolerant: &[Option<&SolvedCase>]) {
     for solved in tolerant.iter().flatten() {
         println!(
             "  {:>5} {:>6} {:>8} {:>7.3} s {:>10.2} % {:>8}",
-            solved.scenario.contact.restitution.value(),
+            solved.scenario.restitution.value(),
             own(solved.shortest.steps),
             own(solved.shortest.refuted_steps),
             solved.seconds(),
@@ -228,9 +228,9 @@ fn print_replays(results: &[SolvedCase]) {
         "\nEvery plan is replayed. Through the same law: off by at most {:.1e} m or m/s.\n\
          In continuous time: up to {:.1e} m into the wall between samples, impact speeds off by \
          up to {:.1e} m/s a step.",
-        worst(|plan| plan.certificate.replay.drift),
-        worst(|plan| plan.certificate.replay.dip),
-        worst(|plan| plan.certificate.replay.step_speed_error),
+        worst(|plan| plan.certificate.drift),
+        worst(|plan| plan.certificate.dip),
+        worst(|plan| plan.certificate.step_speed_error),
     );
     println!();
 }

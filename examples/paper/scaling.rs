@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use carom::collision_tolerant::{PlanningOptions, Scenario};
+use carom::collision_tolerant::Scenario;
 use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -60,7 +60,6 @@ fn measure(
     let scenario = Scenario::paper().with_time_step(time_step).with_restitution(RESTITUTION)?;
     bar.set_message(format!("steps of {time_step} s"));
     let options = ShortestOptions::default().with_interrupt(interrupt);
-    let options = PlanningOptions::default().with_search(options);
     let (mut steps, mut times) = (None, Vec::new());
     for _ in 0..REPEATS {
         let mut solver = BranchAndBound::default();

@@ -257,6 +257,15 @@ fn one_file_names_the_relaxation_library() {
     assert_eq!(naming, ["relaxation::clarabel"]);
 }
 
+/// The planner of the paper is built from what users can name.
+#[test]
+fn the_crate_that_users_add_uses_no_internals() {
+    for source in sources_in("src", "") {
+        let path = source.path.display();
+        assert!(!code(&source.text).contains("internals"), "{path}");
+    }
+}
+
 /// Formatting leaves comments as they are. Rows of tables cannot be broken.
 #[test]
 fn comments_end_at_column_100() {

@@ -1,10 +1,10 @@
 //! What users hold can be sent to other threads and shared between them.
 
-use carom::collision_tolerant::{Plan, Scenario};
+use carom::collision_tolerant::{Plan, Scenario, Wall};
 use carom::explain::Explanation;
 use carom::hybrid::HybridSystem;
 use carom::hybrid::reach::ReachSets;
-use carom::hybrid::{Contact, LinearSystem, ShortestHorizon};
+use carom::hybrid::{LinearSystem, Shortest};
 use carom::prelude::*;
 use carom::reformulate::{BigMReport, Lowered};
 use carom::solution::Pool;
@@ -26,7 +26,7 @@ const _: fn() = || {
     shared::<BigMReport>();
     shared::<Explanation>();
     shared::<LinearSystem>();
-    shared::<Contact>();
+    shared::<Wall>();
     shared::<HybridSystem>();
     shared::<ReachSets>();
     shared::<Scenario>();

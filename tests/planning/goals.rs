@@ -3,10 +3,14 @@
 
 use crate::common::config;
 use carom::ErrorKind;
-use carom::collision_tolerant::{Endpoint, Objective, Plan, PlanningOptions, Scenario, Trajectory};
+use carom::collision_tolerant::{
+    ContactLaw, Endpoint, Objective, Plan, PlanningProgram, Scenario, Trajectory, Wall,
+};
 use carom::explain::{ExplainOptions, infeasibility};
 use carom::hybrid::scene::SceneError;
-use carom::hybrid::{ContactLaw, Region, RunError, ShortestHorizon, ShortestOptions, Wall};
+use carom::hybrid::{
+    Region, RunError, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon,
+};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom_hybrid::internals::Halfspace;
@@ -22,8 +26,9 @@ fn coarse() -> Scenario {
 
 fn search(scenario: &Scenario, sets: bool) -> ShortestHorizon<Plan> {
     let search = ShortestOptions::default().with_max_steps(60).with_reach_sets(sets);
-    let options = PlanningOptions::default().with_search(search).with_fewest_impacts(false);
-    scenario.shortest_with(&options, &mut solver()).unwrap()
+    let found = shortest_horizon(scenario, &search, &mut solver()).unwrap();
+    let plan = |of: SolvedHorizon<PlanningProgram>| of.program.plan(&of.solution);
+    found.try_map(plan).unwrap()
 }
 
 /// Whether it is proved that there is no plan.
@@ -184,10 +189,11 @@ fn extended_programs_are_certified() {
     program.add("idle", program.acceleration[7].equals(0.0)).unwrap();
     let solution = solver().solve(program.model()).unwrap();
     let plan = program.plan(&solution).unwrap();
-    assert!(plan.objective > plain.objective().unwrap());
+    assert!(plan.solution.objective().unwrap() > plain.objective().unwrap());
     assert!(plan.trajectory.velocity.iter().all(|v| v.abs() <= 5.0 + 1e-6));
     assert!(plan.trajectory.acceleration[7].abs() <= 1e-6);
-    assert!(plan.certificate.run.largest_violation <= 2e-6);
+    let system = scenario.hybrid_system().unwrap();
+    assert!(system.certify(&plan.run).unwrap().largest_violation <= 2e-6);
 }
 
 #[test]
@@ -206,7 +212,7 @@ fn plans_of_other_scenarios_are_no_plans() {
         refused(&scenario.clone().with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
     assert!(matches!(error.kind(), ErrorKind::Scene(SceneError::Replay { .. })), "{error}");
     let error = refused(&scenario.clone().with_acceleration(-1.0..=1.0));
-    assert!(matches!(error.kind(), ErrorKind::Run(RunError::Transition { .. })), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::Scene(SceneError::Replay { .. })), "{error}");
     // A solution of another program.
     let other = scenario.program(30, Objective::Effort).unwrap();
     let error = other.plan(&solution).unwrap_err();
@@ -225,8 +231,9 @@ fn extensions_that_bend_the_scenario_are_found() {
     let error = program.plan(&solution).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Run(RunError::Transition { .. })), "{error}");
     // Elsewhere than the goal.
-    let last = program.position[24].terms()[0].0;
-    program.model_mut().set_bounds(last, 0.0, 9.0).unwrap();
+    let mut rows = program.model().constraints();
+    let goal = rows.find(|row| row.name().to_string() == "goal_0[24]").unwrap().id();
+    program.model_mut().set_limits(goal, 0.0, 9.0).unwrap();
     let solution = solver().solve(program.model()).unwrap();
     let error = program.plan(&solution).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Scene(SceneError::Replay { .. })), "{error}");

@@ -199,9 +199,9 @@ fn searches_tell_what_they_do() {
     let last = format!("{} steps: a plan", found.steps.unwrap());
     assert!(lines(&log.text()).contains(&last), "{}", log.text());
     // The paper's vehicle.
-    use carom::collision_tolerant::{PlanningOptions, Scenario};
+    use carom::collision_tolerant::Scenario;
     let log = Shared::default();
-    let options = PlanningOptions::default().with_search(log.options());
+    let options = log.options();
     let scenario = Scenario::paper().with_time_step(0.05);
     let found = scenario.shortest_with(&options, &mut solver()).unwrap();
     let last = format!("{} steps: a plan", found.steps.unwrap());

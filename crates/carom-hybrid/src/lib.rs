@@ -4,7 +4,6 @@
 //! Users take them from `carom`, which has the guide. Programs are solved through the trait of
 //! solvers: this crate knows no solver.
 
-pub mod collision_tolerant;
 pub mod graph_of_sets;
 pub mod hybrid;
 #[doc(hidden)]

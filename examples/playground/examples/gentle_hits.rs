@@ -1,6 +1,6 @@
 //! What the page shows as the program of a task.
 
-use carom::collision_tolerant::{Endpoint, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Endpoint, Scenario};
 use carom::hybrid::scene::DamageRule;
 use carom::prelude::*;
 
@@ -15,8 +15,7 @@ fn main() -> Result<(), Error> {
         .with_time_step(0.05) // s
         .with_damage(DamageRule::default().with_per_hit(9.5)) // m/s
         .with_restitution(0.3)?;
-    let search = ShortestOptions::default().with_max_steps(600);
-    let options = PlanningOptions::default().with_search(search);
+    let options = ShortestOptions::default().with_max_steps(600);
     let plans = scenario.compare(&options, &mut BranchAndBound::default())?;
     println!("without collisions: {}", plans.free);
     println!("with collisions: {}", plans.tolerant);

@@ -1,6 +1,6 @@
 //! What the page shows as the program of a task.
 
-use carom::collision_tolerant::{Endpoint, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Endpoint, Scenario};
 use carom::prelude::*;
 
 fn main() -> Result<(), Error> {
@@ -13,8 +13,7 @@ fn main() -> Result<(), Error> {
         .with_max_speed(15.0) // m/s
         .with_time_step(0.05) // s
         .with_restitution(0.3)?;
-    let search = ShortestOptions::default().with_max_steps(600);
-    let options = PlanningOptions::default().with_search(search);
+    let options = ShortestOptions::default().with_max_steps(600);
     let plans = scenario.compare(&options, &mut BranchAndBound::default())?;
     println!("without collisions: {}", plans.free);
     println!("with collisions: {}", plans.tolerant);

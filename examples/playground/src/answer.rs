@@ -94,7 +94,7 @@ struct Sets {
 }
 
 fn finding<'a>(task: &Task, found: &'a ShortestHorizon<Plan>) -> Finding<'a> {
-    Finding::new(found, |plan| &plan.certificate.replay, task.time_step)
+    Finding::new(found, |plan| &plan.certificate, task.time_step)
 }
 
 impl Side {

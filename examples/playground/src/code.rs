@@ -13,7 +13,7 @@ pub fn of_wall(task: &Task) -> String {
         None => "",
     };
     format!(
-        r#"use carom::collision_tolerant::{{Endpoint, PlanningOptions, Scenario}};
+        r#"use carom::collision_tolerant::{{Endpoint, Scenario}};
 {import}use carom::prelude::*;
 
 fn main() -> Result<(), Error> {{
@@ -26,8 +26,7 @@ fn main() -> Result<(), Error> {{
         .with_max_speed({speed:?}) // m/s
         .with_time_step({time_step:?}) // s{limit}
         .with_restitution({restitution:?})?;
-    let search = ShortestOptions::default().with_max_steps({max_steps});
-    let options = PlanningOptions::default().with_search(search);
+    let options = ShortestOptions::default().with_max_steps({max_steps});
     let plans = scenario.compare(&options, &mut BranchAndBound::default())?;
     println!("without collisions: {{}}", plans.free);
     println!("with collisions: {{}}", plans.tolerant);

@@ -1,7 +1,7 @@
 //! A vehicle beside a wall, as in the paper.
 
 use carom::Error;
-use carom::collision_tolerant::{Objective, Plan, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Objective, Plan, Scenario};
 use carom::hybrid::ShortestHorizon;
 use carom::model::mps;
 use carom::prelude::*;
@@ -21,7 +21,7 @@ pub fn solve(task: &str) -> Result<Answer, String> {
 fn answer(task: &Task) -> Result<Answer, Error> {
     let scenario = task.scenario()?;
     let careful = scenario.clone().collision_free();
-    let mut options = PlanningOptions::default().with_search(search_options(task.max_steps()));
+    let mut options = search_options(task.max_steps());
     let free = plan(&careful, "free", &options)?;
     progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free));
     options.upper_hint = free.steps;
@@ -40,10 +40,9 @@ fn answer(task: &Task) -> Result<Answer, Error> {
 fn plan(
     scenario: &Scenario,
     side: &'static str,
-    options: &PlanningOptions,
+    options: &ShortestOptions,
 ) -> Result<ShortestHorizon<Plan>, Error> {
-    let search = options.search.clone().with_progress(progress::refuted(side));
-    let options = options.clone().with_search(search);
+    let options = options.clone().with_progress(progress::refuted(side));
     scenario.shortest_with(&options, &mut BranchAndBound::default())
 }
 

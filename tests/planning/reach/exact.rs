@@ -1,9 +1,12 @@
 //! Sets that are known exactly.
 
 use crate::common::config;
+use crate::rows::wall::transitions;
+use carom::collision_tolerant::Wall;
 use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions};
-use carom::hybrid::{Contact, HybridSystem, LinearSystem, Matrix, Restitution, Wall};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Restitution};
 use carom::interval::Interval;
+use carom::prelude::Surface;
 use carom_hybrid::internals::{Halfspace, Transition};
 use proptest::prelude::*;
 
@@ -175,8 +178,8 @@ fn faer_chain(dt: f64) -> Matrix {
 #[test]
 fn layers_tell_bounces_apart() {
     // A ball from 5 m at 0 m/s, no input to speak of: each bounce halves its speed.
-    let wall = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.5).unwrap());
-    let [flight, impact] = wall.transitions(0.1, None).unwrap();
+    let surface = Surface::bounce(Restitution::new(0.5).unwrap());
+    let [flight, impact] = transitions(Wall::default(), surface, 0.1, None, ["flight", "impact"]);
     let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 9.0))
         .with_state("v", Interval::new(-15.0, 15.0))

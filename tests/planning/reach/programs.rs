@@ -1,10 +1,10 @@
 //! What tubes write into programs: no plan is ever lost.
 
 use crate::common::config;
-use carom::collision_tolerant::{Endpoint, Objective, Scenario};
+use carom::collision_tolerant::{ContactLaw, Endpoint, Objective, PlanningProgram, Scenario, Wall};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, Reason, SetOptions, TighteningReport};
 use carom::hybrid::scene::DamageRule;
-use carom::hybrid::{ContactLaw, HybridSystem, LinearSystem, Matrix, Wall};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom_hybrid::internals::HasParts;
@@ -21,8 +21,8 @@ struct Plan {
 
 /// Follows accelerations through a scenario's law, from its start; the goal is where that ends.
 fn roll_out(mut scenario: Scenario, accelerations: &[f64]) -> Plan {
-    let (wall, dt) = (scenario.contact.wall, scenario.time_step);
-    let (n, at, e) = (wall.normal(), wall.position(), scenario.contact.restitution.value());
+    let (wall, dt) = (scenario.wall, scenario.time_step);
+    let (n, at, e) = (wall.normal(), wall.position(), scenario.restitution.value());
     let (mut x, mut v) = (scenario.start.position, scenario.start.velocity);
     let mut plan = Plan {
         scenario: scenario.clone(),
@@ -30,7 +30,7 @@ fn roll_out(mut scenario: Scenario, accelerations: &[f64]) -> Plan {
         velocity: vec![v],
         contact: Vec::new(),
     };
-    let literal = scenario.contact.law == ContactLaw::Literal;
+    let literal = scenario.law == ContactLaw::Literal;
     for &a in accelerations {
         let inside = literal && n * (x - at) < 0.0;
         let a = if inside { -(1.0 + e) * v / dt } else { a };
@@ -55,6 +55,12 @@ fn roll_out(mut scenario: Scenario, accelerations: &[f64]) -> Plan {
     plan
 }
 
+/// ζ(t), which is 1 where there is a contact.
+fn variables_of(program: &PlanningProgram) -> Vec<Variable> {
+    assert!(program.contact.iter().all(|zeta| zeta.is_on()));
+    program.contact.iter().map(|zeta| zeta.variable()).collect()
+}
+
 /// Writes the tube into the plan's program and checks that the plan still fits.
 fn check(plan: &Plan) -> Result<TighteningReport, TestCaseError> {
     let steps = plan.contact.len();
@@ -75,7 +81,7 @@ fn check(plan: &Plan) -> Result<TighteningReport, TestCaseError> {
             );
         }
     }
-    let zeta = program.contact.as_ref().unwrap();
+    let zeta = variables_of(&program);
     for (t, &hit) in plan.contact.iter().enumerate() {
         let value = f64::from(u8::from(hit));
         prop_assert!(bounds(zeta[t]).contains(value), "contact {hit} was excluded at {t}");
@@ -132,7 +138,7 @@ fn the_report_says_what_was_done_and_why() {
     let tube = scenario.reach_sets().unwrap().tube(48).unwrap();
     let report = tube.tighten(program.model_mut(), &variables).unwrap();
 
-    let zeta = program.contact.clone().unwrap();
+    let zeta = variables_of(&program);
     let open: Vec<usize> = (0..48).filter(|&t| tube.is_possible(t, 1)).collect();
     assert_eq!(report.open, open.len());
     assert_eq!(report.parts().fixed.len(), 48 - open.len());
@@ -198,7 +204,7 @@ fn a_user_may_exclude_what_the_sets_need() {
     let tube = scenario.reach_sets().unwrap().tube(47).unwrap();
     assert_eq!(tube.fewest_events(), Some(1));
     let only: Vec<usize> = (0..47).filter(|&t| !tube.is_possible(t, 0)).collect();
-    let zeta = program.contact.clone().unwrap();
+    let zeta = variables_of(&program);
     for z in &zeta {
         program.model_mut().fix(z, 0.0).unwrap();
     }

@@ -4,12 +4,12 @@ use std::time::Duration;
 
 use crate::common::config;
 use crate::rows::wall::add_by_hand;
-use carom::collision_tolerant::{Endpoint, Plan, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Endpoint, Plan, Scenario, Wall};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{
     HorizonEvent, HorizonModel, HorizonRefutation, HorizonVerdict, HybridSystem, LinearSystem,
-    Matrix, Monotonicity, ShortestHorizon, ShortestOptions, ShortestStatus, Wall, shortest_horizon,
+    Matrix, Monotonicity, ShortestHorizon, ShortestOptions, ShortestStatus, shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -18,8 +18,7 @@ use carom_hybrid::internals::{Halfspace, Transition};
 use proptest::prelude::*;
 
 fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> ShortestHorizon<Plan> {
-    let search = ShortestOptions::default().with_max_steps(max_steps).with_reach_sets(sets);
-    let options = PlanningOptions::default().with_search(search);
+    let options = ShortestOptions::default().with_max_steps(max_steps).with_reach_sets(sets);
     scenario.shortest_with(&options, &mut BranchAndBound::default()).unwrap()
 }
 
@@ -106,8 +105,12 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
             let (start, goal) = (at(self.0.start.position), at(self.0.goal.position));
             ReachSets::new(&system, start, goal, options).map(Some)
         }
-        fn variables(&self, program: &Self::Program) -> HorizonVariables {
-            program.program().variables().horizon_variables()
+        fn with_hybrid(
+            &self,
+            program: &mut Self::Program,
+            statements: &mut dyn FnMut(&mut HybridProgram),
+        ) {
+            statements(program.program_mut());
         }
     }
     let scenario = Scenario::paper().with_time_step(0.05);
@@ -138,15 +141,13 @@ fn limits_and_interrupts_keep_what_the_sets_refuted() {
             trigger.trigger();
         }
     };
-    let search = ShortestOptions::default().with_interrupt(&interrupt).with_progress(progress);
-    let options = PlanningOptions::default().with_search(search);
+    let options = ShortestOptions::default().with_interrupt(&interrupt).with_progress(progress);
     let mut solver = BranchAndBound::default();
     let found = scenario.shortest_with(&options, &mut solver).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
     assert_eq!((found.steps, found.refuted_steps), (None, Some(100)));
 
-    let search = ShortestOptions::default().with_time_limit(Duration::ZERO);
-    let options = PlanningOptions::default().with_search(search);
+    let options = ShortestOptions::default().with_time_limit(Duration::ZERO);
     let found = scenario.shortest_with(&options, &mut solver).unwrap();
     assert_eq!(found.status, ShortestStatus::Stopped(Termination::TimeLimit));
     assert!(found.steps.is_none());
@@ -214,7 +215,7 @@ fn a_coarser_plan_guesses_the_contacts() {
     let scenario = Scenario::paper().with_time_step(0.01);
     let find = |coarse| {
         let search = ShortestOptions::default().with_reach_sets(false).with_coarse_guess(coarse);
-        let options = PlanningOptions::default().with_search(search).with_upper_hint(255);
+        let options = search.with_upper_hint(255);
         scenario.shortest_with(&options, &mut BranchAndBound::default()).unwrap()
     };
     let (guessed, blind) = (find(true), find(false));
@@ -323,7 +324,7 @@ impl HorizonModel for Planar {
         ReachSets::new(&system, start, goal, SetOptions::default()).map(Some)
     }
 
-    fn variables(&self, model: &Model) -> HorizonVariables {
+    fn variables(&self, model: &mut Model) -> HorizonVariables {
         let family = |name: &str| {
             let member = |t| model.variable_by_name((name, t)).ok();
             (0..).map_while(member).collect()

@@ -159,6 +159,5 @@ fn beside_a_wall(draw: &mut Draw, factor: f64) -> Result<HybridProgram, Error> {
         .with_goal_region(goal);
     let mut from = Endpoint::at_rest(draw.within(4.0, 5.0));
     from.velocity = -9.0;
-    let program = scenario.with_start(from).program(9, Objective::Effort)?;
-    Ok(program.program().clone())
+    Ok(scenario.with_start(from).program(9, Objective::Effort)?.into())
 }

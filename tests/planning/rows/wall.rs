@@ -1,25 +1,50 @@
 //! The reflecting wall: the general rows beside the hand-written ones.
 
+use carom::collision_tolerant::Wall;
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{Contact, HybridSystem, LinearSystem, Restitution, Wall};
+use carom::hybrid::scene::DamageRule;
+use carom::hybrid::{HybridSystem, ImpactEstimate, LinearSystem, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::reformulate;
-use carom_hybrid::internals::HasParts;
-use carom_hybrid::internals::SystemVariables;
+use carom_hybrid::internals::{HasParts, SystemVariables, Transition};
 
 const TIME_STEP: f64 = 0.1;
 const POSITIONS: Interval = Interval { lower: 0.0, upper: 20.0 };
 const SPEEDS: Interval = Interval { lower: -5.0, upper: 5.0 };
 const FORCES: Interval = Interval { lower: -10.0, upper: 10.0 };
 
-fn contact(e: f64) -> Contact {
-    Contact::new(Wall::above(0.0).unwrap(), Restitution::new(e).unwrap())
+/// The law of a wall on a line, by other names: the transitions of the system of a scene.
+pub(crate) fn transitions<const N: usize>(
+    wall: Wall,
+    surface: Surface,
+    time_step: f64,
+    rule: Option<DamageRule>,
+    names: [&str; N],
+) -> [Transition; N] {
+    let n = wall.normal();
+    let scene = Scene::new(time_step)
+        .with_body(Body::new("ball", [-1e5..=1e5], 1e5, 1e5))
+        .with_obstacle(Solid::halfspace("wall", [n], n * wall.position(), surface))
+        .with_estimate(ImpactEstimate::EndOfStep);
+    let system = rule.into_iter().fold(scene, Scene::with_rule).hybrid_system().unwrap();
+    let mut names = names.into_iter();
+    let named = system.choices[0].transitions.iter().cloned().map(|mut own| {
+        own.name = names.next().unwrap().to_owned();
+        own
+    });
+    named.collect::<Vec<_>>().try_into().unwrap()
+}
+
+/// A wall at 0 m as flight and impact.
+fn contact(e: f64, rule: Option<DamageRule>) -> [Transition; 2] {
+    let surface = Surface::bounce(Restitution::new(e).unwrap());
+    transitions(Wall::default(), surface, TIME_STEP, rule, ["flight", "impact"])
 }
 
 /// The wall as a system.
 fn system(e: f64) -> HybridSystem {
-    let [flight, impact] = contact(e).transitions(TIME_STEP, None).unwrap();
+    let [flight, impact] = contact(e, None);
     HybridSystem::new(TIME_STEP)
         .with_state("x", POSITIONS)
         .with_state("v", SPEEDS)
@@ -138,7 +163,8 @@ fn relaxations_are_never_weaker_than_by_hand() {
 
 #[test]
 fn a_limit_on_the_impact_speed_can_be_blamed() {
-    let [flight, impact] = contact(0.5).transitions(TIME_STEP, Some(2.0)).unwrap();
+    let rule = DamageRule::new("the limit on the impact speed", Default::default());
+    let [flight, impact] = contact(0.5, Some(rule.with_per_hit(2.0)));
     let mut limited = system(0.5);
     limited.parts_mut().choices.clear();
     let limited = limited.with_transition(flight).with_transition(impact);

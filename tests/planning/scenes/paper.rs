@@ -1,6 +1,6 @@
 //! A scene on a line is the paper's program.
 
-use carom::collision_tolerant::{Collisions, Objective, Scenario};
+use carom::collision_tolerant::{ContactLaw, Objective, Scenario};
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
 use carom::hybrid::{ImpactEstimate, Region, Restitution};
 use carom::interval::Interval;
@@ -35,7 +35,7 @@ fn scene(scenario: &Scenario) -> Scene {
         .with_start(Region::point([start.position, start.velocity]))
         .with_goal(Region::point([goal.position, goal.velocity]))
         .with_first_acceleration([0.0]);
-    let wall = Surface::bounce(scenario.contact.restitution);
+    let wall = Surface::bounce(scenario.restitution);
     Scene::new(scenario.time_step)
         .with_body(car)
         .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, wall))
@@ -56,7 +56,7 @@ fn limits_of_damage_and_other_goals_give_as_many_steps() {
     ] {
         let expected = scenario.shortest(&mut solver).unwrap();
         let mut own = scene(&scenario);
-        if scenario.collisions == Collisions::Forbidden {
+        if scenario.law == ContactLaw::Forbidden {
             own.obstacles = vec![Solid::halfspace("wall", [1.0], 0.0, Surface::avoid())];
         }
         if let Some(most) = limit {

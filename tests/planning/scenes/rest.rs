@@ -1,11 +1,12 @@
 //! Bodies that come to rest at a surface, in rows, sets, simulations and replays alike.
 
 use super::seeded_numbers::Numbers;
+use crate::rows::wall::transitions;
 use carom::ErrorKind;
+use carom::collision_tolerant::Wall;
 use carom::hybrid::scene::{Body, Scene, SceneError, ScenePlan, Solid, Surface};
 use carom::hybrid::{
-    Contact, HybridSystem, ImpactEstimate, Region, Restitution, ShortestOptions, ShortestStatus,
-    Wall,
+    HybridSystem, ImpactEstimate, Region, Restitution, ShortestOptions, ShortestStatus,
 };
 use carom::interval::Interval;
 use carom::model::Affine;
@@ -107,12 +108,15 @@ fn the_stepped_law_says_what_it_adds() {
 
 #[test]
 fn systems_come_to_rest_as_scenes_do() {
-    let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.8).unwrap());
+    let law = |wall, e, time_step| {
+        let names = ["flight", "impact", "settle", "rest"];
+        transitions(wall, bounce(e).with_rest(), time_step, None, names)
+    };
     let mut system = HybridSystem::new(0.05)
         .with_state("x", Interval::new(0.0, 2.0))
         .with_state("v", Interval::new(-10.0, 10.0))
         .with_input("a", Interval::point(-9.81));
-    for transition in contact.transitions_with_rest(0.05, None).unwrap() {
+    for transition in law(Wall::default(), 0.8, 0.05) {
         system = system.with_transition(transition);
     }
     let (start, rest) = (Region::point([1.0, 0.0]), Region::point([0.0, 0.0]));
@@ -125,8 +129,7 @@ fn systems_come_to_rest_as_scenes_do() {
     let expected = law.iter().position(|states| states.contains(&(0.0, 0.0)));
     assert_eq!((steps(true), steps(false)), (expected, expected));
     // A ceiling holds what is pushed against it.
-    let ceiling = Contact::new(Wall::below(0.0).unwrap(), Restitution::new(0.5).unwrap());
-    let [.., settle, held] = ceiling.transitions_with_rest(0.1, None).unwrap();
+    let [.., settle, held] = law(Wall::below(0.0).unwrap(), 0.5, 0.1);
     assert!(settle.is_event && !held.is_event);
 }
 

@@ -7,7 +7,7 @@
 //! The one shortcut is that a set whose first steps alone are impossible is dropped together with
 //! all sets that begin like it: their rows are among the rows of every longer set.
 
-use carom::collision_tolerant::{Collisions, Scenario};
+use carom::collision_tolerant::{ContactLaw, Scenario};
 
 use super::least_violation::{Row, least_violation, one_is_missed};
 
@@ -69,8 +69,8 @@ impl<'a> Horizons<'a> {
     /// The sets over one step more that can be begun.
     fn extend(&mut self) {
         let step = self.steps;
-        let hits: &[u32] = match self.scenario.collisions {
-            Collisions::Forbidden => &[0],
+        let hits: &[u32] = match self.scenario.law {
+            ContactLaw::Forbidden => &[0],
             _ => &[0, 1],
         };
         let sets = self.open.iter().flat_map(|set| hits.iter().map(move |hit| set | (hit << step)));
@@ -170,7 +170,7 @@ impl<'a> Conditions<'a> {
     ///
     /// * `impacts`: bit t says whether step t has one.
     pub(crate) fn new(scenario: &'a Scenario, steps: usize, impacts: u32) -> Self {
-        let (wall, e) = (scenario.contact.wall, scenario.contact.restitution.value());
+        let (wall, e) = (scenario.wall, scenario.restitution.value());
         // `normal * x >= normal * position` is the free side.
         let (normal, at) = (wall.normal(), wall.position());
         let dt = scenario.time_step;

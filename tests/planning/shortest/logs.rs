@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use carom::ErrorKind;
-use carom::collision_tolerant::{Objective, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Objective, Scenario};
 use carom::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use carom::hybrid::{
     HorizonEvent, HorizonModel, HybridSystem, Mission, Monotonicity, Restitution, ShortestHorizon,
@@ -96,7 +96,7 @@ fn the_paper_is_logged() -> Result<(), Error> {
         [("free", paper.clone().collision_free()), ("open", paper), ("gentle", gentle)]
     {
         let folder = folder(&format!("paper_{name}"));
-        let options = PlanningOptions::default();
+        let options = ShortestOptions::default();
         let without = scenario.shortest_with(&options, &mut BranchAndBound::default())?;
         assert!(without.proofs.is_empty());
         let said = without.refuted_steps.unwrap() + 1;
@@ -111,7 +111,7 @@ fn the_paper_is_logged() -> Result<(), Error> {
         assert_eq!(plan.fewest_impacts, other.fewest_impacts);
         assert_eq!(plan.trajectory.impacts.len(), other.trajectory.impacts.len());
         for (t, x) in plan.trajectory.position.iter().enumerate() {
-            assert!((values[&format!("x[{t}]")] - x).abs() <= 1e-9, "{name}: {t}");
+            assert!((values[&format!("vehicle_x[{t}]")] - x).abs() <= 1e-9, "{name}: {t}");
         }
         for proof in &found.proofs {
             let is_plan = found.steps == Some(proof.steps);
@@ -132,7 +132,7 @@ fn the_paper_is_logged() -> Result<(), Error> {
 fn a_comparison_has_two_folders() -> Result<(), Error> {
     let folder = folder("comparison");
     let scenario = Scenario::paper().with_time_step(0.2);
-    let both = scenario.compare(&PlanningOptions::default(), &mut logging(&folder))?;
+    let both = scenario.compare(&ShortestOptions::default(), &mut logging(&folder))?;
     is_proved(&both.free, &folder.join("free"));
     is_proved(&both.tolerant, &folder.join("tolerant"));
     Ok(())
@@ -297,8 +297,7 @@ fn horizons_without_a_log_are_listed() -> Result<(), Error> {
             }
         }
     };
-    let search = ShortestOptions::default().with_interrupt(&interrupt).with_progress(watch);
-    let options = PlanningOptions::default().with_search(search);
+    let options = ShortestOptions::default().with_interrupt(&interrupt).with_progress(watch);
     let found = scenario.shortest_with(&options, &mut logging(&folder))?;
     let (steps, refuted) = (found.steps.unwrap(), found.refuted_steps.unwrap());
     assert!(found.is_found() && refuted > 6);

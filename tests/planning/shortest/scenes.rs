@@ -1,8 +1,7 @@
 //! Scenes: scenarios as plain numbers seen from the wall, so that they can be moved, mirrored and
 //! scaled, and random ones.
 
-use carom::collision_tolerant::{Endpoint, Scenario};
-use carom::hybrid::Wall;
+use carom::collision_tolerant::{Endpoint, Scenario, Wall};
 use carom::hybrid::scene::DamageRule;
 use carom::interval::Interval;
 use proptest::prelude::*;

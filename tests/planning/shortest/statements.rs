@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::config;
-use carom::collision_tolerant::{PlanningOptions, Scenario};
+use carom::collision_tolerant::Scenario;
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
     HorizonModel, HybridSystem, Monotonicity, Region, ShortestOptions, State, When,
@@ -249,12 +249,11 @@ fn the_planner_of_the_paper_takes_rows() {
     let plain = scenario.shortest(&mut solver).unwrap();
     let fastest = |velocity: &[f64]| velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let limit = 0.8 * fastest(&plain.plan.as_ref().unwrap().trajectory.velocity);
-    let search = ShortestOptions::default().with_max_steps(400).with_rows(move |program| {
-        let v = program.system().state_named("v")?;
+    let options = ShortestOptions::default().with_max_steps(400).with_rows(move |program| {
+        let v = program.system().state_named("vehicle vx")?;
         let calm = [v.within(-limit, limit)];
         program.require("calm", calm, When::Throughout(0..=program.steps()))
     });
-    let options = PlanningOptions::default().with_search(search);
     let calm = scenario.shortest_with(&options, &mut solver).unwrap();
     assert!(calm.is_found() && calm.steps > plain.steps, "{:?} {:?}", calm.steps, plain.steps);
     assert!(fastest(&calm.plan.unwrap().trajectory.velocity) <= limit + 1e-5);

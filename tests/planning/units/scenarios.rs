@@ -1,8 +1,8 @@
 //! The paper's scenario in other units and from other origins: the same plans.
 
-use carom::collision_tolerant::{Endpoint, Objective, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Endpoint, Objective, Scenario, Wall};
+use carom::hybrid::ImpactEstimate;
 use carom::hybrid::scene::{DamageMeasure, DamageRule};
-use carom::hybrid::{ImpactEstimate, Wall};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -53,7 +53,7 @@ impl Task {
 /// what the absolute gap allows.
 fn answer(task: Task, units: Units) -> Result<(usize, usize, [[f64; 2]; 2]), Error> {
     let scenario = task.scenario(units)?;
-    let (options, mut solver) = (PlanningOptions::default(), BranchAndBound::default());
+    let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
     let found = scenario.shortest_with(&options, &mut solver)?;
     let steps = found.steps.expect("a plan");
     assert_eq!(found.refuted_steps, Some(steps - 1));
@@ -72,7 +72,7 @@ fn answer(task: Task, units: Units) -> Result<(usize, usize, [[f64; 2]; 2]), Err
         assert!(
             (last - scenario.goal.position).abs() <= 1e-6 * units.length.max(1e-9 * last.abs())
         );
-        *cost = [plan.objective / unit, solver.options().absolute_gap / unit];
+        *cost = [plan.solution.objective().unwrap() / unit, solver.options().absolute_gap / unit];
     }
     Ok((steps, hits, costs))
 }
@@ -122,5 +122,5 @@ fn places_beyond_the_digits_are_refused() {
         0.05,
     );
     let error = far.check().unwrap_err().to_string();
-    assert!(error.contains("`x`") && error.contains("another origin"), "{error}");
+    assert!(error.contains("`vehicle x`") && error.contains("another origin"), "{error}");
 }

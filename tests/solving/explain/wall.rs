@@ -1,10 +1,9 @@
 //! Explanations of plans beside a wall: 40 steps that are too few.
 
-use carom::collision_tolerant::{Endpoint, Objective, Scenario};
+use carom::collision_tolerant::{ContactLaw, Endpoint, Objective, Scenario};
 use carom::explain::{ExplainOptions, Explanation, infeasibility, violations};
+use carom::hybrid::ImpactEstimate;
 use carom::hybrid::scene::{DamageMeasure, DamageRule};
-use carom::hybrid::{Contact, ContactLaw, HybridSystem, ImpactEstimate, Restitution, Wall};
-use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Point;
 
@@ -12,14 +11,17 @@ const STEPS: usize = 40;
 
 /// A vehicle beside a plastic wall: wide domains, limits as statements.
 fn wall_plan(time_step: f64, damage_limit: f64) -> Model {
-    let wall = Contact::new(Wall::above(0.0).unwrap(), Restitution::PLASTIC);
-    let [flight, impact] = wall.transitions(time_step, None).unwrap();
-    let system = HybridSystem::new(time_step)
-        .with_state("x", Interval::new(0.0, 40.0))
-        .with_state("v", Interval::new(-20.0, 20.0))
-        .with_input("a", Interval::new(-15.0, 15.0))
-        .with_transition(flight)
-        .with_transition(impact);
+    let mut system = HybridSystem::new(time_step);
+    let x = system.state("x", 0.0, 40.0).unwrap();
+    let v = system.state("v", -20.0, 20.0).unwrap();
+    let a = system.input("a", -15.0, 15.0).unwrap();
+    let speed = system.output("impact speed").unwrap();
+    system.rates([x.is(v), v.is(a)]).unwrap();
+    system.mode("flight").unwrap().guard(x.predicted().ge(0.0)).unwrap();
+    let impact = system.event("impact").unwrap().guard(x.predicted().le(0.0)).unwrap();
+    let impact = impact.guard(v.predicted().le(0.0)).unwrap();
+    let impact = impact.reset([x.is(0.0), v.is(0.0)]).unwrap();
+    impact.output(speed, -v.predicted()).unwrap();
     let mut model = Model::new("wall_plan");
     let program = system.write(&mut model, "", STEPS).unwrap();
     let (x, v, a) = (&program.states()[0], &program.states()[1], &program.inputs()[0]);
@@ -160,7 +162,7 @@ fn a_program_for_planning_blames_its_domains() {
     let program = scenario.program(STEPS, Objective::Feasibility).unwrap();
     let why = explain(program.model());
     assert!(why.is_irreducible() && why.groups().is_empty());
-    assert!(why.domains().iter().any(|name| name.to_string() == "x[40]"), "{why}");
+    assert!(why.domains().iter().any(|name| name.to_string() == "vehicle_x[40]"), "{why}");
 }
 
 /// The program for questions has the plans of the other one.

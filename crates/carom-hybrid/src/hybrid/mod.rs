@@ -21,12 +21,10 @@ pub mod simulate;
 pub(crate) mod step;
 pub(crate) mod system;
 mod terminal;
-pub mod wall;
 mod well_posedness;
 
 #[doc(alias("coefficient of restitution", "bounce"))]
 pub use contact::Restitution;
-pub use contact::{Contact, ContactLaw};
 pub use damage::ImpactEstimate;
 pub use linear::LinearSystem;
 pub use matrix::Matrix;
@@ -61,8 +59,6 @@ pub use terminal::Lqr;
 pub use terminal::TerminalOptions;
 #[doc(alias("invariant set", "terminal constraint"))]
 pub use terminal::TerminalSet;
-pub(crate) use wall::FreeSide;
-pub use wall::Wall;
 pub use well_posedness::{IllPosedness, WitnessPoint};
 
 pub use crate::error::{RobustError, TerminalError};

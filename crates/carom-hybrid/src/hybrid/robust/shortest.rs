@@ -128,14 +128,14 @@ impl<M: HorizonModel<Program: Into<HybridProgram>>> HorizonModel for RobustTask<
 
     fn settled(
         &self,
-        program: &RobustProgram,
+        program: &mut RobustProgram,
         solution: Solution,
         solver: &mut dyn Solver,
     ) -> Result<Solution, Error> {
         Ok(program.program.settled(&solution, Some(solver))?.into_owned())
     }
 
-    fn variables(&self, program: &RobustProgram) -> HorizonVariables {
+    fn variables(&self, program: &mut RobustProgram) -> HorizonVariables {
         program.program.systems.first().horizon_variables()
     }
 }

@@ -8,7 +8,7 @@ use crate::interval::Interval;
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The region of positions and velocities along some axes where rows of them hold.
-pub(crate) fn region_where<R: IntoIterator<Item: Into<SystemRow>>>(
+pub(super) fn region_where<R: IntoIterator<Item: Into<SystemRow>>>(
     axes: usize,
     rows: impl FnOnce(&[State], &[State]) -> R,
 ) -> Result<Region, Error> {

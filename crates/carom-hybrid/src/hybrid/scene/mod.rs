@@ -14,7 +14,6 @@ mod entry;
 mod geometry;
 mod handles;
 mod law;
-pub(crate) mod line;
 mod mitigate;
 mod picture;
 mod place;
@@ -36,7 +35,6 @@ mod system;
 mod units;
 mod words;
 
-pub(crate) use axes::region_where;
 pub use body::{Body, Shape};
 pub use compare::StepComparison;
 pub use damage_limit_range::{DamageLimitEnd, DamageLimitOptions, DamageLimitRange};
@@ -51,6 +49,4 @@ pub use solid::Solid;
 #[doc(alias("obstacle avoidance", "collision avoidance", "motion planning"))]
 pub use statement::Scene;
 pub use surface::Surface;
-pub(crate) use units::SceneUnits;
-
 pub use crate::error::SceneError;

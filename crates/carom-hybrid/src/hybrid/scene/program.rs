@@ -7,7 +7,9 @@ use super::rule::DamageRule;
 use super::statement::{INSIDE, Scene};
 use super::system::Stated;
 use super::units::SceneUnits;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::program::{HybridProgram, owns_program};
@@ -267,14 +269,24 @@ impl SceneProgram {
     /// [`ErrorKind::UnknownName`] for a rule that the scene does not have, or that has neither a
     /// total nor a price, so that its damage is no variable.
     pub fn damage(&self, rule: &str) -> Result<Affine, Error> {
+        Ok(self.damage_by_step(rule)?.into_iter().sum())
+    }
+
+    /// The damage that a rule measures in each step, in its unit; empty if it counts no contact.
+    /// Rows and costs of part of a plan are stated with it, such as a limit on what a critical
+    /// phase may take.
+    ///
+    /// # Errors
+    ///
+    /// As for [`damage`](SceneProgram::damage).
+    pub fn damage_by_step(&self, rule: &str) -> Result<Vec<Affine>, Error> {
         let known = self.scene.rules.iter().position(|own| own.name == rule && own.needs_damage());
-        let k = known.ok_or_else(|| -> Error {
-            let kind = "rule with a total or a price";
-            ErrorKind::UnknownName { name: rule.to_owned(), kind }.into()
-        })?;
+        let k = known.ok_or_else(|| Error::unknown_name(rule, "rule with a total or a price"))?;
         let unit = self.units.damage(&self.scene.rules[k].measure);
-        let sum: Affine = self.measured[k].iter().flatten().cloned().sum();
-        Ok(if unit == 1.0 { sum } else { unit * sum })
+        let counted: Vec<_> = self.measured[k].iter().filter(|own| !own.is_empty()).collect();
+        let steps = if counted.is_empty() { 0 } else { self.steps() };
+        let sum = |t: usize| -> Affine { counted.iter().map(|own| own[t].clone()).sum() };
+        Ok((0..steps).map(|t| if unit == 1.0 { sum(t) } else { unit * sum(t) }).collect())
     }
 
     /// The binary of a contact's mode in a step.

@@ -194,13 +194,8 @@ impl DamageRule {
         }
     }
 
-    /// Whether damage or hits cost anything.
-    pub(crate) fn has_price(&self) -> bool {
-        self.price != 0.0 || self.price_per_hit != 0.0
-    }
-
     /// Whether it needs variables for damage.
-    pub(crate) fn needs_damage(&self) -> bool {
+    pub(super) fn needs_damage(&self) -> bool {
         self.total.is_some() || self.price != 0.0
     }
 
@@ -226,7 +221,7 @@ impl DamageRule {
         }
     }
 
-    pub(crate) fn check(&self, scene: &Scene) -> Result<(), Error> {
+    pub(super) fn check(&self, scene: &Scene) -> Result<(), Error> {
         if !is_name(&self.name) {
             return Err(ErrorKind::InvalidName { name: self.name.clone() }.into());
         }

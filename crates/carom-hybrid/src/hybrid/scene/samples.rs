@@ -1,8 +1,8 @@
 //! Plans of one body at one obstacle on a line.
 
 use super::plan::{BodyPath, SceneHit};
+use super::replay::SceneCertificate;
 pub use super::replay::advance_line;
-use super::replay::{self, SceneCertificate};
 use super::statement::Scene;
 use super::units::SceneUnits;
 use crate::error::{Error, check_finite};
@@ -30,42 +30,19 @@ pub fn replay_line(
     scene: &Scene,
     samples: &Samples<'_>,
 ) -> Result<(Vec<SceneHit>, SceneCertificate), Error> {
-    replay_line_in(&SceneUnits::plain(), scene, samples)
-}
-
-/// As [`replay_line`], of samples in units. What is found is in those in which the scene is stated.
-pub(crate) fn replay_line_in(
-    units: &SceneUnits,
-    scene: &Scene,
-    samples: &Samples<'_>,
-) -> Result<(Vec<SceneHit>, SceneCertificate), Error> {
-    let (scene, path) = checked_path(units, scene, samples)?;
+    let (scene, path) = checked_path(scene, samples)?;
     let mut hits = Vec::new();
     if let Some(obstacle) = scene.obstacles.first() {
         let name = format!("{} at {}", path.name, obstacle.name);
         let steps = samples.contact.iter().enumerate().filter(|(_, hits)| **hits);
         hits.extend(steps.map(|(t, _)| SceneHit::new(t, name.clone(), &path.name, 0)));
     }
-    let certificate = units.replayed(&scene, &[path], &mut hits)?;
+    let certificate = SceneUnits::plain().replayed(&scene, &[path], &mut hits)?;
     Ok((hits, certificate))
 }
 
-/// Refuses samples, in units, that start or end elsewhere than the scene says.
-pub(crate) fn check_line_ends(
-    units: &SceneUnits,
-    scene: &Scene,
-    samples: &Samples<'_>,
-) -> Result<(), Error> {
-    let (scene, path) = checked_path(units, scene, samples)?;
-    Ok(replay::check_ends(&scene, &[path]).map_err(|refusal| units.stated_refusal(refusal))?)
-}
-
-/// A checked scene of one body, in units, and the path of that body.
-fn checked_path(
-    units: &SceneUnits,
-    scene: &Scene,
-    samples: &Samples<'_>,
-) -> Result<(Scene, BodyPath), Error> {
+/// A checked scene of one body, and the path of that body.
+fn checked_path(scene: &Scene, samples: &Samples<'_>) -> Result<(Scene, BodyPath), Error> {
     let Samples { position, velocity, acceleration, .. } = *samples;
     Horizon::new(acceleration.len(), scene.time_step)?;
     for (what, values) in
@@ -73,7 +50,7 @@ fn checked_path(
     {
         check_finite("the plan", what, values.iter().copied())?;
     }
-    let scene = units.scene(scene).checked_as_stated()?;
+    let scene = scene.checked_as_stated()?;
     let column = |values: &[f64]| values.iter().map(|&x| vec![x]).collect();
     let path = BodyPath {
         name: scene.bodies.first().map_or_else(String::new, |body| body.name.clone()),

@@ -13,7 +13,7 @@ use super::system::Stated;
 use crate::activity;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
-use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use crate::hybrid::reach::{ReachSets, SetOptions};
 use crate::hybrid::robust::{Feedback, RobustPlan, shortest_robust};
 use crate::hybrid::shortest_horizon::{
     HorizonModel, Monotonicity, ShortestHorizon, ShortestOptions, SolvedHorizon, shortest_horizon,
@@ -21,7 +21,6 @@ use crate::hybrid::shortest_horizon::{
 use crate::hybrid::system::{HybridSystem, Region, Restated};
 use crate::interval::Interval;
 use crate::model::Affine;
-use crate::solution::Solution;
 use crate::solver::{Solver, StopToken};
 
 /// How many times longer the steps of the coarser grid are.
@@ -332,19 +331,6 @@ impl HorizonModel for ScenePrograms {
         statements: &mut dyn FnMut(&mut HybridProgram),
     ) {
         statements(program.program_mut());
-    }
-
-    fn settled(
-        &self,
-        program: &SceneProgram,
-        solution: Solution,
-        solver: &mut dyn Solver,
-    ) -> Result<Solution, Error> {
-        Ok(program.program().settled(&solution, Some(solver))?.into_owned())
-    }
-
-    fn variables(&self, program: &SceneProgram) -> HorizonVariables {
-        program.program().variables().horizon_variables()
     }
 
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = SceneProgram> + '_>> {

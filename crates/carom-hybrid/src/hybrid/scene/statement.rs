@@ -235,7 +235,7 @@ impl Scene {
     }
 
     /// Refuses scenes that contradict themselves; returns the scene with normals of length 1.
-    pub(crate) fn checked_as_stated(&self) -> Result<Scene, Error> {
+    pub(super) fn checked_as_stated(&self) -> Result<Scene, Error> {
         Horizon::new(1, self.time_step)?;
         if !(self.margin >= 0.0 && self.margin.is_finite()) {
             let (what, range) = ("the margin of the scene", 0.0..f64::INFINITY);

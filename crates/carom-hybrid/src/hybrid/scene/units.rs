@@ -21,20 +21,20 @@ const ORDINARY_PUSH: [f64; 2] = [6.103515625e-5, 1048576.0];
 
 /// Units of length and time, and an origin, in the user's units.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct SceneUnits {
+pub(super) struct SceneUnits {
     origin: Vec<f64>,
-    pub(crate) length: f64,
-    pub(crate) time: f64,
+    pub(super) length: f64,
+    pub(super) time: f64,
 }
 
 impl SceneUnits {
     /// The user's own.
-    pub(crate) fn plain() -> Self {
+    pub(super) fn plain() -> Self {
         SceneUnits { origin: Vec::new(), length: 1.0, time: 1.0 }
     }
 
     /// The units of a scene, checked or not.
-    pub(crate) fn of(scene: &Scene) -> Self {
+    pub(super) fn of(scene: &Scene) -> Self {
         let axes = scene.axes();
         let hull = |axis: usize| {
             let domains = scene.bodies.iter().filter_map(|body| body.domain.get(axis));
@@ -66,7 +66,7 @@ impl SceneUnits {
         if own.is_plain() { SceneUnits::plain() } else { own }
     }
 
-    pub(crate) fn is_plain(&self) -> bool {
+    pub(super) fn is_plain(&self) -> bool {
         self.length == 1.0 && self.time == 1.0 && self.origin.iter().all(|at| *at == 0.0)
     }
 
@@ -76,30 +76,25 @@ impl SceneUnits {
         SceneUnits { origin, length: 1.0 / self.length, time: 1.0 / self.time }
     }
 
-    pub(crate) fn speed(&self) -> f64 {
+    pub(super) fn speed(&self) -> f64 {
         self.length / self.time
     }
 
-    pub(crate) fn acceleration(&self) -> f64 {
+    pub(super) fn acceleration(&self) -> f64 {
         self.length / self.time / self.time
     }
 
-    pub(crate) fn place(&self, axis: usize) -> Measure {
+    pub(super) fn place(&self, axis: usize) -> Measure {
         Measure { origin: self.origin.get(axis).copied().unwrap_or(0.0), scale: self.length }
     }
 
-    /// The measures of positions, velocities and accelerations along the first axis.
-    pub(crate) fn measures(&self) -> [Measure; 3] {
-        [self.place(0), Measure::unit(self.speed()), Measure::unit(self.acceleration())]
-    }
-
     /// The unit of an effort, `Σ Δt |u|²`.
-    pub(crate) fn effort(&self) -> f64 {
+    pub(super) fn effort(&self) -> f64 {
         self.time * self.acceleration() * self.acceleration()
     }
 
     /// The unit of a measure of damage.
-    pub(crate) fn damage(&self, measure: &DamageMeasure) -> f64 {
+    pub(super) fn damage(&self, measure: &DamageMeasure) -> f64 {
         match measure {
             DamageMeasure::ImpactSpeed | DamageMeasure::NormalImpulse => self.speed(),
             DamageMeasure::DissipatedEnergy => self.speed() * self.speed(),
@@ -108,7 +103,7 @@ impl SceneUnits {
     }
 
     /// The coordinates of a scene's system in these units.
-    pub(crate) fn coordinates(&self, scene: &Scene) -> Coordinates {
+    pub(super) fn coordinates(&self, scene: &Scene) -> Coordinates {
         if self.is_plain() {
             return Coordinates::default();
         }
@@ -132,7 +127,7 @@ impl SceneUnits {
     }
 
     /// A scene in these units.
-    pub(crate) fn scene(&self, stated: &Scene) -> Scene {
+    pub(super) fn scene(&self, stated: &Scene) -> Scene {
         let mut scene = stated.clone();
         scene.time_step /= self.time;
         scene.margin /= self.length;

@@ -49,6 +49,7 @@ impl Guess {
         let nothing = Guess::Nothing { up_to: steps };
         let Some(coarser) = builder.coarser() else { return Ok(nothing) };
         let mut options = options.without_statements().unwatched();
+        options.upper_hint = None;
         options.time_limit = token.left().map(|left| left / SHARE);
         if let (Some(own), Some(coarse)) = (builder.time_step(), coarser.time_step()) {
             let most = (AS_LONG * steps as f64 * own / coarse).ceil() as usize + 1;
@@ -60,9 +61,9 @@ impl Guess {
             options.max_steps = options.max_steps.min(most);
         }
         // Nobody has asked for the coarser grid: what is wrong there is no error.
-        let found = find(&*coarser, &options, solver).ok();
+        let mut found = find(&*coarser, &options, solver).ok();
         let Some(SolvedHorizon { program, solution }) =
-            found.as_ref().and_then(|f| f.plan.as_ref())
+            found.as_mut().and_then(|f| f.plan.as_mut())
         else {
             return Ok(nothing);
         };

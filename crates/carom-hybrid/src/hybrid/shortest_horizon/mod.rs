@@ -22,9 +22,10 @@ pub use outcome::{
     HorizonAttempt, HorizonProof, HorizonRefutation, HorizonVerdict, ShortestHorizon,
     ShortestStatus, SolvedHorizon,
 };
-pub(crate) use proofs::{HorizonLogs, without_logs};
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
+
+use std::borrow::Cow;
 
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
@@ -61,12 +62,6 @@ pub trait HorizonModel {
         1
     }
 
-    /// A number of steps that is probably feasible. A good guess saves solves; a bad one only costs
-    /// time. Used only if waiting is free.
-    fn upper_hint(&self) -> Option<usize> {
-        None
-    }
-
     /// Reach sets of the system that the programs describe, with the same start and goal; `None` by
     /// default.
     ///
@@ -81,11 +76,12 @@ pub trait HorizonModel {
     }
 
     /// The program's variables for states and transitions: sets tighten both, and a coarser plan
-    /// suggests the transitions.
+    /// suggests the transitions. By default those of the [hybrid program](Self::with_hybrid).
     #[doc(hidden)]
-    fn variables(&self, program: &Self::Program) -> HorizonVariables {
-        let _ = program;
-        HorizonVariables::default()
+    fn variables(&self, program: &mut Self::Program) -> HorizonVariables {
+        let mut found = HorizonVariables::default();
+        self.with_hybrid(program, &mut |hybrid| found = hybrid.variables().horizon_variables());
+        found
     }
 
     /// Whether the objective only guides the search: the first point of a horizon is enough.
@@ -94,8 +90,8 @@ pub trait HorizonModel {
         false
     }
 
-    /// The solution whose states are the run of its inputs: the same one by default, or a corrected
-    /// one.
+    /// The solution whose states are the run of its inputs: the same one, or a corrected one. By
+    /// default that of the [hybrid program](Self::with_hybrid).
     ///
     /// # Errors
     ///
@@ -104,12 +100,15 @@ pub trait HorizonModel {
     #[doc(hidden)]
     fn settled(
         &self,
-        program: &Self::Program,
+        program: &mut Self::Program,
         solution: Solution,
         solver: &mut dyn Solver,
     ) -> Result<Solution, Error> {
-        let _ = (program, solver);
-        Ok(solution)
+        let mut found = None;
+        self.with_hybrid(program, &mut |hybrid| {
+            found = Some(hybrid.settled(&solution, Some(&mut *solver)).map(Cow::into_owned));
+        });
+        found.unwrap_or(Ok(solution))
     }
 
     /// Δt of the programs, in s, for the words of the result; `None` by default.
@@ -118,7 +117,10 @@ pub trait HorizonModel {
     }
 
     /// The system with its start and its goal, to see whether no step is needed; `None` by default.
-    #[doc(hidden)]
+    ///
+    /// # Errors
+    ///
+    /// Any error of building them ends the search.
     fn ends(&self) -> Result<Option<(HybridSystem, Region, Region)>, Error> {
         Ok(None)
     }
@@ -129,9 +131,10 @@ pub trait HorizonModel {
         Vec::new()
     }
 
-    /// Hands a program with a hybrid system to `statements`, for the
-    /// [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the
-    /// options; by default it does not, and then such options are refused.
+    /// Hands a program with a hybrid system to `statements`, if there is one. The search then adds
+    /// the [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the
+    /// options to it, tightens it by sets, and corrects plans that are not the runs of their
+    /// inputs. By default it is not handed over, and such options are refused.
     fn with_hybrid(
         &self,
         program: &mut Self::Program,
@@ -142,8 +145,7 @@ pub trait HorizonModel {
 
     /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps
     /// the binaries of transitions may be needed. A good guess saves most of a search; a bad one
-    /// only costs time.
-    #[doc(hidden)]
+    /// only costs time. `None` by default.
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Self::Program> + '_>> {
         None
     }

@@ -19,6 +19,9 @@ pub struct ShortestOptions {
     /// which a search makes many: with a time limit there alone, a search may take many times as
     /// long.
     pub time_limit: Option<Duration>,
+    /// A horizon that is probably feasible, in steps, such as that of a task that is harder. A good
+    /// guess saves solves; a bad one only costs time. Used only if waiting is free.
+    pub upper_hint: Option<usize>,
     /// Stops the search and the current solve.
     pub interrupt: Interrupt,
     /// Whether the builder's reach sets are used (default yes).
@@ -37,6 +40,7 @@ impl Default for ShortestOptions {
         ShortestOptions {
             max_steps: 10_000,
             time_limit: None,
+            upper_hint: None,
             interrupt: Interrupt::new(),
             reach_sets: true,
             coarse_guess: true,
@@ -52,6 +56,8 @@ impl ShortestOptions {
         with_max_steps(steps: usize) => max_steps = steps;
         /// Sets the wall-clock limit of the whole search; the solver has one for each solve.
         with_time_limit(limit: Duration) => time_limit = Some(limit);
+        /// Sets a horizon that is probably feasible, in steps.
+        with_upper_hint(steps: usize) => upper_hint = Some(steps);
         /// Sets whether reach sets are used.
         with_reach_sets(wanted: bool) => reach_sets = wanted;
         /// Sets whether a coarser grid is used.

@@ -297,8 +297,13 @@ impl<P> fmt::Display for ShortestHorizon<P> {
 }
 
 impl<P> ShortestHorizon<P> {
-    /// The same with a plan that is made of this one's.
-    pub(crate) fn try_map<Q>(
+    /// The same with a plan that is made of this one's, such as the plan of a planner's own type
+    /// that is read from a [`SolvedHorizon`].
+    ///
+    /// # Errors
+    ///
+    /// Those of `plan`.
+    pub fn try_map<Q>(
         self,
         plan: impl FnOnce(P) -> Result<Q, Error>,
     ) -> Result<ShortestHorizon<Q>, Error> {

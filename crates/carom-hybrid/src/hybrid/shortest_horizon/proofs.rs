@@ -24,7 +24,7 @@ use crate::solver::{MipStart, Solver, StopToken};
 /// # Errors
 ///
 /// [`ErrorKind::Io`] for a folder that cannot be made; those of the search.
-pub(crate) fn without_logs<T>(
+pub(super) fn without_logs<T>(
     solver: &mut dyn Solver,
     search: impl FnOnce(&mut dyn Solver, Option<&Path>) -> Result<T, Error>,
 ) -> Result<T, Error> {
@@ -45,7 +45,7 @@ fn make(folder: &Path) -> Result<(), Error> {
 }
 
 /// Writes the logs of a search.
-pub(crate) struct HorizonLogs<'a> {
+pub(super) struct HorizonLogs<'a> {
     folder: &'a Path,
     options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
@@ -57,7 +57,7 @@ pub(crate) struct HorizonLogs<'a> {
 
 impl<'a> HorizonLogs<'a> {
     /// The time limit of the search holds for all logs together, once more.
-    pub(crate) fn new(
+    pub(super) fn new(
         folder: &'a Path,
         options: &'a ShortestOptions,
         solver: &'a mut dyn Solver,
@@ -67,7 +67,7 @@ impl<'a> HorizonLogs<'a> {
     }
 
     /// Writes the log of every horizon up to one. Returns all that was written, in ascending order.
-    pub(crate) fn refute<B: HorizonModel + ?Sized>(
+    pub(super) fn refute<B: HorizonModel + ?Sized>(
         mut self,
         builder: &B,
         refuted: usize,
@@ -93,7 +93,7 @@ impl<'a> HorizonLogs<'a> {
         steps: usize,
         plan: &mut SolvedHorizon<B::Program>,
     ) -> Result<(), Error> {
-        let program = build(builder, steps, self.options)?;
+        let mut program = build(builder, steps, self.options)?;
         let (own, searched) = (program.as_ref(), plan.program.as_ref());
         let pairs = own.variables().zip(searched.variables());
         let values = pairs
@@ -107,7 +107,8 @@ impl<'a> HorizonLogs<'a> {
         let solved = self.log(steps, own, &start, Solution::is_optimal);
         self.solver.options_mut().absolute_gap = gap;
         if let Some(solution) = solved?
-            && let Ok(solution) = settled(builder, &program, solution, self.solver, &self.token)?
+            && let Ok(solution) =
+                settled(builder, &mut program, solution, self.solver, &self.token)?
         {
             *plan = SolvedHorizon { program, solution };
         }
@@ -120,7 +121,7 @@ impl<'a> HorizonLogs<'a> {
     /// # Errors
     ///
     /// Those of the solver; [`ErrorKind::Io`] for a file that cannot be written.
-    pub(crate) fn log(
+    fn log(
         &mut self,
         steps: usize,
         model: &Model,

@@ -8,9 +8,8 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::program::{HybridPlan, HybridProgram, When};
-use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use crate::hybrid::reach::{ReachSets, SetOptions};
 use crate::hybrid::system::{HybridSystem, IntoRegion, Region, outside_domain};
-use crate::solution::Solution;
 use crate::solver::Solver;
 
 impl HybridSystem {
@@ -144,18 +143,5 @@ impl HorizonModel for Task<'_> {
         statements: &mut dyn FnMut(&mut HybridProgram),
     ) {
         statements(program);
-    }
-
-    fn settled(
-        &self,
-        program: &HybridProgram,
-        solution: Solution,
-        solver: &mut dyn Solver,
-    ) -> Result<Solution, Error> {
-        Ok(program.settled(&solution, Some(solver))?.into_owned())
-    }
-
-    fn variables(&self, program: &HybridProgram) -> HorizonVariables {
-        program.systems.first().horizon_variables()
     }
 }

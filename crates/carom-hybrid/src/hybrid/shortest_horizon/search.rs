@@ -204,7 +204,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let low = self.refuted + 1;
         // A hint above the refuted horizons is treated as feasible, and is solved only if no
         // horizon below it is feasible.
-        let hint = self.builder.upper_hint().filter(|&hint| hint <= max_steps && hint >= low);
+        let hint = self.options.upper_hint.filter(|&hint| hint <= max_steps && hint >= low);
         let high = match (&self.best, hint) {
             (Some(best), _) => best.steps - 1,
             (None, Some(hint)) => hint,
@@ -267,7 +267,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             return Ok(());
         }
         let mut program = build(self.builder, steps, self.options)?;
-        let variables = self.builder.variables(&program);
+        let variables = self.builder.variables(&mut program);
         let mut open = variables.binaries().map(|family| family.len()).sum();
         if let Some(tube) = &tube {
             let report = tube.tighten(program.as_mut(), &variables)?;
@@ -280,7 +280,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         if open > MANY_OPEN
             && let Some(solution) =
                 self.solve_restricted(steps, nodes, program.as_mut(), &variables)?
-            && let Ok(solution) = self.settled(&program, solution)?
+            && let Ok(solution) = self.settled(&mut program, solution)?
         {
             let attempt =
                 HorizonAttempt { restricted: true, ..HorizonAttempt::of(steps, &solution) };
@@ -289,7 +289,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
         let solution = self.solve(steps, nodes, program.as_ref())?;
         let attempt = HorizonAttempt::of(steps, &solution);
-        match self.settled(&program, solution)? {
+        match self.settled(&mut program, solution)? {
             Ok(solution) => self.file(attempt, Some(Feasible { steps, program, solution, tube })),
             Err(drift) => {
                 self.drifts.push((steps, drift));
@@ -303,7 +303,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     /// The solution whose states are the run of its inputs, or why there is none.
     fn settled(
         &mut self,
-        program: &B::Program,
+        program: &mut B::Program,
         solution: Solution,
     ) -> Result<Result<Solution, RunError>, Error> {
         settled(self.builder, program, solution, self.solver, &self.token)
@@ -391,7 +391,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
 /// The solution whose states are the run of its inputs, or why there is none.
 pub(super) fn settled<B: HorizonModel + ?Sized>(
     builder: &B,
-    program: &B::Program,
+    program: &mut B::Program,
     solution: Solution,
     solver: &mut dyn Solver,
     token: &StopToken,

@@ -178,6 +178,7 @@ impl ShortestOptions {
     /// The same for steps of half the length.
     pub(crate) fn halved(&self) -> Self {
         let mut halved = self.clone();
+        halved.upper_hint = self.upper_hint.map(|steps| steps.saturating_mul(2));
         for (_, mission) in &mut halved.statements.missions {
             *mission = mission.halved();
         }
@@ -211,8 +212,38 @@ impl ShortestOptions {
         }
     }
 
-    /// Completes the program of a horizon.
-    pub(crate) fn complete(&self, program: &mut HybridProgram) -> Result<(), Error> {
+    /// Adds what these options state to a program: windows, missions and rows, and how it is
+    /// lowered. A search does this with the program of every horizon; a planner that solves the
+    /// program of the shortest horizon once more, such as for the least effort, does it as well.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut cart = HybridSystem::new(1.0); // s
+    /// let x = cart.state("x", -9.0, 9.0)?;
+    /// let v = cart.input("v", -2.0, 2.0)?;
+    /// cart.mode("roll")?.next([x.is(x + v)])?;
+    /// let options = ShortestOptions::default().with_window("depot", [x.le(-1.0)], When::OnceIn(1..=3));
+    /// let (start, goal) = ([x.equals(0.0)], [x.ge(3.0)]);
+    /// let mut solver = BranchAndBound::default();
+    /// let found = cart.shortest_with(start.clone(), goal.clone(), &options, &mut solver)?;
+    /// // The least way in as many steps.
+    /// let mut program = cart.program(found.steps.unwrap_or(1))?;
+    /// program.start(start)?;
+    /// program.goal(goal)?;
+    /// options.complete(&mut program)?;
+    /// let way = program.sum_abs("way", v)?;
+    /// program.minimize(way)?;
+    /// let plan = program.solve(&mut solver)?;
+    /// assert!((plan.solution.objective().unwrap_or(0.0) - 5.0).abs() < 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HybridProgram::require`] and [`HybridProgram::require_mission`], and of the
+    /// callbacks.
+    pub fn complete(&self, program: &mut HybridProgram) -> Result<(), Error> {
         self.prepare(&mut program.model);
         for (name, region, when) in &self.statements.windows {
             match within(when, program.steps()) {

@@ -190,14 +190,14 @@ pub(crate) fn decide<M: HorizonModel>(
     if let Some(mut sets) = if uses_sets { task.reach_sets()? } else { None }
         && let Some(tube) = sets.tube_until(steps, token)?
     {
-        let variables = task.variables(&program);
+        let variables = task.variables(&mut program);
         if tube.is_empty() || tube.tighten(program.as_mut(), &variables)?.infeasible {
             return Ok((HorizonAttempt::by_sets(steps), None));
         }
     }
     let solution = token.solve(solver, program.as_ref(), &mut |_| {})?;
     let attempt = HorizonAttempt::of(steps, &solution);
-    Ok(match settled(task, &program, solution, solver, token)? {
+    Ok(match settled(task, &mut program, solution, solver, token)? {
         Ok(solution) => (attempt, Some((program, solution))),
         Err(_) => (
             HorizonAttempt { verdict: HorizonVerdict::Undecided(Termination::Stalled), ..attempt },

@@ -121,11 +121,6 @@ impl<'a> Played<'a> {
     }
 }
 
-/// Refuses a plan that starts or ends elsewhere than its scene says.
-pub(super) fn check_ends(scene: &Scene, bodies: &[BodyPath]) -> Result<(), SceneError> {
-    Played::new(scene, bodies, &mut Vec::new()).ends()
-}
-
 /// Replays a plan; completes its hits, and drops those that are rest. Its residual and its drift
 /// are in these units of places, velocities and spins, and all else is in those of the scene.
 pub(super) fn certify(

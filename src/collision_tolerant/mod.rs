@@ -10,7 +10,7 @@
 //! | write the programs, (1)-(21) | [`Scenario::program`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
 //! | plan over a fixed horizon | [`Scenario::plan`] | any [`Solver`](crate::solver::Solver) |
 //! | find the shortest plan, with a proof | [`Scenario::shortest`], [`Scenario::compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
-//! | read the result | [`Plan`]: a [`Trajectory`] and its [`PlanCertificate`] | two replays |
+//! | read the result | [`Plan`]: a [`Trajectory`] and its certificate | two replays |
 //! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`] | [`reach`](crate::hybrid::reach) |
 //! | ask which limits prevent a plan | [`Scenario::explainable_program`] | `explain` |
 //! | find limits on damage | [`Scenario::damage_limit_range`] | |
@@ -19,7 +19,7 @@
 //! disagrees with the discrete replay is an error.
 //!
 //! ```
-//! use carom::collision_tolerant::{PlanningOptions, Scenario};
+//! use carom::collision_tolerant::{Scenario};
 //! use carom::prelude::*;
 //!
 //! let scenario = Scenario::paper().with_time_step(0.05);
@@ -30,17 +30,21 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
-mod damage_limit_range;
 mod explainable;
+mod law;
+mod literal;
 mod plan;
 mod program;
-mod reach;
 mod scenario;
+mod scene;
 mod shortest;
 mod trajectory;
+mod wall;
 
-pub use plan::{Plan, PlanCertificate};
+pub use law::ContactLaw;
+pub use plan::Plan;
 pub use program::{Objective, PlanningProgram};
-pub use scenario::{Collisions, Endpoint, Scenario};
-pub use shortest::{PlanComparison, PlanningOptions};
+pub use scenario::{Endpoint, Scenario};
+pub use shortest::PlanComparison;
 pub use trajectory::{Impact, Trajectory};
+pub use wall::Wall;

@@ -1,12 +1,14 @@
 //! A wall: a half-line that the vehicle cannot enter.
 
-use crate::error::{Error, check_finite};
+use super::scenario::check_finite;
+use crate::error::Error;
+use crate::interval::Interval;
 use crate::model::Affine;
 
 /// The side of the wall on which the vehicle moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum FreeSide {
+enum FreeSide {
     /// Positions `x >= position` are free.
     Above,
     /// Positions `x <= position` are free.
@@ -19,7 +21,7 @@ pub(crate) enum FreeSide {
 /// side), and the rate is its time derivative (m/s, positive when moving away).
 ///
 /// ```
-/// use carom::hybrid::Wall;
+/// use carom::collision_tolerant::Wall;
 ///
 /// let ceiling = Wall::below(3.0)?;
 /// assert_eq!(ceiling.gap(2.5), 0.5);
@@ -42,7 +44,7 @@ impl Default for Wall {
 
 impl Wall {
     fn new(position: f64, free: FreeSide) -> Result<Self, Error> {
-        check_finite("wall", "the position", [position])?;
+        check_finite("wall", "the position", position)?;
         Ok(Wall { position, free })
     }
 
@@ -69,9 +71,12 @@ impl Wall {
         self.position
     }
 
-    /// Its free side.
-    pub(crate) fn free(&self) -> FreeSide {
-        self.free
+    /// The positions on its free side, in m.
+    pub(super) fn free_positions(&self) -> Interval {
+        match self.free {
+            FreeSide::Above => Interval::new(self.position, f64::INFINITY),
+            FreeSide::Below => Interval::new(f64::NEG_INFINITY, self.position),
+        }
     }
 
     /// The outward normal (no unit): `+1` if the free side is above, `-1` if it is below.
@@ -95,6 +100,11 @@ impl Wall {
     /// The position at a gap, in m: the inverse of [`gap`](Wall::gap).
     pub fn at_gap(&self, gap: f64) -> f64 {
         self.position + self.normal() * gap
+    }
+
+    /// The positions between two gaps, in m.
+    pub(super) fn between(&self, one: f64, other: f64) -> Interval {
+        Interval::point(self.at_gap(one)).hull(Interval::point(self.at_gap(other)))
     }
 
     /// The gap of a position expression (m).

@@ -2,11 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::program::PlanningProgram;
-use crate::error::Error;
-use crate::model::Affine;
-use crate::number::{DIGITS, TableColumn, rounded};
-use crate::solution::Solution;
+/// Significant digits of numbers in tables: all that a solve can have right, without the noise
+/// behind.
+const DIGITS: i32 = 12;
 
 /// One contact of a plan. Impulse and energy are per unit of mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,32 +50,32 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Reads the samples of a solution of a program, without its impacts.
-    pub(super) fn read(program: &PlanningProgram, solution: &Solution) -> Result<Self, Error> {
-        let values = |family: &[Affine]| {
-            family.iter().map(|value| solution.value(value)).collect::<Result<Vec<_>, _>>()
-        };
-        let (steps, time_step) = (program.steps(), program.scenario.time_step);
-        let mut contact = vec![false; steps + 1];
-        for (hits, zeta) in contact.iter_mut().zip(program.contact.iter().flatten()) {
-            *hits = solution.value(zeta)? > 0.5;
-        }
-        Ok(Trajectory {
+    /// Without samples.
+    pub(super) fn new(time_step: f64) -> Self {
+        Trajectory {
             time_step,
-            time: (0..=steps).map(|t| t as f64 * time_step).collect(),
-            position: values(&program.position)?,
-            velocity: values(&program.velocity)?,
-            acceleration: values(&program.acceleration)?,
-            contact,
-            damage: vec![0.0; steps + 1],
+            time: Vec::new(),
+            position: Vec::new(),
+            velocity: Vec::new(),
+            acceleration: Vec::new(),
+            contact: Vec::new(),
+            damage: Vec::new(),
             impacts: Vec::new(),
-        })
+        }
+    }
+
+    /// Adds a(τ), in m/s², and the times of the samples, none of which has an impact yet.
+    pub(super) fn complete(&mut self, last: f64) {
+        self.acceleration.push(last);
+        let samples = self.acceleration.len();
+        self.time = (0..samples).map(|t| t as f64 * self.time_step).collect();
+        (self.contact, self.damage) = (vec![false; samples], vec![0.0; samples]);
     }
 
     /// Adds an impact of a step: its time (s), its speed, and the speed that counts as damage
     /// (m/s).
     pub(super) fn add_impact(&mut self, step: usize, time: f64, [speed, damage]: [f64; 2], e: f64) {
-        self.damage[step] = damage;
+        (self.contact[step], self.damage[step]) = (true, damage);
         let speed_after = e * speed;
         self.impacts.push(Impact {
             step,
@@ -121,20 +119,32 @@ impl Trajectory {
     pub fn to_csv(&self) -> String {
         let mut text = String::from("time,position,velocity,acceleration,contact,damage\n");
         let columns = [&self.position, &self.velocity, &self.acceleration, &self.damage];
-        let [position, velocity, acceleration, damage] = columns.map(TableColumn::new);
+        // Below the last digit of the largest number of a column is the noise of the solve.
+        let noise = columns.map(|column| {
+            let largest = column.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            let digit = 10.0_f64.powi(-DIGITS);
+            if largest < digit { digit } else { largest * digit }
+        });
         for t in 0..self.time.len() {
+            let [position, velocity, acceleration, damage] =
+                [0, 1, 2, 3].map(|k| rounded(columns[k][t], noise[k]));
+            let (time, contact) = (rounded(self.time[t], 0.0), u8::from(self.contact[t]));
             // Writing into a string cannot fail.
-            let _ = writeln!(
-                text,
-                "{},{},{},{},{},{}",
-                rounded(self.time[t], DIGITS),
-                position.text(self.position[t]),
-                velocity.text(self.velocity[t]),
-                acceleration.text(self.acceleration[t]),
-                u8::from(self.contact[t]),
-                damage.text(self.damage[t])
-            );
+            let _ =
+                writeln!(text, "{time},{position},{velocity},{acceleration},{contact},{damage}");
         }
         text
+    }
+}
+
+/// A number with as many digits as a solve can have right; 0 if it is less than the noise.
+fn rounded(value: f64, noise: f64) -> String {
+    if value.abs() < noise || value == 0.0 {
+        return "0".into();
+    }
+    let rounded = format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value);
+    match (1e-6..1e15).contains(&rounded.abs()) {
+        true => rounded.to_string(),
+        false => format!("{rounded:e}"),
     }
 }

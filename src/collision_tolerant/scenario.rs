@@ -1,31 +1,13 @@
 //! Scenarios: start, goal, limits, wall, contact and damage.
 
-#[cfg(doc)]
-use crate::error::ErrorKind;
-use crate::error::{Error, check_finite};
-use crate::hybrid::SystemRow;
-use crate::hybrid::horizon::Horizon;
-use crate::hybrid::scene::{DamageRule, SceneUnits, region_where};
-use crate::hybrid::system::{Coordinates, Restated, check_digits};
-use crate::hybrid::{
-    Contact, ContactLaw, FreeSide, HybridSystem, ImpactEstimate, Monotonicity, Region, Restitution,
-    State, Wall,
-};
-use crate::interval::Interval;
-use crate::setters::setters;
-use crate::tolerance;
+use std::ops::RangeInclusive;
 
-/// Whether a plan may hit the wall.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Collisions {
-    /// Collisions are allowed, under the scenario's contact law and damage limits.
-    #[default]
-    Tolerated,
-    /// Collisions are forbidden, but the vehicle may touch the wall at a sample.
-    Forbidden,
-}
+use super::law::ContactLaw;
+use super::wall::Wall;
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::scene::{Body, DamageRule};
+use crate::hybrid::{ImpactEstimate, Region, Restitution, State, SystemRow, Monotonicity};
+use crate::interval::Interval;
 
 /// One end of a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,11 +29,16 @@ impl Endpoint {
         Endpoint { position, velocity: 0.0, acceleration: None }
     }
 
-    setters! {
-        /// Sets the velocity, in m/s.
-        with_velocity(velocity: f64) => velocity = velocity;
-        /// Sets the acceleration, in m/s².
-        with_acceleration(acceleration: f64) => acceleration = Some(acceleration);
+    /// Sets the velocity, in m/s.
+    #[must_use]
+    pub fn with_velocity(self, velocity: f64) -> Self {
+        Endpoint { velocity, ..self }
+    }
+
+    /// Sets the acceleration, in m/s².
+    #[must_use]
+    pub fn with_acceleration(self, acceleration: f64) -> Self {
+        Endpoint { acceleration: Some(acceleration), ..self }
     }
 }
 
@@ -85,10 +72,16 @@ pub struct Scenario {
     pub max_speed: f64,
     /// Δt, in s.
     pub time_step: f64,
-    /// The wall and what happens there; equation (7).
-    pub contact: Contact,
-    /// Whether the plan may hit the wall.
-    pub collisions: Collisions,
+    /// The wall; equation (7).
+    pub wall: Wall,
+    /// What happens there, if anything may.
+    pub law: ContactLaw,
+    /// The coefficient of restitution e (no unit).
+    pub restitution: Restitution,
+    /// By how much the restitution may be more or less in a hit (no unit); default 0. Robust
+    /// programs plan for all of it, and others for none.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spread: f64,
     /// Limits and prices of damage; equations (14)-(20). Ignored if collisions are forbidden.
     pub damage: DamageRule,
     /// Which speed counts as the impact speed under the reflecting law; default
@@ -135,8 +128,10 @@ impl Scenario {
             acceleration,
             max_speed,
             time_step,
-            contact: Contact::new(wall, Restitution::PLASTIC),
-            collisions: Collisions::Tolerated,
+            wall,
+            law: ContactLaw::Reflecting,
+            restitution: Restitution::PLASTIC,
+            spread: 0.0,
             damage: DamageRule::default(),
             estimate: ImpactEstimate::EndOfStep,
             pushes: still(),
@@ -153,11 +148,16 @@ impl Scenario {
         Scenario::new(start, goal, wall, -6.0..=6.0, 15.0, 0.005)
     }
 
-    setters! {
-        /// Sets the start.
-        with_start(start: Endpoint) => start = start;
-        /// Sets the wall.
-        with_wall(wall: Wall) => contact.wall = wall;
+    /// Sets the start.
+    #[must_use]
+    pub fn with_start(self, start: Endpoint) -> Self {
+        Scenario { start, ..self }
+    }
+
+    /// Sets the wall.
+    #[must_use]
+    pub fn with_wall(self, wall: Wall) -> Self {
+        Scenario { wall, ..self }
     }
 
     /// Sets the goal, in place of any other goal and region.
@@ -184,13 +184,13 @@ impl Scenario {
     /// Lets the plan end wherever rows of the position (m) and the velocity (m/s) hold.
     ///
     /// ```
-    /// use carom::collision_tolerant::{PlanningOptions, Scenario};
+    /// use carom::collision_tolerant::{Scenario};
     /// use carom::prelude::*;
     ///
     /// // At most 0.5 m from the wall, and slow enough: |v| <= 2 x.
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let parked = scenario.with_goal_where(|x, v| [x.le(0.5), v.le(2.0 * x), v.ge(-2.0 * x)])?;
-    /// let (options, mut solver) = (PlanningOptions::default(), BranchAndBound::default());
+    /// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
     /// let found = parked.shortest_with(&options, &mut solver)?;
     /// let trajectory = found.plan.expect("there is one").trajectory;
     /// let last = trajectory.steps();
@@ -206,8 +206,9 @@ impl Scenario {
         self,
         rows: impl FnOnce(State, State) -> R,
     ) -> Result<Self, Error> {
-        let region = region_where(1, |x, v| rows(x[0], v[0]))?;
-        Ok(self.with_goal_region(region))
+        let vehicle = Body::new("vehicle", [Interval::REALS], f64::INFINITY, f64::INFINITY);
+        let vehicle = vehicle.with_goal_where(|x, v| rows(x[0], v[0]))?;
+        Ok(Scenario { goal_region: vehicle.goal, ..self })
     }
 
     /// Sets the coefficient of restitution e (no unit).
@@ -216,26 +217,51 @@ impl Scenario {
     ///
     /// [`ErrorKind::OutOfRange`] outside `[0, 1]`.
     pub fn with_restitution(mut self, restitution: f64) -> Result<Self, Error> {
-        self.contact.restitution = Restitution::new(restitution)?;
+        self.restitution = Restitution::new(restitution)?;
         Ok(self)
     }
 
-    setters! {
-        /// Sets the contact law.
-        with_law(law: ContactLaw) => contact.law = law;
-        /// Says by how much the restitution may be more or less in a hit (no unit), for
-        /// [robust programs](crate::hybrid::HybridProgram::robust).
-        with_spread(spread: f64) => contact.spread = spread;
-        /// The same scenario with collisions forbidden.
-        collision_free() => collisions = Collisions::Forbidden;
-        /// Sets the largest speed, in m/s.
-        with_max_speed(speed: f64) => max_speed = speed;
-        /// Sets the time step, in s.
-        with_time_step(time_step: f64) => time_step = time_step;
-        /// Sets limits and prices of damage.
-        with_damage(rule: DamageRule) => damage = rule;
-        /// Sets which speed counts as the impact speed.
-        with_estimate(wanted: ImpactEstimate) => estimate = wanted;
+    /// Sets what happens at the wall.
+    #[must_use]
+    pub fn with_law(self, law: ContactLaw) -> Self {
+        Scenario { law, ..self }
+    }
+
+    /// Says by how much the restitution may be more or less in a hit (no unit), for
+    /// [robust programs](crate::hybrid::HybridProgram::robust).
+    #[must_use]
+    pub fn with_spread(self, spread: f64) -> Self {
+        Scenario { spread, ..self }
+    }
+
+    /// The same scenario with collisions forbidden.
+    #[must_use]
+    pub fn collision_free(self) -> Self {
+        self.with_law(ContactLaw::Forbidden)
+    }
+
+    /// Sets the largest speed, in m/s.
+    #[must_use]
+    pub fn with_max_speed(self, max_speed: f64) -> Self {
+        Scenario { max_speed, ..self }
+    }
+
+    /// Sets the time step, in s.
+    #[must_use]
+    pub fn with_time_step(self, time_step: f64) -> Self {
+        Scenario { time_step, ..self }
+    }
+
+    /// Sets limits and prices of damage.
+    #[must_use]
+    pub fn with_damage(self, damage: DamageRule) -> Self {
+        Scenario { damage, ..self }
+    }
+
+    /// Sets which speed counts as the impact speed.
+    #[must_use]
+    pub fn with_estimate(self, estimate: ImpactEstimate) -> Self {
+        Scenario { estimate, ..self }
     }
 
     /// Sets the limits of the acceleration, in m/s².
@@ -260,7 +286,7 @@ impl Scenario {
     /// let program = scenario.program(30, Objective::Effort)?;
     /// // The goal is narrow beside the way to it, so that errors have to end soon.
     /// let feedback = Feedback::new(program.system(), [[-6.0, -5.0]])?;
-    /// let plan = program.program().robust(&feedback)?.solve(&mut BranchAndBound::default())?;
+    /// let plan = program.robust(&feedback)?.solve(&mut BranchAndBound::default())?;
     /// assert!(plan.simulate(&mut |range| range.upper)?.kept);
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -282,96 +308,55 @@ impl Scenario {
     /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`], [`ErrorKind::OutOfRange`] and
     /// [`SceneError`](crate::hybrid::scene::SceneError), each with what to change.
     pub fn check(&self) -> Result<(), Error> {
-        let horizon = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
         for (name, end) in [("start", &self.start), ("goal", &self.goal)] {
-            let numbers = [
-                ("the position", Some(end.position)),
-                ("the velocity", Some(end.velocity)),
-                ("the acceleration", end.acceleration),
-            ];
-            for (what, value) in numbers {
-                check_finite(name, what, value)?;
-            }
+            check_finite(name, "the position", end.position)?;
+            check_finite(name, "the velocity", end.velocity)?;
+            check_finite(name, "the acceleration", end.acceleration.unwrap_or(0.0))?;
         }
-        check_finite("wall", "the position", [self.contact.wall.position()])?;
-        self.acceleration.check("acceleration")?;
-        self.pushes.check("the pushes")?;
-        if self.contact.law == ContactLaw::Literal && self.contact.spread != 0.0 {
+        check_finite("wall", "the position", self.wall.position())?;
+        check_range("acceleration", self.acceleration)?;
+        check_range("the pushes", self.pushes)?;
+        check_range("domain", self.domain.unwrap_or(still()))?;
+        if self.law == ContactLaw::Literal && self.spread != 0.0 {
             let what = "the spread of the restitution";
-            let help = " under the literal law; use the reflecting one";
-            return Err(Error::out_of_range_with(what, self.contact.spread, 0.0..=0.0, help));
-        }
-        if let Some(domain) = self.domain {
-            domain.check("domain")?;
-        }
-        if let Some(region) = &self.goal_region {
-            region.check(&self.system(&horizon, &DamageRule::default())?, "the goal")?;
+            return Err(out_of_range(what, self.spread, 0.0..=0.0, "0 under the literal law"));
         }
         if let Some(acceleration) = self.goal.acceleration
             && !self.acceleration.contains(acceleration)
         {
             let Interval { lower, upper } = self.acceleration;
             let range = format!("within {lower} and {upper}");
-            let what = "the goal's acceleration";
-            return Err(Error::out_of_range_in_words(what, acceleration, lower..=upper, range));
+            return Err(out_of_range("the goal's acceleration", acceleration, lower..=upper, &range));
         }
-        let (near, units) = (self.near(), self.units());
-        check_digits("x", near)?;
-        let mut scene = self.scene(&horizon);
-        if self.domain.is_none() {
-            // So that a start behind the wall is found to be there.
-            scene.bodies.iter_mut().for_each(|body| body.domain[0] = body.domain[0].hull(near));
-        }
-        match units.scene(&scene).checked_as_stated() {
-            Ok(_) => Ok(()),
-            // Said in the user's units where it is wrong there too.
-            Err(error) => scene.checked_as_stated().and(Err(error)),
+        // Domains over many steps say nothing about the size of the task, and a start behind the
+        // wall is outside of them.
+        let system = self.scene(self.domain.unwrap_or(self.near()), [self.damage.clone()]);
+        let system = system.hybrid_system()?;
+        match &self.goal_region {
+            Some(region) => system.program(1)?.goal(region),
+            None => Ok(()),
         }
     }
 
     /// The positions at the wall, at the start and at the goal, and those within a step of them, in
-    /// m: they have the size of the task, which domains over many steps have not.
-    fn near(&self) -> Interval {
-        let (wall, start) = (self.contact.wall.position(), self.start.position);
-        let step = self.max_speed * self.time_step;
-        let ends = Interval::point(start).hull(Interval::point(wall));
-        let goal = self.goal_positions();
-        let goal = if goal.is_bounded() { goal } else { Interval::point(goal.nearest(start)) };
-        let Interval { lower, upper } = ends.hull(goal);
+    /// m: they have the size of the task.
+    pub(super) fn near(&self) -> Interval {
+        let (start, step) = (self.start.position, self.max_speed * self.time_step);
+        let ends = Interval::point(start).hull(Interval::point(self.wall.position()));
+        let Interval { lower, upper } = self.goal_positions();
+        let goal = Interval::new(lower, upper);
+        let nearest = Interval::point(start.max(lower).min(upper));
+        let Interval { lower, upper } = ends.hull(if goal.is_bounded() { goal } else { nearest });
         Interval::new(lower - step, upper + step)
-    }
-
-    /// The units in which the scenario is computed: those of its scene.
-    pub(super) fn units(&self) -> SceneUnits {
-        SceneUnits::of(&self.scene_within(self.near()))
-    }
-
-    /// The coordinates of the scenario's system in units.
-    pub(super) fn coordinates(&self, units: &SceneUnits) -> Coordinates {
-        units.coordinates(&self.scene_within(self.near()))
-    }
-
-    /// A system of the scenario, in units.
-    pub(super) fn restated(
-        &self,
-        system: &HybridSystem,
-        units: &SceneUnits,
-    ) -> Result<Restated, Error> {
-        let coordinates = self.coordinates(units);
-        Ok(Restated { system: coordinates.system(system)?, coordinates })
     }
 
     /// The positions at which a plan may end, in m: on the wall's free side, if there are any
     /// there.
     fn goal_positions(&self) -> Interval {
         let Some(region) = &self.goal_region else { return Interval::point(self.goal.position) };
-        let (all, at) = (range(region, 0), self.contact.wall.position());
-        let free = match self.contact.wall.free() {
-            FreeSide::Above => Interval::new(at, f64::INFINITY),
-            FreeSide::Below => Interval::new(f64::NEG_INFINITY, at),
-        };
-        let both = all.intersection(free);
-        if both.is_empty() { all } else { both }
+        let all = range(region, 0);
+        let free = all.intersection(self.wall.free_positions());
+        if free.lower <= free.upper { free } else { all }
     }
 
     /// The velocities at which a plan may end, in m/s.
@@ -380,19 +365,17 @@ impl Scenario {
         region.map_or(Interval::point(self.goal.velocity), |region| range(region, 1))
     }
 
-    /// The state in which a plan starts.
-    pub(super) fn start_state(&self) -> Region {
-        Region::point([self.start.position, self.start.velocity])
-    }
-
     /// The states in which a plan may end.
     pub(super) fn goal_states(&self) -> Region {
-        let halfspaces = self.goal_region.iter().flat_map(|region| &region.halfspaces);
-        let ranges = Region::from([self.goal_positions(), self.goal_velocities()]);
-        let region =
-            halfspaces.fold(ranges, |region, halfspace| region.with_halfspace(halfspace.clone()));
-        let norms = self.goal_region.iter().flat_map(|region| region.norms.clone()).collect();
-        Region { norms, ..region }
+        let ranges = [self.goal_positions(), self.goal_velocities()];
+        match self.goal_region.clone() {
+            Some(mut region) if region.ranges.len() == 2 => {
+                region.ranges = ranges.to_vec();
+                region
+            }
+            Some(region) => region,
+            None => ranges.into(),
+        }
     }
 
     /// Whether waiting is free, so that the shortest horizon may be found by bisection.
@@ -413,9 +396,7 @@ impl Scenario {
         if self.goal_velocities() == Interval::point(0.0) {
             return Monotonicity::Monotone("the vehicle can rest at its goal".into());
         }
-        Monotonicity::NotMonotone(
-            "the vehicle can rest neither at its start nor at its goal".into(),
-        )
+        Monotonicity::NotMonotone("the vehicle can rest neither at its start nor at its goal".into())
     }
 
     /// Largest magnitude of an acceleration in free flight, in m/s².
@@ -433,19 +414,17 @@ impl Scenario {
     /// Under the literal law it may also be inside the wall: by the step that takes it there, plus
     /// the `Δt v_max (1-e)/2` of the first contact. Later contacts alternate in direction and undo
     /// more than they add.
-    pub(super) fn positions(&self, horizon: &Horizon) -> Interval {
-        let (wall, dt) = (self.contact.wall, self.time_step);
+    pub(super) fn positions(&self, steps: usize) -> Interval {
+        let (wall, dt) = (self.wall, self.time_step);
         let longest_step = dt * (self.max_speed + 0.5 * dt * self.max_acceleration());
         let goal = self.goal_positions();
         let (start, end) =
             (wall.gap(self.start.position), wall.gap(goal.lower).max(wall.gap(goal.upper)));
-        let travel = horizon.steps() as f64 * longest_step;
+        let travel = steps as f64 * longest_step;
         let mut farthest = (0.5 * (start + end + travel)).min(start.max(0.0) + travel);
-        let e = self.contact.restitution.value();
-        let mut nearest = match (self.contact.law, self.collisions) {
-            (ContactLaw::Literal, Collisions::Tolerated) => {
-                -(longest_step + 0.5 * dt * self.max_speed * (1.0 - e))
-            }
+        let e = self.restitution.value();
+        let mut nearest = match self.law {
+            ContactLaw::Literal => -(longest_step + 0.5 * dt * self.max_speed * (1.0 - e)),
             _ => 0.0,
         };
         if let Some(domain) = self.domain {
@@ -456,36 +435,48 @@ impl Scenario {
                 nearest = one.min(other);
             }
         }
-        let (one, other) = (wall.at_gap(nearest), wall.at_gap(farthest));
-        Interval::new(one.min(other), one.max(other))
+        wall.between(nearest, farthest)
     }
 
     /// The distance from the start to the nearest position at which a plan may end, in m.
     pub(super) fn distance(&self) -> f64 {
-        (self.goal_positions().nearest(self.start.position) - self.start.position).abs()
+        let (start, Interval { lower, upper }) = (self.start.position, self.goal_positions());
+        (lower - start).max(start - upper).max(0.0)
     }
 
     /// The smallest speed at which a plan may end, in m/s.
     pub(super) fn slowest_end(&self) -> f64 {
-        self.goal_velocities().nearest(0.0).abs()
-    }
-
-    /// A number of steps (at least 1) at which to begin the search for the shortest horizon: full
-    /// acceleration from the start without stopping. A guess, not a bound.
-    pub(super) fn lower_hint(&self) -> usize {
-        let distance = self.distance();
-        let (speed, acceleration) = (self.start.velocity.abs(), self.max_acceleration());
-        let sprint = if acceleration > 0.0 {
-            ((speed * speed + 2.0 * acceleration * distance).sqrt() - speed) / acceleration
-        } else {
-            0.0
-        };
-        let time = sprint.max(distance / self.max_speed);
-        ((time / self.time_step) as usize).max(1)
+        let Interval { lower, upper } = self.goal_velocities();
+        lower.max(-upper).max(0.0)
     }
 }
 
 /// The range of a state, of a region that may not have been checked.
 fn range(region: &Region, state: usize) -> Interval {
     region.ranges.get(state).copied().unwrap_or(Interval::REALS)
+}
+
+/// Refuses a number that is not finite.
+pub(super) fn check_finite(name: &str, what: &'static str, value: f64) -> Result<(), Error> {
+    match value.is_finite() {
+        true => Ok(()),
+        false => Err(ErrorKind::NotFinite { name: name.to_owned(), what, value }.into()),
+    }
+}
+
+/// Refuses a range whose ends are not finite, or crossed.
+fn check_range(name: &str, range: Interval) -> Result<(), Error> {
+    let Interval { lower, upper } = range;
+    check_finite(name, "the lower limit", lower)?;
+    check_finite(name, "the upper limit", upper)?;
+    match lower <= upper {
+        true => Ok(()),
+        false => Err(ErrorKind::CrossedBounds { name: name.to_owned(), lower, upper }.into()),
+    }
+}
+
+fn out_of_range(what: &str, value: f64, limits: RangeInclusive<f64>, range: &str) -> Error {
+    let (what, range) = (what.to_owned(), range.to_owned());
+    let (lower, upper) = (Some(*limits.start()), Some(*limits.end()));
+    ErrorKind::OutOfRange { what, value, lower, upper, range }.into()
 }
