@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use carom::collision_tolerant::Scenario;
-use carom::hybrid::{HorizonRefutation, HorizonVerdict, ShortestOptions, ShortestStatus, shortest_horizon};
+use carom::hybrid::{
+    HorizonRefutation, HorizonVerdict, ShortestOptions, ShortestStatus, shortest_horizon,
+};
 use carom::prelude::*;
 use carom::sweep::{Sweep, SweepRecord, SweepResults};
 use indicatif::{ProgressBar, ProgressStyle};

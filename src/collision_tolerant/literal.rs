@@ -22,7 +22,7 @@ use crate::interval::Interval;
 use crate::model::{Affine, Literal};
 
 /// Number of chords of the energy between 0 and its largest value.
-const CHORDS: usize = 16;
+const ENERGY_CHORDS: usize = 16;
 
 impl Scenario {
     /// The literal law as a system, with the domain of the positions, in m. It must extend into the
@@ -147,11 +147,11 @@ fn pieces(rule: &DamageRule, e: f64, most: f64) -> Vec<(f64, f64)> {
         DamageMeasure::NormalImpulse => vec![(1.0 + e, 0.0)],
         DamageMeasure::DissipatedEnergy => {
             let chord = |k: usize| {
-                let [one, other] = [k, k + 1].map(|k| most * k as f64 / CHORDS as f64);
+                let [one, other] = [k, k + 1].map(|k| most * k as f64 / ENERGY_CHORDS as f64);
                 let factor = 0.5 * (1.0 - e * e);
                 (factor * (one + other), -factor * one * other)
             };
-            (0..CHORDS).map(chord).collect()
+            (0..ENERGY_CHORDS).map(chord).collect()
         }
         _ => vec![(1.0, 0.0)],
     }

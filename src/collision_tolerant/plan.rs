@@ -14,7 +14,7 @@ use crate::solution::{Solution, Statistics, Termination};
 use crate::solver::{Control, Solver};
 
 /// The share of half its range from which on an input is pushed to the end of its range.
-const IDLE: f64 = 1e-3;
+const IDLE_SHARE: f64 = 1e-3;
 
 /// A certified plan. It is nominal: [pushes](Scenario::with_pushes) and the
 /// [spread](Scenario::with_spread) of the restitution are left out; plans that hold under them are
@@ -81,7 +81,10 @@ impl Scenario {
         if solver.options().proof.is_none() {
             let tube = self.reach_sets()?.tube(steps)?;
             if program.program_mut().tighten(&tube)?.infeasible {
-                return Err(no_point(Termination::Infeasible));
+                let termination = Termination::Infeasible.to_string();
+                let help =
+                    "`Scenario::explainable_program` and `explain` say which limits are in the way";
+                return Err(ErrorKind::NoPlan { termination, help }.into());
             }
         }
         program.solve(solver)
@@ -146,7 +149,7 @@ impl PlanningProgram {
     /// [`SceneError`](crate::hybrid::scene::SceneError) for a plan that is not what the scenario
     /// says.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<Plan, Error> {
-        self.solve_with(solver, &mut Control::default())
+        self.solve_with(&mut Control::default(), solver)
     }
 
     /// Solves the program with events, warm starts and limits, as
@@ -157,13 +160,13 @@ impl PlanningProgram {
     /// Those of [`solve`](PlanningProgram::solve).
     pub fn solve_with(
         &self,
-        solver: &mut dyn Solver,
         control: &mut Control<'_>,
+        solver: &mut dyn Solver,
     ) -> Result<Plan, Error> {
         match &self.written {
-            Written::Scene(program) => self.scene_plan(program.solve_with(solver, control)?),
+            Written::Scene(program) => self.scene_plan(program.solve_with(control, solver)?),
             Written::Literal(program) => {
-                self.scenario.literal_plan(program.solve_with(solver, control)?, self.last())
+                self.scenario.literal_plan(program.solve_with(control, solver)?, self.last())
             }
         }
     }
@@ -199,10 +202,6 @@ impl PlanningProgram {
     fn last(&self) -> &Affine {
         &self.acceleration[self.steps()]
     }
-}
-
-fn no_point(termination: Termination) -> Error {
-    ErrorKind::NoPlan { termination: termination.to_string() }.into()
 }
 
 impl Plan {
@@ -247,7 +246,7 @@ impl Plan {
         let half = 0.5 * (range.upper - range.lower);
         for t in 0..own.steps() {
             let share = (own.acceleration[t] - range.lower) / half - 1.0;
-            match share.abs() > IDLE {
+            match share.abs() > IDLE_SHARE {
                 true => inward += -share * &program.acceleration[t],
                 false => {
                     let idle = program.acceleration[t].equals(own.acceleration[t]);

@@ -6,7 +6,7 @@ use super::scenario::Scenario;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::HybridProgram;
 use crate::hybrid::scene::SceneProgram;
-use crate::model::{Affine, Literal, Model, Name, Quadratic, Statement};
+use crate::model::{Affine, Literal, Model, Name, Quadratic, Statement, Variable};
 
 /// The objective of a plan over a fixed horizon.
 ///
@@ -130,7 +130,7 @@ impl PlanningProgram {
     /// The hybrid program: the scenario's system over the horizon, and what has been added.
     pub fn program(&self) -> &HybridProgram {
         match &self.written {
-            Written::Scene(program) => program,
+            Written::Scene(program) => program.program(),
             Written::Literal(program) => program,
         }
     }
@@ -138,7 +138,7 @@ impl PlanningProgram {
     /// The hybrid program, for statements with the handles of its system.
     pub fn program_mut(&mut self) -> &mut HybridProgram {
         match &mut self.written {
-            Written::Scene(program) => program,
+            Written::Scene(program) => program.program_mut(),
             Written::Literal(program) => program,
         }
     }
@@ -272,7 +272,7 @@ impl Variables {
         program: &mut SceneProgram,
         objective: Objective,
     ) -> Result<(Self, Quadratic), Error> {
-        let mut own = Variables::of(scenario, program, ["vehicle at wall", "hit"])?;
+        let mut own = Variables::of(scenario, program.program_mut(), ["vehicle at wall", "hit"])?;
         if own.has_damage(scenario) {
             own.damage = program.damage_by_step(&scenario.damage.name)?;
         }
@@ -340,10 +340,11 @@ impl Variables {
             ContactLaw::Forbidden => None,
             _ => Some(system.transition_named(contact[0], contact[1])?.on()),
         };
-        let at =
-            |of, last| (0..=last).map(|t| program.at(of, t)).collect::<Result<Vec<Affine>, _>>();
+        let at = |of: Variable, last: usize| -> Result<Vec<Affine>, Error> {
+            (0..=last).map(|t| program.at(of, t)).collect()
+        };
         let (position, velocity) = (at(x.into(), steps)?, at(v.into(), steps)?);
-        let mut acceleration = at(a, steps - 1)?;
+        let mut acceleration = at(a.into(), steps - 1)?;
         let contact = (0..steps).filter_map(|t| Some(program.at(hit?, t)));
         let contact = contact.collect::<Result<Vec<Literal>, _>>()?;
         if let (Some(value), ContactLaw::Literal) = (scenario.start.acceleration, scenario.law) {

@@ -6,7 +6,7 @@ use super::law::ContactLaw;
 use super::wall::Wall;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::scene::{Body, DamageRule};
-use crate::hybrid::{ImpactEstimate, Region, Restitution, State, SystemRow, Monotonicity};
+use crate::hybrid::{ImpactEstimate, Monotonicity, Region, Restitution, State, SystemRow};
 use crate::interval::Interval;
 
 /// One end of a plan.
@@ -319,7 +319,7 @@ impl Scenario {
         check_range("domain", self.domain.unwrap_or(still()))?;
         if self.law == ContactLaw::Literal && self.spread != 0.0 {
             let what = "the spread of the restitution";
-            return Err(out_of_range(what, self.spread, 0.0..=0.0, "0 under the literal law"));
+            return Err(out_of_range(what, self.spread, 0.0..=0.0, "0 under the literal law; use the reflecting one"));
         }
         if let Some(acceleration) = self.goal.acceleration
             && !self.acceleration.contains(acceleration)
@@ -396,7 +396,9 @@ impl Scenario {
         if self.goal_velocities() == Interval::point(0.0) {
             return Monotonicity::Monotone("the vehicle can rest at its goal".into());
         }
-        Monotonicity::NotMonotone("the vehicle can rest neither at its start nor at its goal".into())
+        Monotonicity::NotMonotone(
+            "the vehicle can rest neither at its start nor at its goal".into(),
+        )
     }
 
     /// Largest magnitude of an acceleration in free flight, in m/s².

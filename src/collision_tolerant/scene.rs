@@ -7,11 +7,11 @@ use super::scenario::Scenario;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::reach::{ReachSets, SetOptions};
 use crate::hybrid::scene::{
-    Body, DamageLimitRange, DamageRule, DamageLimitOptions, Scene, SceneError, Solid, Surface,
+    Body, DamageLimitOptions, DamageLimitRange, DamageRule, Scene, SceneError, Solid, Surface,
 };
 use crate::hybrid::{
-    Feedback, HorizonModel, HybridProgram, HybridSystem, Region, RobustPlan, Shortest,
-    ShortestOptions, Monotonicity,
+    Feedback, HorizonModel, HybridProgram, HybridSystem, Monotonicity, Region, RobustPlan,
+    ShortestHorizon, ShortestOptions,
 };
 use crate::interval::Interval;
 use crate::solver::Solver;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 /// Significant digits of numbers in tables: all that a solve can have right, without the noise
 /// behind.
-const DIGITS: i32 = 12;
+const SIGNIFICANT_DIGITS: i32 = 12;
 
 /// One contact of a plan. Impulse and energy are per unit of mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,7 +122,7 @@ impl Trajectory {
         // Below the last digit of the largest number of a column is the noise of the solve.
         let noise = columns.map(|column| {
             let largest = column.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-            let digit = 10.0_f64.powi(-DIGITS);
+            let digit = 10.0_f64.powi(-SIGNIFICANT_DIGITS);
             if largest < digit { digit } else { largest * digit }
         });
         for t in 0..self.time.len() {
@@ -142,7 +142,7 @@ fn rounded(value: f64, noise: f64) -> String {
     if value.abs() < noise || value == 0.0 {
         return "0".into();
     }
-    let rounded = format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value);
+    let rounded = format!("{value:.*e}", SIGNIFICANT_DIGITS as usize - 1).parse().unwrap_or(value);
     match (1e-6..1e15).contains(&rounded.abs()) {
         true => rounded.to_string(),
         false => format!("{rounded:e}"),

@@ -4,7 +4,7 @@ use carom::collision_tolerant::{Plan, Scenario, Wall};
 use carom::explain::Explanation;
 use carom::hybrid::HybridSystem;
 use carom::hybrid::reach::ReachSets;
-use carom::hybrid::{LinearSystem, Shortest};
+use carom::hybrid::{LinearSystem, ShortestHorizon};
 use carom::prelude::*;
 use carom::reformulate::{BigMReport, Lowered};
 use carom::solution::Pool;

@@ -231,8 +231,8 @@ fn extensions_that_bend_the_scenario_are_found() {
     let error = program.plan(&solution).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Run(RunError::Transition { .. })), "{error}");
     // Elsewhere than the goal.
-    let mut rows = program.model().constraints();
-    let goal = rows.find(|row| row.name().to_string() == "goal_0[24]").unwrap().id();
+    let is_goal = |row: &carom::model::ConstraintRef| row.name().to_string() == "goal_0[24]";
+    let goal = program.model().constraints().find(is_goal).unwrap().id();
     program.model_mut().set_limits(goal, 0.0, 9.0).unwrap();
     let solution = solver().solve(program.model()).unwrap();
     let error = program.plan(&solution).unwrap_err();

@@ -1,12 +1,11 @@
 //! Sets that are known exactly.
 
 use crate::common::config;
-use crate::rows::wall::transitions;
+use crate::rows::wall::reflecting;
 use carom::collision_tolerant::Wall;
 use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions};
-use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Restitution};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix};
 use carom::interval::Interval;
-use carom::prelude::Surface;
 use carom_hybrid::internals::{Halfspace, Transition};
 use proptest::prelude::*;
 
@@ -178,8 +177,7 @@ fn faer_chain(dt: f64) -> Matrix {
 #[test]
 fn layers_tell_bounces_apart() {
     // A ball from 5 m at 0 m/s, no input to speak of: each bounce halves its speed.
-    let surface = Surface::bounce(Restitution::new(0.5).unwrap());
-    let [flight, impact] = transitions(Wall::default(), surface, 0.1, None, ["flight", "impact"]);
+    let [flight, impact] = reflecting(Wall::default(), 0.5, 0.1, None);
     let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 9.0))
         .with_state("v", Interval::new(-15.0, 15.0))

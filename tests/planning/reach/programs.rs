@@ -206,7 +206,7 @@ fn a_user_may_exclude_what_the_sets_need() {
     let only: Vec<usize> = (0..47).filter(|&t| !tube.is_possible(t, 0)).collect();
     let zeta = variables_of(&program);
     for z in &zeta {
-        program.model_mut().fix(z, 0.0).unwrap();
+        program.model_mut().fix(*z, 0.0).unwrap();
     }
     let before = program.model().clone();
     let report = tube.tighten(program.model_mut(), &variables).unwrap();

@@ -5,12 +5,11 @@
 //! nowhere to hide, even with their margin set to 0.
 
 use crate::common::config;
-use crate::rows::wall::transitions;
+use crate::rows::wall::reflecting;
 use carom::collision_tolerant::Wall;
+use carom::hybrid::HybridSystem;
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{HybridSystem, Restitution};
 use carom::interval::Interval;
-use carom::prelude::Surface;
 use proptest::prelude::*;
 
 const DT: f64 = 1.0 / 8192.0;
@@ -23,8 +22,7 @@ struct Ball {
 impl Ball {
     fn system(&self, accelerations: Interval, dt: f64) -> HybridSystem {
         let wall = if self.normal > 0.0 { Wall::above(self.wall) } else { Wall::below(self.wall) };
-        let surface = Surface::bounce(Restitution::new(0.5).unwrap());
-        let [flight, impact] = transitions(wall.unwrap(), surface, dt, None, ["flight", "impact"]);
+        let [flight, impact] = reflecting(wall.unwrap(), 0.5, dt, None);
         let far = self.wall + 1e4 * self.normal;
         HybridSystem::new(1.0)
             .with_state("x", Interval::new(self.wall.min(far), self.wall.max(far)))

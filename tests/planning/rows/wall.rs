@@ -29,22 +29,29 @@ pub(crate) fn transitions<const N: usize>(
         .with_estimate(ImpactEstimate::EndOfStep);
     let system = rule.into_iter().fold(scene, Scene::with_rule).hybrid_system().unwrap();
     let mut names = names.into_iter();
-    let named = system.choices[0].transitions.iter().cloned().map(|mut own| {
+    let named = system.parts().choices[0].transitions.iter().cloned().map(|mut own| {
         own.name = names.next().unwrap().to_owned();
         own
     });
     named.collect::<Vec<_>>().try_into().unwrap()
 }
 
-/// A wall at 0 m as flight and impact.
-fn contact(e: f64, rule: Option<DamageRule>) -> [Transition; 2] {
+/// The flight and the impact of the law that reflects steps, with a limit on the impact speed.
+pub(crate) fn reflecting(
+    wall: Wall,
+    e: f64,
+    time_step: f64,
+    max_speed: Option<f64>,
+) -> [Transition; 2] {
     let surface = Surface::bounce(Restitution::new(e).unwrap());
-    transitions(Wall::default(), surface, TIME_STEP, rule, ["flight", "impact"])
+    let rule = DamageRule::new("the limit on the impact speed", Default::default());
+    let rule = max_speed.map(|most| rule.with_per_hit(most));
+    transitions(wall, surface, time_step, rule, ["flight", "impact"])
 }
 
 /// The wall as a system.
 fn system(e: f64) -> HybridSystem {
-    let [flight, impact] = contact(e, None);
+    let [flight, impact] = reflecting(Wall::default(), e, TIME_STEP, None);
     HybridSystem::new(TIME_STEP)
         .with_state("x", POSITIONS)
         .with_state("v", SPEEDS)
@@ -163,8 +170,7 @@ fn relaxations_are_never_weaker_than_by_hand() {
 
 #[test]
 fn a_limit_on_the_impact_speed_can_be_blamed() {
-    let rule = DamageRule::new("the limit on the impact speed", Default::default());
-    let [flight, impact] = contact(0.5, Some(rule.with_per_hit(2.0)));
+    let [flight, impact] = reflecting(Wall::default(), 0.5, TIME_STEP, Some(2.0));
     let mut limited = system(0.5);
     limited.parts_mut().choices.clear();
     let limited = limited.with_transition(flight).with_transition(impact);

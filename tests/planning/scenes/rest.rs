@@ -108,7 +108,7 @@ fn the_stepped_law_says_what_it_adds() {
 
 #[test]
 fn systems_come_to_rest_as_scenes_do() {
-    let law = |wall, e, time_step| {
+    let with_rest = |wall, e, time_step| {
         let names = ["flight", "impact", "settle", "rest"];
         transitions(wall, bounce(e).with_rest(), time_step, None, names)
     };
@@ -116,7 +116,7 @@ fn systems_come_to_rest_as_scenes_do() {
         .with_state("x", Interval::new(0.0, 2.0))
         .with_state("v", Interval::new(-10.0, 10.0))
         .with_input("a", Interval::point(-9.81));
-    for transition in law(Wall::default(), 0.8, 0.05) {
+    for transition in with_rest(Wall::default(), 0.8, 0.05) {
         system = system.with_transition(transition);
     }
     let (start, rest) = (Region::point([1.0, 0.0]), Region::point([0.0, 0.0]));
@@ -129,7 +129,7 @@ fn systems_come_to_rest_as_scenes_do() {
     let expected = law.iter().position(|states| states.contains(&(0.0, 0.0)));
     assert_eq!((steps(true), steps(false)), (expected, expected));
     // A ceiling holds what is pushed against it.
-    let [.., settle, held] = law(Wall::below(0.0).unwrap(), 0.5, 0.1);
+    let [.., settle, held] = with_rest(Wall::below(0.0).unwrap(), 0.5, 0.1);
     assert!(settle.is_event && !held.is_event);
 }
 

@@ -67,7 +67,10 @@ fn any_answer(scenario: &Scenario, options: &ShortestOptions) -> Result<Shortest
 }
 
 /// An outcome of a search, checked.
-fn judged(scenario: &Scenario, found: hybrid::ShortestHorizon<Plan>) -> Result<ShortestHorizon, String> {
+fn judged(
+    scenario: &Scenario,
+    found: hybrid::ShortestHorizon<Plan>,
+) -> Result<ShortestHorizon, String> {
     match found.status {
         ShortestStatus::Found => checked(scenario, &found),
         ShortestStatus::NoneWithin { max_steps } => {

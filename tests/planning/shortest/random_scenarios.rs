@@ -8,7 +8,7 @@ use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 use super::brute_force::{HorizonVerdict, Horizons, ShortestHorizon, shortest};
 use super::scenes::{RollOut, Scene, place, scene};
-use super::{REGRESSIONS, answer_with, compare, options};
+use super::{REGRESSIONS, answer_with, any_answer, compare, options};
 use crate::common::config;
 
 /// The largest horizon of most tests.

@@ -1,7 +1,9 @@
 //! Certificates of runs: what is simulated agrees, and one wrong number or name does not.
 
+use crate::rows::wall::reflecting;
 use carom::ErrorKind;
-use carom::hybrid::{Condition, Contact, HybridRun, HybridSystem, Restitution, RunError, Wall};
+use carom::collision_tolerant::Wall;
+use carom::hybrid::{Condition, HybridRun, HybridSystem, RunError};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Point;
@@ -224,8 +226,7 @@ fn solutions_are_certified() {
     assert!(certificate.drift < 1e-5);
     assert_eq!(run.transitions("mode").unwrap().len(), 15);
     // The same program of another restitution: what was solved is not what is stated.
-    let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.6).unwrap());
-    let [flight, impact] = contact.transitions(0.1, None).unwrap();
+    let [flight, impact] = reflecting(Wall::default(), 0.6, 0.1, None);
     let mut other = system;
     other.parts_mut().choices[0].transitions = vec![flight, impact];
     assert!(matches!(refusal(&other, &run), RunError::State { .. }));

@@ -15,13 +15,14 @@ mod tables;
 mod text;
 mod well_posedness;
 
-use carom::hybrid::{Contact, HybridSystem, Restitution, Wall};
+use crate::rows::wall::reflecting;
+use carom::collision_tolerant::Wall;
+use carom::hybrid::HybridSystem;
 use carom::interval::Interval;
 
 /// A mass on a line that rebounds at 0 m with restitution `e`, in steps of 0.1 s.
 fn wall(e: f64, max_speed: Option<f64>) -> HybridSystem {
-    let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(e).unwrap());
-    let [flight, impact] = contact.transitions(0.1, max_speed).unwrap();
+    let [flight, impact] = reflecting(Wall::default(), e, 0.1, max_speed);
     HybridSystem::new(0.1)
         .with_state("x", Interval::new(0.0, 20.0))
         .with_state("v", Interval::new(-8.0, 8.0))

@@ -3,7 +3,7 @@
 use carom::hybrid::{HybridSystem, Region, SimulationOptions};
 use carom::interval::Interval;
 use carom::model::norm;
-use carom_hybrid::internals::Halfspace;
+use carom_hybrid::internals::{Halfspace, HasParts};
 use proptest::prelude::*;
 
 use super::random::{system, wishes};
@@ -15,7 +15,7 @@ proptest! {
     #[test]
     fn systems_and_runs_come_back(raw in system(), wishes in wishes()) {
         let mut system = raw.hybrid();
-        let ones = vec![1.0; system.states.len()];
+        let ones = vec![1.0; system.parts().states.len()];
         system = system.with_limit(Halfspace::new("late", ones, vec![9.0, f64::INFINITY]));
         let text = serde_json::to_string(&system).unwrap();
         let back: HybridSystem = serde_json::from_str(&text).unwrap();

@@ -1,6 +1,8 @@
 //! Slips in the statement of a hybrid system are named, and nothing else is.
 
-use carom::hybrid::{Contact, HybridSystem, IllPosedness, LinearSystem, Restitution, Wall};
+use crate::rows::wall::reflecting;
+use carom::collision_tolerant::Wall;
+use carom::hybrid::{HybridSystem, IllPosedness, LinearSystem};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom_hybrid::internals::HasParts;
@@ -145,8 +147,7 @@ fn resets_that_leave_the_domain_are_dead_ends() {
     let at = witness.states();
     assert!(at[0] + 0.1 * at[1] + 0.005 < 1e-3, "{}", flaws[1]);
     // A wall at 3 m whose offset was forgotten.
-    let contact = Contact::new(Wall::below(3.0).unwrap(), Restitution::new(0.5).unwrap());
-    let [flight, impact] = contact.transitions(0.1, None).unwrap();
+    let [flight, impact] = reflecting(Wall::below(3.0).unwrap(), 0.5, 0.1, None);
     let ceiling = HybridSystem::new(1.0)
         .with_state("x", Interval::new(1.0, 3.0))
         .with_state("v", Interval::new(-8.0, 8.0))

@@ -37,7 +37,6 @@ pub(crate) use memory::MemoryRow;
 pub use program::SystemVariables;
 pub use run::HybridRun;
 pub(crate) use run::Named;
-pub(crate) use run::no_plan;
 pub(in crate::hybrid) use write::expression;
 
 use super::horizon::Horizon;
