@@ -19,7 +19,7 @@
 //! disagrees with the discrete replay is an error.
 //!
 //! ```
-//! use carom::collision_tolerant::{Scenario};
+//! use carom::collision_tolerant::Scenario;
 //! use carom::prelude::*;
 //!
 //! let scenario = Scenario::paper().with_time_step(0.05);

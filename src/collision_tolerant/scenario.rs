@@ -184,7 +184,7 @@ impl Scenario {
     /// Lets the plan end wherever rows of the position (m) and the velocity (m/s) hold.
     ///
     /// ```
-    /// use carom::collision_tolerant::{Scenario};
+    /// use carom::collision_tolerant::Scenario;
     /// use carom::prelude::*;
     ///
     /// // At most 0.5 m from the wall, and slow enough: |v| <= 2 x.
@@ -285,8 +285,8 @@ impl Scenario {
     /// let scenario = scenario.with_goal_region(goal).with_pushes(-0.02..=0.02);
     /// let program = scenario.program(30, Objective::Effort)?;
     /// // The goal is narrow beside the way to it, so that errors have to end soon.
-    /// let feedback = Feedback::new(program.system(), [[-6.0, -5.0]])?;
-    /// let plan = program.robust(&feedback)?.solve(&mut BranchAndBound::default())?;
+    /// let feedback = Feedback::new(program.program().system(), [[-6.0, -5.0]])?;
+    /// let plan = program.program().robust(&feedback)?.solve(&mut BranchAndBound::default())?;
     /// assert!(plan.simulate(&mut |range| range.upper)?.kept);
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -420,10 +420,12 @@ impl Scenario {
         let (wall, dt) = (self.wall, self.time_step);
         let longest_step = dt * (self.max_speed + 0.5 * dt * self.max_acceleration());
         let goal = self.goal_positions();
-        let (start, end) =
-            (wall.gap(self.start.position), wall.gap(goal.lower).max(wall.gap(goal.upper)));
+        let start = wall.gap(self.start.position);
+        let [one, other] = [goal.lower, goal.upper].map(|end| wall.gap(end));
         let travel = steps as f64 * longest_step;
-        let mut farthest = (0.5 * (start + end + travel)).min(start.max(0.0) + travel);
+        let farthest = (0.5 * (start + one.max(other) + travel)).min(start.max(0.0) + travel);
+        // Where the time is too short to go from one to the other, both ends are still places.
+        let mut farthest = farthest.max(start).max(one.min(other));
         let e = self.restitution.value();
         let mut nearest = match self.law {
             ContactLaw::Literal => -(longest_step + 0.5 * dt * self.max_speed * (1.0 - e)),

@@ -27,7 +27,7 @@ impl Tube {
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let tube = scenario.reach_sets()?.tube(47)?;
     /// let svg = tube.to_svg(0, 1, None)?;
-    /// assert!(svg.starts_with("<svg") && svg.contains(">position (m)</text>"));
+    /// assert!(svg.starts_with("<svg") && svg.contains(">x of vehicle (m)</text>"));
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///
