@@ -28,8 +28,8 @@ fn main() -> Result<(), Error> {
         let trajectory = &plan.trajectory;
         println!(
             "{allowed}: effort {:.2} m²/s³ ({}), damage {:.3} m/s in {} impacts",
-            plan.objective,
-            plan.termination,
+            plan.solution.objective().unwrap_or(0.0),
+            plan.solution.termination(),
             trajectory.total_damage(),
             trajectory.impacts.len()
         );

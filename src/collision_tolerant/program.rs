@@ -213,8 +213,8 @@ impl PlanningProgram {
     /// # Errors
     ///
     /// Those of [`Scenario::program`] for the case; [`ErrorKind::OutOfRange`] for steps beyond the
-    /// horizon and another time step; [`ErrorKind::DuplicateName`]; [`ErrorKind::Unsupported`] under
-    /// the literal law. The program then stays as it was.
+    /// horizon and another time step; [`ErrorKind::DuplicateName`]; [`ErrorKind::Unsupported`]
+    /// under the literal law. The program then stays as it was.
     pub fn add_case(
         &mut self,
         name: &str,

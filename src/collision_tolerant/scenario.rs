@@ -319,14 +319,24 @@ impl Scenario {
         check_range("domain", self.domain.unwrap_or(still()))?;
         if self.law == ContactLaw::Literal && self.spread != 0.0 {
             let what = "the spread of the restitution";
-            return Err(out_of_range(what, self.spread, 0.0..=0.0, "0 under the literal law; use the reflecting one"));
+            return Err(out_of_range(
+                what,
+                self.spread,
+                0.0..=0.0,
+                "0 under the literal law; use the reflecting one",
+            ));
         }
         if let Some(acceleration) = self.goal.acceleration
             && !self.acceleration.contains(acceleration)
         {
             let Interval { lower, upper } = self.acceleration;
             let range = format!("within {lower} and {upper}");
-            return Err(out_of_range("the goal's acceleration", acceleration, lower..=upper, &range));
+            return Err(out_of_range(
+                "the goal's acceleration",
+                acceleration,
+                lower..=upper,
+                &range,
+            ));
         }
         // Domains over many steps say nothing about the size of the task, and a start behind the
         // wall is outside of them.

@@ -145,8 +145,8 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// As for [`Scene::damage_limit_range`], and [`SceneError::NoDamageLimitRange`] under the literal
-    /// law.
+    /// As for [`Scene::damage_limit_range`], and [`SceneError::NoDamageLimitRange`] under the
+    /// literal law.
     pub fn damage_limit_range(
         &self,
         steps: usize,

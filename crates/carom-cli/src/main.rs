@@ -1,8 +1,9 @@
-// The program `carom`: solves a model file, or writes it in another format. `--help` lists the options.
+// The program `carom`: solves a model file, or writes it in another format. `--help` lists the
+// options.
 //
-// Files are MPS (free or fixed), LP, CBF, QPLIB, or JSON (with the feature `serde`), plain or compressed
-// by gzip; `-` is the standard input. The format follows from `--format`, else from the extension
-// `.mps`, `.lp`, `.cbf`, `.qplib` or `.json`, otherwise from the contents.
+// Files are MPS (free or fixed), LP, CBF, QPLIB, or JSON (with the feature `serde`), plain or
+// compressed by gzip; `-` is the standard input. The format follows from `--format`, else from the
+// extension `.mps`, `.lp`, `.cbf`, `.qplib` or `.json`, otherwise from the contents.
 //
 // The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
 // those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line

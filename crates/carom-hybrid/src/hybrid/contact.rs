@@ -38,7 +38,7 @@ impl Restitution {
         if (0.0..=1.0).contains(&value) {
             return Ok(Restitution(value));
         }
-        Err(Error::out_of_range("the restitution", value, "within [0, 1]"))
+        Err(Error::out_of_range("the restitution", value, 0.0..=1.0))
     }
 
     /// The coefficient, within `[0, 1]` (no unit).

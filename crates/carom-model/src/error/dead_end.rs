@@ -55,7 +55,8 @@ impl fmt::Display for TransitionCandidate {
 
 /// Why a simulation ended before its last input.
 ///
-/// It is an [`ErrorKind::DeadEnd`](super::ErrorKind::DeadEnd) where the end of the run is asked for.
+/// It is an [`ErrorKind::DeadEnd`](super::ErrorKind::DeadEnd) where the end of the run is asked
+/// for.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -183,3 +183,16 @@ impl Model {
         Ok(())
     }
 }
+
+/// A model is its own program, for functions that take a program with more than its model.
+impl AsRef<Model> for Model {
+    fn as_ref(&self) -> &Model {
+        self
+    }
+}
+
+impl AsMut<Model> for Model {
+    fn as_mut(&mut self) -> &mut Model {
+        self
+    }
+}

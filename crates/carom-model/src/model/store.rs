@@ -173,19 +173,6 @@ pub(super) enum StatementKind {
 /// A statement: its kind, and its position among the statements of this kind.
 pub(super) type StatementIndex = (StatementKind, u32);
 
-/// A model is its own program, for functions that take a program with more than its model.
-impl AsRef<Model> for Model {
-    fn as_ref(&self) -> &Model {
-        self
-    }
-}
-
-impl AsMut<Model> for Model {
-    fn as_mut(&mut self) -> &mut Model {
-        self
-    }
-}
-
 impl Model {
     /// An empty model: no variables, no rows, objective "minimise 0".
     #[inline]

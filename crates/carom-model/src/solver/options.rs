@@ -194,8 +194,8 @@ impl Options {
         Options::default()
     }
 
-    /// A smaller gap, and reproducible: a relative gap of 1e-7, and the same search on any number of
-    /// threads. Relaxations are accurate to about 1e-8, so much smaller gaps cannot be proved.
+    /// A smaller gap, and reproducible: a relative gap of 1e-7, and the same search on any number
+    /// of threads. Relaxations are accurate to about 1e-8, so much smaller gaps cannot be proved.
     #[inline]
     pub fn precise() -> Self {
         Options { relative_gap: 1e-7, deterministic: true, ..Options::default() }
@@ -298,9 +298,9 @@ impl Options {
     /// on WebAssembly.
     ///
     /// A search for a shortest horizon takes the path as a folder, makes it if it is missing, and
-    /// writes a log for each horizon instead, see `ShortestHorizon::proofs`. Plans over a fixed horizon
-    /// take nothing from reach sets then, except in the bounds of a program that was tightened by
-    /// them already.
+    /// writes a log for each horizon instead, see `ShortestHorizon::proofs`. Plans over a fixed
+    /// horizon take nothing from reach sets then, except in the bounds of a program that was
+    /// tightened by them already.
     ///
     /// The search is the same, except that it does not fall into blocks where the objective has
     /// squares or presolve has made the blocks, and that a prepared model is solved as if it were

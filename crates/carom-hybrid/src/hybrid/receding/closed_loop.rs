@@ -70,7 +70,8 @@ impl RecedingHorizon<'_> {
     /// * `start`: the first state.
     /// * `plant`: the state after a move from a state: a simulation of the system with the whole
     ///   move, such as `system.simulate(state, next)?.end()`, or anything else with other dynamics,
-    ///   noise (see [`Disturbance`](super::Disturbance)), or a delay according to [`ControlMove::time`].
+    ///   noise (see [`Disturbance`](super::Disturbance)), or a delay according to
+    ///   [`ControlMove::time`].
     ///   Modes with memory are taken to be those of the moves; where a plant measures them, call
     ///   [`step`](Self::step) and [`set_memory`](Self::set_memory) in a loop of your own.
     ///

@@ -59,8 +59,8 @@ impl fmt::Display for MoveSource {
 /// Where the plan has chosen among transitions, a move is more than its input: a plant that is told
 /// the input alone runs another plan.
 /// [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) takes the whole move; a plant
-/// of another kind asks for the [`transition`](ControlMove::transition) or the [`mode`](ControlMove::mode) of a
-/// choice.
+/// of another kind asks for the [`transition`](ControlMove::transition) or the
+/// [`mode`](ControlMove::mode) of a choice.
 ///
 /// ```
 /// use carom::prelude::*;

@@ -205,8 +205,8 @@ impl RobustProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`HybridProgram::solve`]; [`ErrorKind::Robust`] for a plan that is not certified. If
-    /// there is no plan, and modes of the system meet in one value, so that no tube goes between
+    /// Those of [`HybridProgram::solve`]; [`ErrorKind::Robust`] for a plan that is not certified.
+    /// If there is no plan, and modes of the system meet in one value, so that no tube goes between
     /// them, the source of [`ErrorKind::NoPlan`] is [`RobustError::NoCrossing`].
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<RobustPlan, Error> {
         self.solve_with(&mut Control::default(), solver)

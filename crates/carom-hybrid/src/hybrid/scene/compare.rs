@@ -12,7 +12,8 @@ use crate::hybrid::shortest_horizon::{
 };
 use crate::solver::Solver;
 
-/// A plan beside the shortest one with half of its time step, from [`ScenePlan::compare_half_steps`].
+/// A plan beside the shortest one with half of its time step, from
+/// [`ScenePlan::compare_half_steps`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]

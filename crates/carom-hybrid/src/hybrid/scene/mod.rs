@@ -35,6 +35,7 @@ mod system;
 mod units;
 mod words;
 
+pub use crate::error::SceneError;
 pub use body::{Body, Shape};
 pub use compare::StepComparison;
 pub use damage_limit_range::{DamageLimitEnd, DamageLimitOptions, DamageLimitRange};
@@ -49,4 +50,3 @@ pub use solid::Solid;
 #[doc(alias("obstacle avoidance", "collision avoidance", "motion planning"))]
 pub use statement::Scene;
 pub use surface::Surface;
-pub use crate::error::SceneError;

@@ -223,7 +223,8 @@ impl ShortestOptions {
     /// let x = cart.state("x", -9.0, 9.0)?;
     /// let v = cart.input("v", -2.0, 2.0)?;
     /// cart.mode("roll")?.next([x.is(x + v)])?;
-    /// let options = ShortestOptions::default().with_window("depot", [x.le(-1.0)], When::OnceIn(1..=3));
+    /// let when = When::OnceIn(1..=3);
+    /// let options = ShortestOptions::default().with_window("depot", [x.le(-1.0)], when);
     /// let (start, goal) = ([x.equals(0.0)], [x.ge(3.0)]);
     /// let mut solver = BranchAndBound::default();
     /// let found = cart.shortest_with(start.clone(), goal.clone(), &options, &mut solver)?;

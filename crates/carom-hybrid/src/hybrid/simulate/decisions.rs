@@ -5,7 +5,8 @@ use crate::hybrid::memory::Memory;
 /// The decided part of some steps: the inputs, and the transitions where something chose them.
 ///
 /// Lists of inputs leave the transitions open, as `&[[0.0]; 5]` does. A
-/// [`ControlMove`](crate::hybrid::ControlMove) is a step with its transitions and with what the run remembers.
+/// [`ControlMove`](crate::hybrid::ControlMove) is a step with its transitions and with what the run
+/// remembers.
 pub trait Decisions {
     #[doc(hidden)]
     #[expect(private_interfaces, reason = "only types of the crate and lists implement it")]

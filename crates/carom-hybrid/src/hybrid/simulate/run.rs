@@ -19,8 +19,8 @@ impl HybridSystem {
     ///
     /// Where several are possible that lead to different states or modes, an error says so, because
     /// the run that is taken may not be the one that was meant: a step of a controller is simulated
-    /// as the whole [`ControlMove`](crate::hybrid::ControlMove), which has the transitions of its plan. At a tie
-    /// on a boundary that their guards share, the first one is taken.
+    /// as the whole [`ControlMove`](crate::hybrid::ControlMove), which has the transitions of its
+    /// plan. At a tie on a boundary that their guards share, the first one is taken.
     ///
     /// # Arguments
     ///

@@ -85,8 +85,8 @@ impl HybridSystem {
     /// for an [`input`](HybridSystem::input) from the least to the largest of them.
     ///
     /// Programs choose among the values, and simulations and certificates refuse others. Reach
-    /// sets, refutations and [flaws](HybridSystem::well_posedness) see the range. A feedback cannot correct
-    /// such an input.
+    /// sets, refutations and [flaws](HybridSystem::well_posedness) see the range. A feedback cannot
+    /// correct such an input.
     ///
     /// ```
     /// use carom::prelude::*;

@@ -191,8 +191,8 @@ impl HybridSystem {
         Ok(())
     }
 
-    /// Says which findings of [`well_posedness`](HybridSystem::well_posedness) are meant, in a choice (`mode` if
-    /// there is only one). It changes no program and no simulation.
+    /// Says which findings of [`well_posedness`](HybridSystem::well_posedness) are meant, in a
+    /// choice (`mode` if there is only one). It changes no program and no simulation.
     ///
     /// ```
     /// use carom::prelude::*;

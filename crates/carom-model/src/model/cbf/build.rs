@@ -11,10 +11,8 @@ use crate::model::sense::Sense;
 use crate::model::store::Model;
 use crate::model::stored::StoredRow;
 use crate::model::text::read::{Read, Warning};
+use crate::model::text::token::UNMENTIONED;
 use crate::model::variable::VariableKind;
-
-/// Variables or rows that a file may have without mentioning them, whatever its length.
-const FEW: usize = 100_000;
 
 /// The bounds of the variables, and which of them are integers.
 struct CbfColumns {
@@ -45,7 +43,7 @@ pub(super) fn model(mut file: CbfFile<'_>, length: usize) -> Result<Read, Error>
 /// Refuses numbers of variables or rows that nobody means.
 fn check_count(blocks: Option<&CbfBlocks<'_>>, what: &str, length: usize) -> Result<(), Error> {
     match blocks {
-        Some(blocks) if blocks.count > length.max(FEW) => Err(blocks.place.error(format!(
+        Some(blocks) if blocks.count > length.max(UNMENTIONED) => Err(blocks.place.error(format!(
             "{} {what} are more than a file of this length can be about; correct the number",
             blocks.count
         ))),

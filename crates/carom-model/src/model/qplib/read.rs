@@ -4,10 +4,7 @@ use std::collections::HashSet;
 
 use crate::error::{Error, ErrorKind};
 use crate::model::sense::Sense;
-use crate::model::text::token::{self, Token};
-
-/// Variables or rows that a file may have without mentioning them, whatever its length.
-const FEW: usize = 100_000;
+use crate::model::text::token::{self, Token, UNMENTIONED};
 
 /// The contents of a file, from which [`build`](super::build) makes a model. Indices count from 0.
 #[derive(Debug)]
@@ -79,14 +76,14 @@ impl ProblemType {
 }
 
 /// The lines of a text that hold something; what follows the expected words of a line is a comment.
-struct Lines<'a> {
+struct QplibLines<'a> {
     lines: std::iter::Zip<std::str::Lines<'a>, std::ops::RangeFrom<usize>>,
     /// The number of the last line.
     last: usize,
     tokens: Vec<Token<'a>>,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> QplibLines<'a> {
     /// The first words of the next line.
     fn words<const N: usize>(&mut self, what: &str) -> Result<[Token<'a>; N], Error> {
         loop {
@@ -167,8 +164,8 @@ fn once<T: Eq + std::hash::Hash>(
     }
 }
 
-/// The entry of a triangle: of the lower one, as the format's paper has it, it stands for itself and
-/// its mirror image; files with the upper one, converted from LP files, have the sum of both.
+/// The entry of a triangle: of the lower one, as the format's paper has it, it stands for itself
+/// and its mirror image; files with the upper one, converted from LP files, have the sum of both.
 fn product<'a>(words: [Token<'a>; 3], count: usize) -> Result<Product<'a>, Error> {
     let [row, column, value] = words;
     let (i, j) = (index(&row, count)?, index(&column, count)?);
@@ -180,7 +177,7 @@ impl<'a> QplibFile<'a> {
     /// Goes through all lines.
     pub(super) fn scan(text: &'a str) -> Result<QplibFile<'a>, Error> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut lines = Lines { lines: text.lines().zip(1..), last: 0, tokens: Vec::new() };
+        let mut lines = QplibLines { lines: text.lines().zip(1..), last: 0, tokens: Vec::new() };
         let most = text.len();
         let [name] = lines.words("the name of the problem")?;
         let [letters] = lines.words("the type of the problem")?;
@@ -195,9 +192,9 @@ impl<'a> QplibFile<'a> {
                 );
             }
         };
-        let n = lines.count("the number of variables", most.max(FEW))?;
+        let n = lines.count("the number of variables", most.max(UNMENTIONED))?;
         let m = match kind.has_rows {
-            true => lines.count("the number of constraints", most.max(FEW))?,
+            true => lines.count("the number of constraints", most.max(UNMENTIONED))?,
             false => 0,
         };
         let mut rows: Vec<QplibRow<'a>> = (0..m).map(|_| QplibRow::default()).collect();
@@ -260,7 +257,7 @@ impl<'a> QplibFile<'a> {
 
 /// The bounds and the kinds of the variables.
 fn columns<'a>(
-    lines: &mut Lines<'a>,
+    lines: &mut QplibLines<'a>,
     kind: &ProblemType,
     n: usize,
     end: &impl Fn(f64) -> f64,

@@ -4,6 +4,9 @@ use super::read::Warning;
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
+/// Variables or rows that a file may have without mentioning them, whatever its length.
+pub(crate) const UNMENTIONED: usize = 100_000;
+
 /// A token of a line, between white space.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Token<'a> {
