@@ -89,6 +89,8 @@ impl Scenario {
         let mut widest = self.clone();
         let most = [self.damage.per_hit, self.damage.total].into_iter().flatten();
         widest.damage.per_hit = most.reduce(f64::min);
+        // As explanations name it.
+        widest.damage.name = "the limit on the impact speed".to_owned();
         widest
     }
 

@@ -263,8 +263,8 @@ fn end_conditions_pin_the_first_and_the_last_acceleration() {
         (row.terms()[0].0, limits.lower, limits.upper)
     };
     let position = |t: usize| program.position[t].terms()[0].0;
-    assert_eq!(stated("start_0[0]"), (position(0), 10.0, 10.0));
-    assert_eq!(stated("goal_0[3]"), (position(3), 0.3, 0.3));
+    assert_eq!(stated("start_vehicle_x[0]"), (position(0), 10.0, 10.0));
+    assert_eq!(stated("goal_vehicle_x[3]"), (position(3), 0.3, 0.3));
     // a(τ) is in no row.
     let last = program.acceleration[3].terms()[0].0;
     let rows = program.model().constraints().flat_map(|row| row.terms());

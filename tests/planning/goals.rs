@@ -142,7 +142,7 @@ fn regions_are_named_in_explanations() {
     assert!(text.starts_with(&format!("no plan has {} steps", shortest - 1)), "{text}");
     let program = scenario.explainable_program(shortest - 4).unwrap();
     let text = program.model().to_string();
-    assert!(text.contains("goal_limit_0[0]: -x["), "{text}");
+    assert!(text.contains("goal_limit[19]: -vehicle_x["), "{text}");
     let why = infeasibility(program.model(), &ExplainOptions::default(), &mut solver()).unwrap();
     assert!(why.groups().iter().any(|group| group.name() == "goal_position"), "{why}");
 }
@@ -151,7 +151,11 @@ fn regions_are_named_in_explanations() {
 fn regions_that_cannot_be_ends_are_refused() {
     let text = |region: Region| coarse().with_goal_region(region).check().unwrap_err().to_string();
     let all = Interval::REALS;
-    assert_eq!(text(vec![all].into()), "the length of the goal is 1; it must be 2");
+    assert_eq!(
+        text(vec![all].into()),
+        "`the goal of vehicle` has 1 entries and the scene needs 2; give one per axis, and in starts \
+         and goals one per position, one per velocity, and one for a spin"
+    );
     assert_eq!(
         text([Interval::new(1.0, 0.0), all].into()),
         "bounds of `x` are crossed: 1 > 0; swap or relax them"
@@ -231,7 +235,8 @@ fn extensions_that_bend_the_scenario_are_found() {
     let error = program.plan(&solution).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Run(RunError::Transition { .. })), "{error}");
     // Elsewhere than the goal.
-    let is_goal = |row: &carom::model::ConstraintRef| row.name().to_string() == "goal_0[24]";
+    let is_goal =
+        |row: &carom::model::ConstraintRef| row.name().to_string() == "goal_vehicle_x[24]";
     let goal = program.model().constraints().find(is_goal).unwrap().id();
     program.model_mut().set_limits(goal, 0.0, 9.0).unwrap();
     let solution = solver().solve(program.model()).unwrap();

@@ -181,6 +181,8 @@ fn one_step(wall: Wall, restitution: f64, law: ContactLaw, time_step: f64) -> On
     if law == ContactLaw::Literal {
         let rest = Endpoint::at_rest(wall.at_gap(1.0));
         let scenario = Scenario::new(rest, rest, wall, -3.0..=3.0, 30.0, time_step).with_law(law);
+        let [low, high] = [-20.0, 50.0].map(|gap| wall.at_gap(gap));
+        let scenario = scenario.with_domain(low.min(high)..=low.max(high));
         let scenario = scenario.with_restitution(restitution).unwrap();
         return OneStep::new(&scenario.hybrid_system().unwrap());
     }
@@ -248,6 +250,8 @@ fn the_literal_law_reads_like_the_paper() {
   flight_most_vehicle_ax[0]: contact[0] = 0 implies vehicle_ax[0] <= 3
   flight_least_vehicle_ax[0]: contact[0] = 0 implies -vehicle_ax[0] <= 3
   contact_vehicle_x_<=_1[0]: contact[0] = 1 implies vehicle_x[0] <= 1
+  contact_1.5_vehicle_vx_+_2_vehicle_ax_=_0[0]: contact[0] = 1 implies 1.5 vehicle_vx[0] + 2 vehicle_ax[0] <= 0
+  contact_1.5_vehicle_vx_+_2_vehicle_ax_=_0_2[0]: contact[0] = 1 implies -1.5 vehicle_vx[0] - 2 vehicle_ax[0] <= 0
 "
     );
 }

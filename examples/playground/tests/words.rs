@@ -51,7 +51,7 @@ fn where_no_plan_is_there_is_a_reason() {
     let reason = answer["reason"].as_str().unwrap();
     assert!(
         reason.starts_with(
-            "No plan has 600 steps (30 s): after 9 steps (0.45 s), the lower limit of the position is missed by \
+            "No plan has 600 steps (30 s): after 9 steps (0.45 s), the lower limit of x of vehicle is missed by \
          at least 0.02 m."
         ),
         "{reason}"
@@ -84,8 +84,9 @@ fn one_step_less_is_explained_and_drawn() {
     let why: Value = serde_json::from_str(&explain(&task, free, steps as usize)).unwrap();
     assert_eq!(
         why["free"],
-        "no plan has 51 steps (2.55 s): at the end, where the position is 0.3 m, the velocity is at most \
-         -0.27 m/s, and 0 m/s is needed. It might be possible with twice the range of the acceleration"
+        "no plan has 51 steps (2.55 s): at the end, where x of vehicle is 0.3 m, the velocity of vehicle \
+         is at most -0.27 m/s, and 0 m/s is needed. It might be possible with twice the range of the \
+         acceleration of vehicle"
     );
 
     let task = puck([1.2, 0.2, 2.0, 2.0], [0.4, 0.2], CORNER);

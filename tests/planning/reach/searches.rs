@@ -161,7 +161,7 @@ fn a_task_without_any_plan_is_refuted_without_a_solve() {
     assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 20_000 });
     assert!(found.attempts.iter().all(|attempt| !attempt.is_solve()));
     let text = stuck.reach_sets().unwrap().explain(500).unwrap().unwrap().to_string();
-    assert!(text.ends_with("the position is 10 m, and 0.3 m is needed"), "{text}");
+    assert!(text.ends_with("x of vehicle is 10 m, and 0.3 m is needed"), "{text}");
 }
 
 #[test]
@@ -169,14 +169,14 @@ fn an_explanation_names_sets_and_ranges() {
     let scenario = Scenario::paper().with_restitution(0.5).unwrap();
     let explanation = scenario.reach_sets().unwrap().explain(484).unwrap().unwrap();
     assert_eq!((explanation.steps, explanation.sample), (484, 484));
-    assert_eq!(explanation.remedies, ["with twice the range of the acceleration"]);
+    assert_eq!(explanation.remedies, ["with twice the range of the acceleration of vehicle"]);
     let text = explanation.to_string();
     assert_eq!(
         text,
-        "no plan has 484 steps (2.42 s): at the end, without a hit, where the position is 0.3 m, the \
-         velocity is at most -0.81 m/s, and 0 m/s is needed; with 1 hit, where the position is 0.3 m, \
-         the velocity is at least 0.01 m/s, and 0 m/s is needed. It might be possible with twice the \
-         range of the acceleration"
+        "no plan has 484 steps (2.42 s): at the end, without a hit, where x of vehicle is 0.3 m, the \
+         velocity of vehicle is at most -0.81 m/s, and 0 m/s is needed; with 1 hit, where x of vehicle \
+         is 0.3 m, the velocity of vehicle is at least 0.01 m/s, and 0 m/s is needed. It might be \
+         possible with twice the range of the acceleration of vehicle"
     );
     // What limits it is named when it is a wish.
     let gentle = DamageRule::default().with_per_hit(3.0);
@@ -191,9 +191,9 @@ fn an_explanation_names_sets_and_ranges() {
     let text = explained.unwrap().unwrap().to_string();
     assert_eq!(
         text,
-        "no plan has 6000 steps (30 s): after 93 steps (0.47 s), the vehicle cannot stop in front of the \
-         wall: at least 0.001 m are missing; the limit on the impact speed (4) is missed by at least 3.21. \
-         It might be possible with twice the range of the acceleration, or without the limit on the \
+        "no plan has 6000 steps (30 s): after 93 steps (0.47 s), vehicle cannot keep clear of wall: at \
+         least 0.001 m are missing; the limit on the impact speed (4) is missed by at least 3.21. It might \
+         be possible with twice the range of the acceleration of vehicle, or without the limit on the \
          impact speed (4)"
     );
 }
