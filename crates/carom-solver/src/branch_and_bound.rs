@@ -38,6 +38,7 @@ use crate::solver::{Control, Options, Prepared, Solver, StopToken};
 use answer::answer;
 use mip_start::GivenStart;
 use prepared::PreparedProgram;
+use proof::check_path;
 use refusals::Refusals;
 use row_rounds::{finds_rows, solve_in_rounds};
 use solve::{EarlierResults, Solve};
@@ -95,6 +96,7 @@ impl Solver for BranchAndBound {
         let _span = tracing::info_span!("solve", model = model.name()).entered();
         let options = &self.options;
         options.check()?;
+        check_path(options)?;
         if finds_rows(control) {
             return solve_in_rounds(model, options, control);
         }

@@ -47,7 +47,7 @@ fn is_proved<P>(found: &ShortestHorizon<P>, folder: &Path) -> HashMap<String, f6
     let mut point = HashMap::new();
     for proof in &found.proofs {
         let log = fs::read(&proof.path).unwrap();
-        assert_eq!(proof.report.unwrap().bytes, log.len() as u64);
+        assert_eq!(proof.report.as_ref().unwrap().bytes, log.len() as u64);
         let proved = check(&log[..]).unwrap_or_else(|error| panic!("{}: {error}", proof.steps));
         let is_plan = found.steps == Some(proof.steps);
         assert_eq!(matches!(proved.claim, Claim::Infeasible), !is_plan, "{}", proof.steps);
@@ -278,6 +278,35 @@ fn a_folder_that_cannot_be_made_is_an_error() -> Result<(), Error> {
         assert_eq!(solver.options().proof.as_deref(), Some(&*path));
     }
     fs::remove_file(&file).ok();
+    Ok(())
+}
+
+/// A folder that goes while logs are written does not lose the plan, and ends the logs.
+#[test]
+fn a_folder_that_goes_does_not_lose_the_plan() -> Result<(), Error> {
+    let folder = folder("gone");
+    let (cart, x, _) = cart()?;
+    let (start, goal) = ([x.equals(0.0)], [x.equals(6.0)]);
+    let plain = cart.shortest(start, goal, &mut BranchAndBound::default())?;
+    let (gone, logged) = (folder.clone(), Arc::new(AtomicUsize::new(0)));
+    let count = Arc::clone(&logged);
+    let watch = move |event: &HorizonEvent| {
+        if let HorizonEvent::Logged(_) = event {
+            count.fetch_add(1, Ordering::Relaxed);
+            fs::remove_dir_all(&gone).ok();
+        }
+    };
+    let options = ShortestOptions::default().with_progress(watch);
+    let found = cart.shortest_with(start, goal, &options, &mut logging(&folder))?;
+    assert!(found.is_found());
+    assert_eq!((found.steps, found.refuted_steps), (plain.steps, plain.refuted_steps));
+    // The plan has the first log. The next one cannot be written, and no other is tried.
+    let failures = found.proofs.iter().filter_map(|proof| proof.report.as_ref()?.failure.as_ref());
+    let failures: Vec<&String> = failures.collect();
+    assert_eq!(failures.len(), 1, "{:?}", found.proofs);
+    assert!(failures[0].contains("steps_000001.proof"), "{failures:?}");
+    assert_eq!(logged.load(Ordering::Relaxed), found.proofs.len());
+    assert_eq!(found.unlogged().count(), found.refuted_steps.unwrap());
     Ok(())
 }
 

@@ -10,6 +10,7 @@ mod open_integers;
 mod past_mutations;
 mod switched;
 mod texts;
+mod unwritable;
 mod ways_of_solving;
 
 use std::fs;

@@ -56,7 +56,7 @@ impl Solve<'_> {
         // Rows that are found while the program is searched belong to the proof of the last round.
         let is_whole = known.lowered.is_none() && self.rows.is_none() && is_stated;
         if let Some(path) = self.options.proof_path().filter(|_| is_whole) {
-            solved.proof = self.write_proof(path, lowered, &mut solved, control.interrupt())?;
+            solved.proof = self.write_proof(path, lowered, &mut solved, control);
         }
         Ok(solved)
     }

@@ -12,6 +12,7 @@ use super::answer::answer;
 use super::last_solve::LastSolve;
 use super::lower::{LoweredProgram, assemble};
 use super::mip_start::GivenStart;
+use super::proof::check_path;
 use super::refusals::Refusals;
 use super::row_rounds::{finds_rows, solve_in_rounds};
 use super::solve::{EarlierResults, Solve, SolveResult};
@@ -99,6 +100,7 @@ impl Prepared for PreparedProgram<'_> {
         self.model.set_parameters(parameters)?;
         let (model, options) = (&self.model, &*self.options);
         options.check()?;
+        check_path(options)?;
         if let Reduction::To(reduced) = &mut self.reduction {
             (0..control.steps_passed()).for_each(|_| reduced.last.shift());
         }

@@ -22,7 +22,7 @@ use crate::model::{Model, StoredRow};
 use crate::relaxation::CascadePool;
 use crate::search::{Completion, SearchResult, Start};
 use crate::solution::{Point, ProofReport, Solution, Statistics, Termination};
-use crate::solver::{Control, Interrupt, Options, PoolMode, Progress, StopToken};
+use crate::solver::{Control, Options, PoolMode, Progress, StopToken};
 use std::path::Path;
 
 /// Nodes of the search without cuts before cuts are asked for, and of one for a point far out.
@@ -64,7 +64,7 @@ pub(super) fn solve_in_rounds(
     };
     let mut solved = rounds.run(control)?;
     if let Some(path) = options.proof_path() {
-        solved.proof = rounds.write_proof(path, &mut solved, control.interrupt())?;
+        solved.proof = rounds.write_proof(path, &mut solved, control)?;
     }
     let RowRounds { cascades, refusals, given, completion, .. } = &mut rounds;
     solved.found.completion = completion.take();
@@ -325,16 +325,14 @@ impl RowRounds<'_> {
         &self,
         path: &Path,
         solved: &mut SolveResult,
-        interrupt: &Interrupt,
+        control: &mut Control<'_>,
     ) -> Result<Option<ProofReport>, Error> {
         let model = &with_rows(&with_rows(self.model, LAZY, &self.lazy)?, CUT, &self.cuts)?;
-        let token = &StopToken::new(None, interrupt);
+        let token = &StopToken::new(None, control.interrupt());
         let RowRounds { options, cascades, refusals, .. } = self;
         let solve = Solve { model, options, token, cascades, refusals, rows: None };
-        match lower(model, token, true)? {
-            Some(lowered) => solve.write_proof(path, &lowered, solved, interrupt),
-            None => Ok(None),
-        }
+        let lowered = lower(model, token, true)?;
+        Ok(lowered.and_then(|lowered| solve.write_proof(path, &lowered, solved, control)))
     }
 
     /// Runs a search whose events and points the user sees as those of one solve.
@@ -347,6 +345,9 @@ impl RowRounds<'_> {
                 let mut progress = *own;
                 progress.nodes = own.nodes + self.statistics.nodes;
                 progress.relaxations = own.relaxations + self.statistics.relaxations;
+                progress.iterations = own.iterations + self.statistics.iterations;
+                // Each round has a tree of its own.
+                progress.explored = None;
                 progress.incumbent =
                     own.incumbent.map(|own| best.map_or(own, |b| better(own, b))).or(best);
                 progress.bound = sign * (sign * own.bound).max(self.bound);

@@ -60,6 +60,18 @@ pub fn infeasibility(
     options: &ExplainOptions,
     solver: &mut dyn Solver,
 ) -> Result<Explanation, Error> {
+    // Its solves are about parts of the model, whose proofs would replace that of the whole.
+    let proof = solver.options_mut().proof.take();
+    let explained = explain(model, options, solver);
+    solver.options_mut().proof = proof;
+    explained
+}
+
+fn explain(
+    model: &Model,
+    options: &ExplainOptions,
+    solver: &mut dyn Solver,
+) -> Result<Explanation, Error> {
     let groups = Groups::of(model, &options.background)?;
     let token = StopToken::new(options.time_limit, &options.interrupt);
     let mut oracle = Oracle::new(model, solver, token, options.solve_limit);

@@ -134,6 +134,11 @@ impl<'a> ProofLog<'a> {
         self.line.clear();
     }
 
+    /// Whether a line could not be written, so that nothing more is.
+    pub(super) fn has_failed(&self) -> bool {
+        self.failure.is_some()
+    }
+
     /// Keeps the lines that follow until it is known whether they lead anywhere.
     pub(super) fn begin_trial(&mut self) {
         let (commands, bytes) = (self.commands, self.bytes);

@@ -111,6 +111,21 @@ impl ProofRequest<'_> {
         point: Option<&[f64]>,
         out: &mut dyn Write,
     ) -> io::Result<ProofReport> {
+        let bound = match self.claim {
+            Claim::Bound(bound) => Some(self.program.sign * bound + 0.0),
+            Claim::Infeasible => None,
+        };
+        let mut report = self.prove_claim(guide, point, out)?;
+        report.bound = bound;
+        Ok(report)
+    }
+
+    fn prove_claim(
+        self,
+        guide: Guide,
+        point: Option<&[f64]>,
+        out: &mut dyn Write,
+    ) -> io::Result<ProofReport> {
         let ProofRequest {
             program,
             squares,

@@ -108,7 +108,8 @@ impl ProofWriter<'_, '_> {
         let (mut open, mut next) = (Vec::new(), Some(part));
         let mut conflict = self.bounds.propagate(&self.facts).err();
         loop {
-            if self.trial_left.is_some() && self.log.trial_size() > LARGEST_TRIAL {
+            let is_large = self.trial_left.is_some() && self.log.trial_size() > LARGEST_TRIAL;
+            if is_large || self.log.has_failed() {
                 return Err(Limit);
             }
             if let Some(what) = conflict.take() {

@@ -212,7 +212,7 @@ fn with_values(
         true => Solution::new(model, outcome(Termination::Stalled), feasibility)?,
         false => found,
     };
-    let proof = solution.proof().copied().filter(|_| found.is_optimal());
+    let proof = solution.proof().cloned().filter(|_| found.is_optimal());
     Ok(found.with_start_report(solution.start_report().cloned()).with_proof(proof))
 }
 

@@ -5,7 +5,8 @@
 //! say about it, and that solve writes its proof. So the sets, the argument that waiting is free
 //! and the tightened programs of the search need not be trusted.
 
-use std::fs;
+use std::fs::{self, OpenOptions};
+use std::io;
 use std::path::Path;
 
 use super::HorizonModel;
@@ -15,7 +16,7 @@ use super::outcome::{HorizonProof, SolvedHorizon};
 use super::search::{ANY_GAP, build, settled};
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
-use crate::solution::Solution;
+use crate::solution::{ProofReport, Solution};
 use crate::solver::{MipStart, Solver, StopToken};
 
 /// Runs a search whose own solves write no logs, and tells it the folder in which the solver was
@@ -23,7 +24,8 @@ use crate::solver::{MipStart, Solver, StopToken};
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Io`] for a folder that cannot be made; those of the search.
+/// [`ErrorKind::Io`] for a folder that cannot be made or written, before the search; those of the
+/// search.
 pub(super) fn without_logs<T>(
     solver: &mut dyn Solver,
     search: impl FnOnce(&mut dyn Solver, Option<&Path>) -> Result<T, Error>,
@@ -37,20 +39,29 @@ pub(super) fn without_logs<T>(
 }
 
 fn make(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder).map_err(|source| {
+    let made = fs::create_dir_all(folder).and_then(|()| try_to_write(folder));
+    made.map_err(|source| {
         let what = format!("the proofs cannot be written to {}", folder.display());
         let help = "choose a folder that can be made and written";
         Error::with_source(ErrorKind::Io { what, help }, source)
     })
 }
 
-/// Writes the logs of a search.
+/// Makes a file in a folder, and removes it.
+fn try_to_write(folder: &Path) -> io::Result<()> {
+    let path = folder.join("steps_000000.proof");
+    OpenOptions::new().write(true).create(true).truncate(false).open(&path)?;
+    fs::remove_file(path)
+}
+
+/// Writes the logs of a search. What cannot be written is told in its report, and no log is tried
+/// behind it: the answer of the search is there already.
 pub(super) struct HorizonLogs<'a> {
     folder: &'a Path,
     options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
     token: StopToken,
-    /// Whether the solver has turned out to write no logs.
+    /// Whether the solver has turned out to write no logs, or one could not be written.
     is_in_vain: bool,
     proofs: Vec<HorizonProof>,
 }
@@ -120,7 +131,7 @@ impl<'a> HorizonLogs<'a> {
     ///
     /// # Errors
     ///
-    /// Those of the solver; [`ErrorKind::Io`] for a file that cannot be written.
+    /// Those of the solver, but for a log that it cannot write.
     fn log(
         &mut self,
         steps: usize,
@@ -132,10 +143,19 @@ impl<'a> HorizonLogs<'a> {
         self.solver.options_mut().proof = Some(proof.path.clone());
         let solution = self.token.solve_from(start, self.solver, model);
         self.solver.options_mut().proof = None;
-        let solution = solution?;
+        let solution = match solution {
+            Err(error) if matches!(error.kind(), ErrorKind::Io { .. }) => {
+                self.is_in_vain = true;
+                proof.report = Some(ProofReport::failed(text_of(&error)));
+                self.file(proof);
+                return Ok(None);
+            }
+            solution => solution?,
+        };
         let is_answer = is_answer(&solution);
-        proof.report = solution.proof().copied().filter(|_| is_answer);
-        self.is_in_vain |= is_answer && solution.proof().is_none();
+        proof.report = solution.proof().cloned().filter(|_| is_answer);
+        let has_failed = solution.proof().is_some_and(|report| report.failure.is_some());
+        self.is_in_vain |= has_failed || (is_answer && solution.proof().is_none());
         if !is_answer {
             // Nobody has asked for what it claims.
             fs::remove_file(&proof.path).ok();
@@ -156,4 +176,10 @@ impl<'a> HorizonLogs<'a> {
         self.options.tell(&event);
         self.proofs.push(proof);
     }
+}
+
+/// An error and the reason behind it.
+fn text_of(error: &Error) -> String {
+    let source = std::error::Error::source(error);
+    source.map_or(error.to_string(), |source| format!("{error}: {source}"))
 }
