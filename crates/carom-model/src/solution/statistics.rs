@@ -20,7 +20,8 @@ pub struct Statistics {
     pub relaxations: u64,
     /// Relaxations by method, and how often the first method gave up.
     pub relaxation_counts: RelaxationCounts,
-    /// Interior-point iterations over all relaxations.
+    /// Iterations over all relaxations: Newton steps of interior-point methods, and pivots or steps
+    /// of the others.
     pub iterations: u64,
     /// Nodes refuted without a relaxation: by bound propagation, probing or reduction.
     pub refuted_by_propagation: u64,

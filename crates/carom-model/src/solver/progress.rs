@@ -4,6 +4,7 @@ use std::fmt;
 
 use web_time::Duration;
 
+use crate::number::counted;
 use crate::solution::{Heuristic, Point};
 use crate::tolerance::relative_gap;
 
@@ -23,6 +24,9 @@ pub enum Event {
     Incumbent(Progress),
     /// Regular progress, a few times a second.
     Progress(Progress),
+    /// The search is over, and the [proof](crate::solver::Options::with_proof) that was asked for
+    /// is written, which may take as long again. At most once a solve, after all others.
+    Proving(Progress),
 }
 
 impl Event {
@@ -33,7 +37,8 @@ impl Event {
             | Event::Relaxed(p)
             | Event::Root(p)
             | Event::Incumbent(p)
-            | Event::Progress(p) => p,
+            | Event::Progress(p)
+            | Event::Proving(p) => p,
         }
     }
 }
@@ -57,11 +62,12 @@ pub struct ProgramSize {
 impl fmt::Display for ProgramSize {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ProgramSize { rows, columns, integers, nonzeros, cones } = self;
-        write!(f, "{rows} rows, {columns} columns ({integers} integral), {nonzeros} nonzeros")?;
+        let count = |count: &usize, what| counted(*count, what);
+        let (rows, columns) = (count(rows, "row"), count(columns, "column"));
+        write!(f, "{rows}, {columns} ({integers} integral), {}", count(nonzeros, "nonzero"))?;
         match cones {
             0 => Ok(()),
-            1 => f.write_str(", 1 cone"),
-            _ => write!(f, ", {cones} cones"),
+            cones => write!(f, ", {}", count(cones, "cone")),
         }
     }
 }
@@ -88,6 +94,14 @@ pub struct Progress {
     pub found_by: Option<Heuristic>,
     /// The part of the objective that all points have in common; 0 if it is not known.
     pub constant: f64,
+    /// Iterations of all relaxations so far.
+    pub iterations: u64,
+    /// Rows that cuts have added to the program of the search.
+    pub cuts: usize,
+    /// An estimate of the part of the tree that is done (no unit, from 0 to 1); `None` if nothing
+    /// is known of it. Each split gives every child the same part of its node. Most trees are far
+    /// from even, so this tells little about the time that is left.
+    pub explored: Option<f64>,
 }
 
 impl Progress {
@@ -100,8 +114,20 @@ impl Progress {
         bound: f64,
         elapsed: Duration,
     ) -> Self {
-        let (depth, found_by, constant) = (0, None, 0.0);
-        Progress { nodes, open, relaxations, incumbent, bound, elapsed, depth, found_by, constant }
+        Progress {
+            nodes,
+            open,
+            relaxations,
+            incumbent,
+            bound,
+            elapsed,
+            depth: 0,
+            found_by: None,
+            constant: 0.0,
+            iterations: 0,
+            cuts: 0,
+            explored: None,
+        }
     }
 
     /// Gap between incumbent and bound, relative as in

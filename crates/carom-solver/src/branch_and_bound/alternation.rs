@@ -87,6 +87,9 @@ fn run_turn(
         let mut progress = *own;
         progress.nodes = own.nodes + before.nodes;
         progress.relaxations = own.relaxations + before.relaxations;
+        progress.iterations = own.iterations + before.iterations;
+        // The turns search the tree again and again.
+        progress.explored = None;
         progress.incumbent = own.incumbent.map(|_| value);
         progress.bound = if own.bound.is_finite() { value } else { own.bound };
         progress

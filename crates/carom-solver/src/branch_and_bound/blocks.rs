@@ -47,6 +47,7 @@ impl Grant {
 struct Others {
     nodes: u64,
     relaxations: u64,
+    iterations: u64,
     /// Their objective; `None` if one of them has no point.
     value: Option<f64>,
     bound: f64,
@@ -61,6 +62,8 @@ impl Others {
             let mut progress = *own;
             progress.nodes = own.nodes + self.nodes;
             progress.relaxations = own.relaxations + self.relaxations;
+            progress.iterations = own.iterations + self.iterations;
+            progress.explored = None;
             progress.incumbent = own.incumbent.zip(self.value).map(|(own, others)| own + others);
             // Opposite infinities: the block is infeasible, and nothing is known of the others.
             progress.bound = if bound.is_nan() { self.bound } else { bound };
@@ -278,6 +281,7 @@ impl BlockSearches<'_, '_> {
         Others {
             nodes: self.statistics.nodes,
             relaxations: self.statistics.relaxations,
+            iterations: self.statistics.iterations,
             value: values.sum::<Option<f64>>().map(|value| sign * (offset + value)),
             bound: sign * (offset + others().map(|part| part.bound).sum::<f64>()),
             constant: sign * self.task.program.constant,

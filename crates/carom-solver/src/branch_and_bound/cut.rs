@@ -52,6 +52,7 @@ pub(super) fn cut(
     let cut = strengthen(program, root, options, token, &mut cascade, &mut |root| {
         if let Some(bound) = root.relaxed_bound() {
             let mut progress = Progress::new(0, 0, 1, None, sign * bound, token.elapsed());
+            progress.iterations = root.relaxed_iterations();
             progress.constant = sign * program.constant;
             control.report(&Event::Relaxed(progress));
         }

@@ -191,6 +191,11 @@ impl MethodCascade {
         }
     }
 
+    /// Iterations since what was taken was last asked for.
+    pub(crate) fn iterations(&self) -> u64 {
+        self.spent.iterations
+    }
+
     /// The attempts, iterations and time taken since this was last called.
     pub fn take_spent(&mut self) -> Spent {
         std::mem::take(&mut self.spent)

@@ -32,6 +32,8 @@ pub(super) fn branch(
     let facts = ctx.node.path.get(node.path.len()..).unwrap_or_default();
     keep_closed(ctx, &node.path, facts, &children);
     let path = ctx.tree.path_with(&node.path, facts);
+    // What trials have closed is one child more.
+    let share = node.share / (children.len() + usize::from(closed)).max(1) as f64;
     let node_of = |child: Child| {
         let moved = |last: &Decision| (x[last.column] - last.value).abs();
         let fraction = child.decisions.last().map_or(0.0, moved);
@@ -40,7 +42,7 @@ pub(super) fn branch(
         let own = child.multipliers.filter(|_| child.bound >= bound);
         let multipliers = own.or_else(|| ctx.node.multipliers.clone());
         let (bound, known, id) = (child.bound.max(bound), child.known, ctx.tree.new_id());
-        Node { path, bound, fraction, known, warm, serial: 0, id, multipliers }
+        Node { path, bound, share, fraction, known, warm, serial: 0, id, multipliers }
     };
     let shape: Option<Vec<Decision>> = chain_of(&children);
     let nodes: Vec<Node> = children.into_iter().map(node_of).collect();

@@ -120,6 +120,9 @@ pub struct Node {
     pub path: Path,
     /// The proved bound, in the unit of the (minimised) objective.
     pub bound: f64,
+    /// The part of the whole tree that it stands for, as if all children of a node were alike (no
+    /// unit).
+    pub(super) share: f64,
     /// The distance by which the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
     /// The relaxation of a trial, if there was one.
@@ -141,6 +144,7 @@ impl Node {
         Node {
             path,
             bound,
+            share: 1.0,
             fraction: 0.0,
             known: None,
             warm: None,
@@ -191,17 +195,34 @@ impl Ord for Node {
 #[derive(Debug, Default)]
 pub struct NodeQueue {
     heap: BinaryHeap<Node>,
+    /// The sum of the shares of its nodes.
+    share: f64,
 }
 
 impl NodeQueue {
     /// Adds an open node.
     pub fn push(&mut self, node: Node) {
+        self.share += node.share;
         self.heap.push(node);
     }
 
     /// Takes the next node.
     pub fn pop(&mut self) -> Option<Node> {
-        self.heap.pop()
+        let node = self.heap.pop();
+        self.let_go(node)
+    }
+
+    fn let_go(&mut self, node: Option<Node>) -> Option<Node> {
+        self.share = match (&node, self.heap.is_empty()) {
+            (Some(node), false) => self.share - node.share,
+            _ => 0.0,
+        };
+        node
+    }
+
+    /// The part of the whole tree that its nodes stand for.
+    pub(super) fn share(&self) -> f64 {
+        self.share
     }
 
     /// Takes the deepest node, the youngest one of several. Takes time in proportion to all nodes.
@@ -211,7 +232,7 @@ impl NodeQueue {
         let deepest = nodes.iter().enumerate().max_by_key(order).map(|(k, _)| k);
         let node = deepest.map(|k| nodes.swap_remove(k));
         self.heap = nodes.into();
-        node
+        self.let_go(node)
     }
 
     pub(super) fn len(&self) -> usize {

@@ -70,6 +70,11 @@ impl Root {
         self.point.as_ref().map(|point| point.bound)
     }
 
+    /// Iterations of the relaxation of the root, where it is known.
+    pub(crate) fn relaxed_iterations(&self) -> u64 {
+        self.point.as_ref().map_or(0, |point| point.iterations)
+    }
+
     /// The root of the same program with tighter bounds: what is known of it still holds.
     pub(crate) fn within(&self, program: &Program, token: &StopToken, probing: bool) -> Self {
         let mut root = self.clone();

@@ -22,6 +22,8 @@ pub(super) struct RootPoint {
     pub(super) warm: Option<WarmState>,
     /// Whether the nodes below would start from the state of another method.
     lacks_state: bool,
+    /// Iterations of the relaxation.
+    pub(super) iterations: u64,
 }
 
 /// A program with a tighter relaxation and the same points with whole integers.
@@ -70,13 +72,15 @@ impl RootPoint {
             token,
             warm,
         };
+        let before = cascade.iterations();
         let verdict = (!is_empty).then(|| cascade.solve(&mut projection.reduced, &question));
+        let iterations = cascade.iterations() - before;
         let reduced = &projection.reduced;
         let point = match verdict {
             Some(RelaxationVerdict::Relaxed { bound, x, converged: true, warm, .. }) => {
                 let (value, x) = (reduced.objective(&x), projection.lift(&x));
                 let lacks_state = cascade.starts_warm(reduced);
-                Some(RootPoint { bound, value, x, warm, lacks_state })
+                Some(RootPoint { bound, value, x, warm, lacks_state, iterations })
             }
             _ => None,
         };

@@ -59,6 +59,8 @@ pub(super) struct TreeState {
     pub(super) queue: NodeQueue,
     /// Smallest bound of what a worker has at hand, by worker.
     pub(super) floors: Vec<Option<f64>>,
+    /// The part of the whole tree that a worker has at hand, by worker.
+    pub(super) shares: Vec<f64>,
     points: BestPoints,
     /// Incumbents that were not reported yet.
     news: Vec<Accepted>,
@@ -131,6 +133,7 @@ impl<'a> Tree<'a> {
         let state = TreeState {
             queue: NodeQueue::default(),
             floors: vec![None; workers],
+            shares: vec![0.0; workers],
             points: BestPoints::new(task.options),
             news: Vec::new(),
             closed: f64::INFINITY,
@@ -380,6 +383,10 @@ impl<'a> Tree<'a> {
         );
         progress.constant = sign * self.task.program.constant;
         progress.depth = counts.depth;
+        progress.iterations = counts.iterations;
+        let rows = self.task.exact.map_or(usize::MAX, Program::row_count);
+        progress.cuts = self.task.program.row_count().saturating_sub(rows);
+        progress.explored = explored(&state);
         progress.found_by = incumbent.map(|best| best.found_by);
         progress
     }
@@ -438,6 +445,16 @@ fn has_enough_rows(state: &mut TreeState) -> bool {
     let nodes = state.statistics.nodes;
     let since = *state.rows_since.get_or_insert(nodes);
     nodes - since >= NODES_AFTER_ROWS.max(since / 2)
+}
+
+/// An estimate of the part of the tree that is done: after Knuth, "Estimating the efficiency of
+/// backtrack programs", 1975, a node stands for the part that a walk to a random child at each split
+/// finds it with. `None` if other processes hold nodes.
+fn explored(state: &TreeState) -> Option<f64> {
+    let Elsewhere { open, nodes, .. } = state.elsewhere;
+    let is_whole = open == 0 && nodes == 0;
+    let left = state.queue.share() + state.shares.iter().sum::<f64>();
+    is_whole.then(|| (1.0 - left).clamp(0.0, 1.0))
 }
 
 /// The proved bound on the whole program.

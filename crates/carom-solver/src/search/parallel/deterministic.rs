@@ -127,11 +127,12 @@ fn assign(tree: &Tree<'_>, slots: &Slots<'_>) -> Vec<usize> {
         let plunge = slot.plunge.take();
         if !go_on || left == 0 {
             plunge.into_iter().for_each(|node| state.queue.push(node));
-            state.floors[id] = None;
+            (state.floors[id], state.shares[id]) = (None, 0.0);
             continue;
         }
         let node = next_node(tree, &mut state, plunge);
         state.floors[id] = node.as_ref().map(|node| node.bound);
+        state.shares[id] = node.as_ref().map_or(0.0, |node| node.share);
         if let Some(node) = node {
             tree.open.fetch_sub(1, Ordering::Relaxed);
             let nodes = NODES_PER_ROUND.min(left);
@@ -176,6 +177,7 @@ fn put_together(tree: &Tree<'_>, slots: &Slots<'_>, assigned: &[usize]) {
         }
         worker.pseudocosts().tell(&mut shared);
         state.floors[id] = plunge.as_ref().map(|node| node.bound);
+        state.shares[id] = plunge.as_ref().map_or(0.0, |node| node.share);
         if plunge.is_some() {
             tree.open.fetch_add(1, Ordering::Relaxed);
         }

@@ -91,6 +91,7 @@ fn work(
             tree.take_in(&mut state, view.take_report());
             let bound = plunge.as_ref().map_or(f64::INFINITY, |child| child.bound);
             state.floors[view.id] = Some(bound);
+            state.shares[view.id] = plunge.as_ref().map_or(0.0, |child| child.share);
             drop(state);
             reporter.report(tree);
             shared_tree::meet(tree, reporter, worker.tree(), &mut plunge);
@@ -114,7 +115,7 @@ fn go_on(tree: &Tree<'_>, view: &TreeView<'_>, node: Node) -> Option<Node> {
     tree.take_in(&mut state, view.take_report());
     if tree.may_go_on(&mut state) {
         state.started += 1;
-        state.floors[view.id] = Some(node.bound);
+        (state.floors[view.id], state.shares[view.id]) = (Some(node.bound), node.share);
         return Some(node);
     }
     tree.push(&mut state, node);
@@ -136,7 +137,7 @@ fn next(tree: &Tree<'_>, view: &TreeView<'_>) -> Option<Node> {
             Some(node) => {
                 tree.open.fetch_sub(1, Ordering::Relaxed);
                 state.started += 1;
-                state.floors[view.id] = Some(node.bound);
+                (state.floors[view.id], state.shares[view.id]) = (Some(node.bound), node.share);
                 return Some(node);
             }
             None if state.floors.iter().all(Option::is_none) => {
@@ -156,6 +157,7 @@ fn next(tree: &Tree<'_>, view: &TreeView<'_>) -> Option<Node> {
 
 /// Notes that a worker has nothing at hand.
 fn leave(tree: &Tree<'_>, state: &mut TreeState, view: &TreeView<'_>) {
+    state.shares[view.id] = 0.0;
     if state.floors[view.id].take().is_some() {
         tree.wake.notify_all();
     }
