@@ -13,6 +13,7 @@ mod disjunctions;
 mod fragments;
 mod functions;
 mod implied_bounds;
+mod log;
 mod logic;
 mod norm_sums;
 mod ordered_sets;

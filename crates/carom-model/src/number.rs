@@ -39,6 +39,12 @@ pub fn rounded(value: f64, digits: usize) -> String {
     }
 }
 
+/// A count with what is counted, which is one or several of it.
+pub fn counted<T: fmt::Display + PartialEq + From<u8>>(count: T, what: &str) -> String {
+    let ending = if count == T::from(1) { "" } else { "s" };
+    format!("{count} {what}{ending}")
+}
+
 /// The numbers of a column of a table, where what is below the last digit of the largest one is 0,
 /// and so is a column of nothing but such numbers: a solve leaves such remainders of 0.
 #[derive(Debug, Clone, Copy)]

@@ -22,6 +22,7 @@ mod certificate;
 pub(crate) mod control;
 mod heuristics;
 mod log;
+mod log_columns;
 mod mip_start;
 mod options;
 mod prepared;

@@ -124,12 +124,11 @@ fn the_log_has_a_line_for_every_new_best_point() {
     let solution = BranchAndBound::default().solve_with(&knapsack(18, 4), &mut control).unwrap();
     log.finish(&solution);
     let text = String::from_utf8(log.into_inner().unwrap()).unwrap();
-    let heading =
-        "      nodes     open  depth        incumbent            bound     gap %   seconds";
+    let heading = "      nodes     open  depth iterations        incumbent            bound    gap % tree %  seconds";
     let above: Vec<&str> = text.lines().take_while(|line| *line != heading).collect();
     assert!(above[0].starts_with("presolve left "), "{text}");
     assert!(above[1].starts_with("bound of the root "), "{text}");
-    let explained = above.last().unwrap();
+    let explained = above[above.len() - 2];
     for heuristic in Heuristic::ALL {
         assert!(explained.contains(&format!("{} {heuristic}", heuristic.mark())), "{explained}");
     }

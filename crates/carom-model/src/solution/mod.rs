@@ -50,6 +50,9 @@ pub struct Solution {
     bound: f64,
     #[cfg_attr(feature = "serde", serde(default))]
     constant: f64,
+    /// The sum of the magnitudes of the terms of the objective at the point.
+    #[cfg_attr(feature = "serde", serde(default))]
+    magnitude: f64,
     sense: Sense,
     verification: Option<Verification>,
     rounding: f64,
@@ -91,6 +94,19 @@ pub struct Outcome {
 fn is_narrow(bounds: Interval, feasibility: f64) -> bool {
     let width = bounds.upper - bounds.lower;
     width > 0.0 && width < feasibility && bounds.magnitude() >= tolerance::SMALL_UNIT
+}
+
+/// Objectives below this part of the magnitudes of their terms are what rounding has left of 0 (no
+/// unit): beyond the digits that are shown.
+const LEFT_BY_ROUNDING: f64 = 1e-12;
+
+/// The sum of the magnitudes of the terms of the objective at a point.
+fn magnitude(model: &Model, point: &Point) -> f64 {
+    let objective = model.objective();
+    let at = |variable: Variable| point.as_slice().get(variable.index()).copied().unwrap_or(0.0);
+    let linear = objective.affine().terms().into_iter().map(|(v, c)| c * at(v));
+    let products = objective.products().into_iter().map(|(v, w, q)| q * at(v) * at(w));
+    linear.chain(products).chain([objective.affine().offset()]).map(f64::abs).sum()
 }
 
 impl Outcome {
@@ -146,12 +162,14 @@ impl Solution {
         let objective = point.as_ref().map(|p| p.value(model.objective())).transpose()?;
         let sense = model.sense();
         let pool = Pool::of_best(point.as_ref(), objective, verification.as_ref());
+        let magnitude = point.as_ref().map_or(0.0, |point| magnitude(model, point));
         Ok(Solution {
             termination,
             point,
             objective,
             bound,
             constant: model.objective_constant(),
+            magnitude,
             sense,
             verification,
             rounding,
@@ -176,6 +194,7 @@ impl Solution {
             objective: None,
             bound: f64::NEG_INFINITY,
             constant: 0.0,
+            magnitude: 0.0,
             sense: Sense::Minimize,
             verification: None,
             rounding: 0.0,
@@ -386,6 +405,26 @@ impl Solution {
     /// Objective of the best point, in the model's own sense.
     pub fn objective(&self) -> Option<f64> {
         self.objective
+    }
+
+    /// An objective or a bound as people are shown it: 0 where it is less than 1e-12 of the
+    /// magnitudes of the objective's terms at the best point, because that is what rounding leaves
+    /// of them.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("m");
+    /// let x = model.binary_family("x", 3)?;
+    /// model.minimize(0.1 * x[0] + 0.2 * x[1] - 0.3 * x[2])?;
+    /// model.add("all", (x[0] + x[1] + x[2]).ge(3.0))?;
+    /// let solution = BranchAndBound::default().solve(&model)?;
+    /// assert_eq!(solution.cleaned(5.5e-17), 0.0);
+    /// assert_eq!(solution.cleaned(5.5e-7), 5.5e-7);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn cleaned(&self, value: f64) -> f64 {
+        if value.abs() < LEFT_BY_ROUNDING * self.magnitude { 0.0 } else { value }
     }
 
     /// Proved bound: no feasible point has a better objective. Infinite if nothing is proved

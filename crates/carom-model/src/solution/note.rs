@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Solution, Termination};
-use crate::number::percent;
+use crate::number::{counted, percent};
 use crate::tolerance::FREE_RADIUS;
 
 /// Fewest nodes, splits or relaxations that a remark is made about.
@@ -140,8 +140,9 @@ impl fmt::Display for Note {
             ),
             Note::BelowTolerance { variables } => write!(
                 f,
-                "the whole range of {variables} variables is below the tolerance; measure them from one of \
-                 their bounds, or in smaller units"
+                "the whole range of {} is below the tolerance; measure them from one of their bounds, \
+                 or in smaller units",
+                counted(*variables, "variable")
             ),
         }
     }

@@ -5,12 +5,21 @@ use std::io::{self, Write};
 
 use web_time::{Duration, Instant};
 
+use super::log_columns::LogColumns;
 use super::progress::{Event, Progress};
-use crate::number::{percent, rounded};
-use crate::solution::{Heuristic, RelaxationCounts, Solution, Verification};
+use crate::number::{DIGITS, counted, rounded};
+use crate::solution::{
+    Heuristic, ProofReport, RelaxationCounts, Solution, Termination, Verification,
+};
 
 /// Lines between two headings.
 const LINES_PER_HEADING: u64 = 25;
+
+/// The narrowest terminal (characters).
+const LEAST_WIDTH: usize = 40;
+
+/// The least width of the columns of a search for the shortest horizon (characters).
+const HORIZON_WIDTH: usize = 80;
 
 /// Violations that are named.
 const NAMED_VIOLATIONS: usize = 3;
@@ -25,10 +34,14 @@ const LONGEST_INTERVAL: Duration = Duration::from_secs(60);
 /// cuts, and then a line for the root, for every new best point, and about once a second at first,
 /// later less often.
 ///
-/// The columns are: nodes processed, nodes open, largest depth, best objective, bound, relative gap
-/// in percent, and seconds. A line for a new best point begins with the mark of its heuristic, see
-/// [`Heuristic::mark`](crate::solution::Heuristic::mark); the marks are explained above the first
-/// line.
+/// The columns are: nodes processed, nodes open, largest depth, iterations of all relaxations, best
+/// objective, bound, relative gap in percent, an [estimate](Progress::explored) of the part of the
+/// tree that is done, in percent, and seconds. Narrow lines have fewer of them, see
+/// [`with_width`](Self::with_width). A line for a new best point begins with the mark of its
+/// heuristic, see [`Heuristic::mark`](crate::solution::Heuristic::mark); the marks are explained
+/// above the first line.
+///
+/// Objectives and bounds below 1e-12 of the largest one in the log are shown as 0.
 ///
 /// Events of searches for the shortest horizon, of systems, scenes and others, write themselves:
 /// `event.record(&mut log)`.
@@ -52,9 +65,14 @@ const LONGEST_INTERVAL: Duration = Duration::from_secs(60);
 /// ```
 pub struct Log<W: Write> {
     writer: W,
+    /// The most characters of a line.
+    width: usize,
+    columns: LogColumns,
     lines: u64,
     /// The bound of the root before cuts, until the root is done.
     relaxed: Option<f64>,
+    /// The best objective of the last line.
+    told: Option<f64>,
     /// When the last line was written, in time since its solve began.
     last: Option<Duration>,
     failed: Option<io::Error>,
@@ -75,9 +93,28 @@ struct Searched {
 }
 
 impl<W: Write> Log<W> {
-    /// A log that writes to `writer`.
+    /// A log that writes to `writer`, with lines of any length.
     pub fn new(writer: W) -> Self {
-        Log { writer, lines: 0, relaxed: None, last: None, failed: None, searched: None }
+        Log {
+            writer,
+            width: usize::MAX,
+            columns: LogColumns::new(usize::MAX),
+            lines: 0,
+            relaxed: None,
+            told: None,
+            last: None,
+            failed: None,
+            searched: None,
+        }
+    }
+
+    /// Sets the width of a terminal (characters, at least 40). Lines about a search have the columns
+    /// that fit, and texts are broken between words.
+    #[must_use]
+    pub fn with_width(mut self, width: usize) -> Self {
+        self.width = width.max(LEAST_WIDTH);
+        self.columns = LogColumns::new(self.width);
+        self
     }
 
     /// Writes the line of an event. After an error of the writer nothing more is written, and
@@ -85,95 +122,122 @@ impl<W: Write> Log<W> {
     pub fn record(&mut self, event: &Event) {
         let progress = event.progress();
         let seconds = progress.elapsed.as_secs_f64();
-        let mark = match event {
+        // What is earlier than the last line is of another solve.
+        if self.last.is_some_and(|last| progress.elapsed < last) {
+            (self.last, self.told) = (None, None);
+        }
+        let is_news = progress.incumbent.is_some() && progress.incumbent != self.told;
+        match event {
             Event::Presolved(size, _) => {
-                return self.write(format_args!("presolve left {size} ({seconds:.2} s)\n"));
+                self.told = None;
+                return self.text(format_args!("presolve left {size} ({seconds:.2} s)"));
             }
             Event::Relaxed(_) => {
                 self.relaxed = Some(progress.bound);
-                let bound = number(progress.bound);
-                return self.write(format_args!("bound of the root {bound} ({seconds:.2} s)\n"));
+                let bound = self.columns.number(progress.bound);
+                let iterations = counted(progress.iterations, "iteration");
+                return self.text(format_args!(
+                    "bound of the root {bound}, after {iterations} ({seconds:.2} s)"
+                ));
+            }
+            Event::Proving(_) => {
+                return self.text(format_args!("the proof is written ({seconds:.2} s)"));
             }
             Event::Root(_) => {
                 if self.relaxed.take().is_some_and(|first| first != progress.bound) {
-                    let bound = number(progress.bound);
-                    self.write(format_args!("bound after cuts {bound} ({seconds:.2} s)\n"));
+                    let bound = self.columns.number(progress.bound);
+                    let cuts = counted(progress.cuts, "cut");
+                    self.text(format_args!("bound after {cuts} {bound} ({seconds:.2} s)"));
                 }
-                ' '
             }
-            Event::Incumbent(_) => progress.found_by.map_or('*', |heuristic| heuristic.mark()),
-            // What is earlier than the last line is of another solve.
-            Event::Progress(_)
-                if self.last.is_some_and(|last| {
-                    (last..last + interval(last)).contains(&progress.elapsed)
-                }) =>
-            {
-                return;
+            // The line of the root has told of it.
+            Event::Incumbent(_) if !is_news => return,
+            Event::Incumbent(_) => {}
+            Event::Progress(_) => {
+                let is_early = |last| progress.elapsed < last + interval(last);
+                if !is_news && self.last.is_some_and(is_early) {
+                    return;
+                }
             }
-            Event::Progress(_) => ' ',
+        }
+        let mark = match is_news {
+            true => progress.found_by.map_or('*', |heuristic| heuristic.mark()),
+            false => ' ',
         };
-        self.last = Some(progress.elapsed);
+        (self.last, self.told) = (Some(progress.elapsed), progress.incumbent);
         if self.lines == 0 {
-            let marks = Heuristic::ALL.map(|source| format!("{} {source}", source.mark()));
-            self.write(format_args!(
-                "new best points are marked by their source: {}\n",
-                marks.join(", ")
-            ));
+            self.explain_marks();
         }
         if self.lines.is_multiple_of(LINES_PER_HEADING) {
-            self.write(format_args!(
-                "  {:>9} {:>8} {:>6} {:>16} {:>16} {:>9} {:>9}\n",
-                "nodes", "open", "depth", "incumbent", "bound", "gap %", "seconds"
-            ));
+            let heading = self.columns.heading();
+            self.write(format_args!("{heading}\n"));
         }
         self.lines += 1;
-        let Progress { nodes, open, depth, bound, .. } = *progress;
-        let incumbent = progress.incumbent.map_or("-".to_owned(), number);
-        let gap = percent(progress.relative_gap());
-        let bound = number(bound);
-        self.write(format_args!(
-            "{mark} {nodes:>9} {open:>8} {depth:>6} {incumbent:>16} {bound:>16} {gap:>9} \
-             {seconds:>9.2}\n"
-        ));
+        let line = self.columns.row(mark, progress);
+        self.write(format_args!("{line}\n"));
+    }
+
+    /// Explains what is not told by the heading.
+    fn explain_marks(&mut self) {
+        let marks = Heuristic::ALL.map(|source| format!("{} {source}", source.mark()));
+        self.text(format_args!("new best points are marked by their source: {}", marks.join(", ")));
+        if self.columns.shows_explored() {
+            self.text(format_args!(
+                "tree % estimates the part of the tree that is done, as if all its parts were even"
+            ));
+        }
     }
 
     /// Writes a summary: the outcome, the times by activity and the points by heuristic.
     pub fn finish(&mut self, solution: &Solution) {
         let statistics = solution.statistics();
-        let objective = solution.objective().map_or("-".to_owned(), number);
-        self.write(format_args!(
-            "{}: objective {objective}, bound {}, {} nodes in {:.2} s ({:.0} a second)\n",
+        let mut number = |value: f64| self.columns.number(solution.cleaned(value));
+        let objective = solution.objective().map_or("-".to_owned(), &mut number);
+        let bound = match solution.termination() {
+            Termination::Unbounded => "-".to_owned(),
+            _ => number(solution.bound()),
+        };
+        self.text(format_args!(
+            "{}: objective {objective}, bound {bound}, {} in {:.2} s ({:.0} a second)",
             solution.termination(),
-            number(solution.bound()),
-            statistics.nodes,
+            counted(statistics.nodes, "node"),
             statistics.time.as_secs_f64(),
             statistics.nodes_per_second(),
         ));
         for note in solution.notes() {
-            self.write(format_args!("{note}\n"));
+            self.text(format_args!("{note}"));
         }
         if let Some(check) = solution.refused() {
-            self.write(format_args!("{}\n", refusal(check)));
+            self.text(format_args!("{}", refusal(check)));
         }
-        self.write(format_args!(
-            "{} relaxations, {} iterations, depth {}, at most {} open, {} bytes\n",
-            statistics.relaxations,
-            statistics.iterations,
+        if let Some(check) = solution.verification().filter(|_| solution.point().is_some()) {
+            let violation = rounded(check.largest_residual(), 3);
+            self.text(format_args!("largest violation of the point: {violation}"));
+        }
+        if let Some(report) = solution.proof() {
+            self.text(format_args!("{}", proof_line(report)));
+        }
+        self.text(format_args!(
+            "{}, {}, depth {}, at most {} open, {}",
+            counted(statistics.relaxations, "relaxation"),
+            counted(statistics.iterations, "iteration"),
             statistics.depth,
             statistics.max_open,
-            statistics.tree_bytes,
+            counted(statistics.tree_bytes, "byte"),
         ));
         let RelaxationCounts { dual_simplex, active_set, interior_point, clarabel, given_up } =
             statistics.relaxation_counts;
-        self.write(format_args!(
+        self.text(format_args!(
             "relaxations: dual simplex {dual_simplex}, active set {active_set}, interior point \
-             {interior_point}, Clarabel {clarabel}; the first method gave up {given_up} times\n"
+             {interior_point}, Clarabel {clarabel}; the first method gave up {}",
+            counted(given_up, "time"),
         ));
         if statistics.blocks > 0 {
-            self.write(format_args!("{} blocks, one after the other\n", statistics.blocks));
+            let blocks = counted(statistics.blocks, "block");
+            self.text(format_args!("{blocks}, one after the other"));
         }
-        self.write(format_args!(
-            "ended: propagation {}, relaxation {}, bound {}, leaf {}; split {}, unfinished {}\n",
+        self.text(format_args!(
+            "ended: propagation {}, relaxation {}, bound {}, leaf {}; split {}, unfinished {}",
             statistics.refuted_by_propagation,
             statistics.refuted_by_relaxation,
             statistics.cut_off,
@@ -186,16 +250,21 @@ impl<W: Write> Log<W> {
             format!("{name} {:.0} %", 100.0 * time.as_secs_f64() / total)
         };
         let shares: Vec<String> = statistics.times.parts().into_iter().map(share).collect();
-        self.write(format_args!("time: {}\n", shares.join(", ")));
+        self.text(format_args!("time: {}", shares.join(", ")));
         for (heuristic, count) in statistics.heuristics.iter().filter(|(_, c)| c.calls > 0) {
-            self.write(format_args!(
-                "{} {heuristic}: {} calls, {} points, {} of them the best so far\n",
+            self.text(format_args!(
+                "{} {heuristic}: {}, {}, {} of them the best so far",
                 heuristic.mark(),
-                count.calls,
-                count.points,
+                counted(count.calls, "call"),
+                counted(count.points, "point"),
                 count.incumbents
             ));
         }
+    }
+
+    /// Writes a text among the lines, broken between words where it is too long for a line.
+    pub fn say(&mut self, text: &str) {
+        self.text(format_args!("{text}"));
     }
 
     /// The writer.
@@ -236,7 +305,7 @@ impl<W: Write> Log<W> {
         let searched = self.searched();
         searched.last = searched.began.elapsed();
         let seconds = searched.last.as_secs_f64();
-        self.write(format_args!("{text} ({seconds:.2} s)\n"));
+        self.text(format_args!("{text} ({seconds:.2} s)"));
     }
 
     /// Writes a line about the solve at work of a search, if the last line is some time ago.
@@ -250,6 +319,11 @@ impl<W: Write> Log<W> {
         let is_first = searched.lines.is_multiple_of(LINES_PER_HEADING);
         (searched.last, searched.lines) = (elapsed, searched.lines + 1);
         let (refuted, feasible) = searched.at_work;
+        let bound = self.columns.number(progress.bound);
+        if self.width < HORIZON_WIDTH {
+            let (steps, nodes) = (counted(steps, "step"), counted(progress.nodes, "node"));
+            return self.line(format_args!("{steps} at work: {nodes}, bound {bound}"));
+        }
         if is_first {
             self.write(format_args!(
                 "  {:>7} {:>9} {:>9} {:>9} {:>8} {:>16} {:>9}\n",
@@ -257,11 +331,20 @@ impl<W: Write> Log<W> {
             ));
         }
         let feasible = feasible.map_or("-".to_owned(), |steps| steps.to_string());
-        let (nodes, open, bound) = (progress.nodes, progress.open, number(progress.bound));
+        let (nodes, open) = (progress.nodes, progress.open);
         let seconds = elapsed.as_secs_f64();
         self.write(format_args!(
             "  {steps:>7} {refuted:>9} {feasible:>9} {nodes:>9} {open:>8} {bound:>16} {seconds:>9.2}\n"
         ));
+    }
+
+    /// Writes lines of text.
+    fn text(&mut self, text: fmt::Arguments<'_>) {
+        let text = text.to_string();
+        for line in text.lines() {
+            let broken = broken(line, self.width);
+            self.write(format_args!("{broken}\n"));
+        }
     }
 
     fn write(&mut self, text: fmt::Arguments<'_>) {
@@ -297,8 +380,38 @@ fn refusal(check: &Verification) -> String {
     )
 }
 
-/// Ten significant digits, or eight where that is too long for a column.
-fn number(value: f64) -> String {
-    let plain = rounded(value, 10);
-    if plain.len() <= 16 { plain } else { format!("{value:.7e}") }
+/// The state of a proof, in a line.
+fn proof_line(report: &ProofReport) -> String {
+    let claim = match report.bound {
+        Some(bound) => format!("of the bound {}", rounded(bound, DIGITS)),
+        None => "that there is no point".to_owned(),
+    };
+    let (commands, bytes) = (counted(report.commands, "command"), counted(report.bytes, "byte"));
+    match (&report.failure, report.is_complete) {
+        (Some(failure), _) => failure.clone(),
+        (None, true) => format!("proof {claim}: {commands}, {bytes}"),
+        (None, false) => format!("proof {claim}: not complete, {commands}, {bytes}"),
+    }
+}
+
+/// A line, broken between words into lines of at most so many characters; all but the first are
+/// indented.
+fn broken(line: &str, width: usize) -> String {
+    if line.chars().count() <= width {
+        return line.to_owned();
+    }
+    let (mut text, mut length) = (String::new(), 0);
+    for word in line.split(' ') {
+        let own = word.chars().count();
+        if length > 0 && length + 1 + own > width {
+            text += "\n  ";
+            length = 2;
+        } else if !text.is_empty() {
+            text.push(' ');
+            length += 1;
+        }
+        text += word;
+        length += own;
+    }
+    text
 }
