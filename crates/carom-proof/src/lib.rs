@@ -56,7 +56,7 @@ impl fmt::Display for Proved {
             }
             Claim::Bound(bound) => write!(f, "objective >= {}", Plain(bound))?,
         }
-        write!(f, " ({} steps)", self.steps)
+        write!(f, " ({} step{})", self.steps, if self.steps == 1 { "" } else { "s" })
     }
 }
 

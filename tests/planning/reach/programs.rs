@@ -151,7 +151,7 @@ fn the_report_says_what_was_done_and_why() {
     assert_eq!(report.rows.len(), 1);
     assert_eq!((tube.fewest_events(), tube.most_events()), (Some(1), Some(2)));
     let text = format!(
-        "48 steps: {} binaries fixed, {} open, {} bounds tightened, 1 rows added",
+        "48 steps: {} binaries fixed, {} open, {} bounds tightened, 1 row added",
         report.parts().fixed.len(),
         open.len(),
         report.parts().tightened.len()

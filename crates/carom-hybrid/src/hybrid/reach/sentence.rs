@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::explain::{EmptinessReason, Finding, ReachExplanation};
 use super::words::{Words, apart, number, range, two_numbers};
+use crate::number::counted;
 
 impl fmt::Display for EmptinessReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -77,7 +78,7 @@ impl Finding {
 impl ReachExplanation {
     /// So many steps, with the time that they take.
     fn span(&self, steps: usize) -> String {
-        let count = if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") };
+        let count = counted(steps, "step");
         format!("{count} ({} s)", number(steps as f64 * self.time_step))
     }
 }

@@ -8,6 +8,7 @@ use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::system::Coordinates;
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Name, Variable};
+use crate::number::counted;
 use crate::tolerance;
 
 /// The variables of a program that represent the states and transitions of the hybrid system;
@@ -148,16 +149,16 @@ pub struct TighteningReport {
 impl fmt::Display for TighteningReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.infeasible {
-            return write!(f, "{} steps: no plan", self.steps);
+            return write!(f, "{}: no plan", counted(self.steps, "step"));
         }
         write!(
             f,
-            "{} steps: {} binaries fixed, {} open, {} bounds tightened, {} rows added",
-            self.steps,
+            "{}: {} binaries fixed, {} open, {} tightened, {} added",
+            counted(self.steps, "step"),
             self.fixed.len(),
             self.open,
-            self.tightened.len(),
-            self.rows.len()
+            counted(self.tightened.len(), "bound"),
+            counted(self.rows.len(), "row")
         )
     }
 }

@@ -8,7 +8,7 @@ use super::RecedingHorizon;
 use super::step::{ControlMove, MoveSource};
 use crate::error::{Error, check_finite, check_length};
 use crate::interval::Interval;
-use crate::number::{DIGITS, rounded};
+use crate::number::{DIGITS, counted, rounded};
 use crate::picture::{COLOURS, Chart};
 
 /// The record of a controller in a loop with a plant.
@@ -204,8 +204,9 @@ impl fmt::Display for ClosedLoop {
         sources.dedup();
         let counts: Vec<String> =
             sources.iter().map(|&source| format!("{} {source}", self.count(source))).collect();
-        writeln!(f, "{} steps: {}", self.moves.len(), counts.join(", "))?;
-        writeln!(f, "{} nodes, {} relaxations", sum(|m| m.nodes), sum(|m| m.relaxations))?;
+        writeln!(f, "{}: {}", counted(self.moves.len(), "step"), counts.join(", "))?;
+        let (nodes, relaxations) = (sum(|m| m.nodes), sum(|m| m.relaxations));
+        writeln!(f, "{}, {}", counted(nodes, "node"), counted(relaxations, "relaxation"))?;
         write!(
             f,
             "time per step: median {:.2} ms, 99.5 % within {:.2} ms, longest {:.2} ms",

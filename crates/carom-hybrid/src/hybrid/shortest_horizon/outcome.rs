@@ -8,6 +8,7 @@ use web_time::Duration;
 use super::Monotonicity;
 use crate::error::{Error, RunError};
 use crate::hybrid::reach::{ReachSets, Tube};
+use crate::number::counted;
 use crate::solution::{ProofReport, Solution, Statistics, Termination};
 
 /// How a horizon was refuted.
@@ -81,14 +82,13 @@ pub struct HorizonAttempt {
 /// In words: "17 steps: refuted by relaxations, 4711 nodes in 9.80 s".
 impl fmt::Display for HorizonAttempt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let plural = |count: u64| if count == 1 { "" } else { "s" };
-        write!(f, "{} step{}: {}", self.steps, plural(self.steps as u64), self.verdict)?;
+        write!(f, "{}: {}", counted(self.steps, "step"), self.verdict)?;
         if !self.is_solve() {
             return Ok(());
         }
         let nodes = self.statistics.nodes;
         let seconds = self.statistics.time.as_secs_f64();
-        write!(f, ", {nodes} node{} in {seconds:.2} s", plural(nodes))
+        write!(f, ", {} in {seconds:.2} s", counted(nodes, "node"))
     }
 }
 
@@ -124,14 +124,15 @@ impl HorizonAttempt {
 
 /// The log of a horizon that [`Options::with_proof`](crate::solver::Options::with_proof) has asked
 /// for, with a report if there is one.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct HorizonProof {
     /// The horizon, in steps.
     pub steps: usize,
     /// The file of its log: `steps_000007.proof` in the folder of the option for 7 steps.
     pub path: PathBuf,
-    /// The report on the log. `None` if there is none: a limit or an interrupt came first, the
+    /// The report on the log, which also says why it could not be written, if it could not. `None`
+    /// if there is none: a limit, an interrupt or a log that could not be written came first, the
     /// solver writes none, or the solve of the horizon's own program came to another answer than
     /// the search.
     pub report: Option<ProofReport>,
@@ -140,7 +141,7 @@ pub struct HorizonProof {
 impl HorizonProof {
     /// Whether there is a log that covers the whole claim.
     pub fn is_complete(&self) -> bool {
-        self.report.is_some_and(|report| report.is_complete)
+        self.report.as_ref().is_some_and(|report| report.is_complete)
     }
 }
 
@@ -165,7 +166,11 @@ impl fmt::Display for ShortestStatus {
         match self {
             ShortestStatus::Found => f.write_str("found"),
             ShortestStatus::NoneWithin { max_steps } => {
-                write!(f, "no feasible horizon up to {max_steps} steps of the time-stepped law")
+                write!(
+                    f,
+                    "no feasible horizon up to {} of the time-stepped law",
+                    counted(*max_steps, "step")
+                )
             }
             ShortestStatus::Stopped(termination) => write!(f, "stopped ({termination})"),
         }
@@ -248,7 +253,7 @@ impl<P> fmt::Display for ShortestHorizon<P> {
             None => "the programs of the search".to_owned(),
         };
         let horizon = |steps: usize| {
-            let count = if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") };
+            let count = counted(steps, "step");
             match self.time_step {
                 Some(time_step) => format!("{count}, {}", seconds(steps, time_step)),
                 None => count,

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::event::HorizonEvent;
 use super::options::ShortestOptions;
 use super::outcome::{HorizonRefutation, HorizonVerdict};
+use crate::number::counted;
 use crate::solver::Log;
 
 /// Receives the events of searches.
@@ -91,7 +92,9 @@ impl HorizonEvent {
             HorizonEvent::Logged(proof) => {
                 write_refuted(log);
                 let what = if proof.is_complete() { "complete" } else { "not complete" };
-                log.line(format_args!("the log of {} steps is {what}", proof.steps));
+                log.line(format_args!("the log of {} is {what}", counted(proof.steps, "step")));
+                let failure = proof.report.as_ref().and_then(|report| report.failure.as_ref());
+                failure.iter().for_each(|failure| log.line(format_args!("{failure}")));
             }
         }
     }
@@ -106,7 +109,7 @@ fn write_refuted<W: Write>(log: &mut Log<W>) {
         }
         _ => {
             for steps in steps {
-                log.line(format_args!("{steps} steps: refuted by reach sets"));
+                log.line(format_args!("{}: refuted by reach sets", counted(steps, "step")));
             }
         }
     }
