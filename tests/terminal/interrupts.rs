@@ -95,7 +95,7 @@ fn start(name: &str, words: &[&str]) -> Child {
 fn until_point(child: &mut Child) -> thread::JoinHandle<String> {
     let mut lines = BufReader::new(child.stderr.take().unwrap());
     let mut text = String::new();
-    let is_point = |line: &str| !line.starts_with(' ') && line.split_whitespace().count() == 8;
+    let is_point = |line: &str| !line.starts_with(' ') && line.split_whitespace().count() == 10;
     while !text.lines().skip_while(|line| !line.contains(" incumbent ")).any(is_point) {
         assert!(lines.read_line(&mut text).unwrap() > 0, "it ended: {text}");
     }
@@ -153,6 +153,30 @@ fn a_search_of_hours_ends_within_a_second_and_keeps_its_point() {
             took
         });
     }
+}
+
+/// A signal in the proof ends it, and the answer of the search is printed.
+#[test]
+fn a_signal_in_the_proof_keeps_the_answer() {
+    let model = file("knapsack_3.lp", Knapsack::new().text().as_bytes());
+    let proof = file("interrupted.proof", b"");
+    let words = [model.to_str().unwrap(), "--node-limit", "3000", "--proof"];
+    let words = [&words[..], &[proof.to_str().unwrap()]].concat();
+    in_time(|| {
+        let mut child = start("solve", &words);
+        let mut lines = BufReader::new(child.stderr.take().unwrap());
+        let mut err = String::new();
+        while !err.contains("the proof is written") {
+            assert!(lines.read_line(&mut err).unwrap() > 0, "it ended: {err}");
+        }
+        thread::sleep(Duration::from_millis(100));
+        let began = Instant::now();
+        send(&child, "-INT");
+        let said = Said::new(child.wait_with_output().unwrap());
+        assert_eq!((said.code, said.figure("status")), (Some(INTERRUPTED), "feasible"), "{said:?}");
+        assert!(said.out.lines().any(|line| line.starts_with("proof=incomplete ")), "{said:?}");
+        began.elapsed()
+    });
 }
 
 /// Before the search there is nothing to keep, so the first signal ends the process.

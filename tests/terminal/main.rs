@@ -5,6 +5,7 @@ mod compressed;
 #[cfg(unix)]
 mod interrupts;
 mod options;
+mod outputs;
 #[cfg(unix)]
 mod sweeps;
 

@@ -1,6 +1,8 @@
 //! The answer: in a line for programs, in words for people, and as a file.
 
-use std::fs::OpenOptions;
+use std::fs::{self, OpenOptions};
+use std::io;
+use std::path::Path;
 
 use carom::explain::Explanation;
 use carom::model::Name;
@@ -12,8 +14,8 @@ pub(crate) fn status_line(solution: &Solution, seconds: f64, cpu: Option<f64>) -
     format!(
         "status={} objective={} bound={} nodes={} seconds={seconds:.6}{}",
         status(solution),
-        solution.objective().map_or("-".into(), twelve_digits),
-        twelve_digits(solution.bound()),
+        solution.objective().map_or("-".into(), |value| objective(solution, value)),
+        bound(solution),
         solution.statistics().nodes,
         cpu.map_or(String::new(), |cpu| format!(" cpu={cpu:.6}")),
     )
@@ -35,10 +37,29 @@ pub(crate) fn values(model: &Model, solution: &Solution) -> Vec<String> {
         .collect()
 }
 
-/// Makes sure that a file can be written, before the work that leads to it.
+/// A count with what is counted, which is one or several of it.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Makes sure that a file can be written, before the work that leads to it. Leaves no file behind.
 pub(crate) fn check(path: &str) -> Result<(), String> {
-    let opened = OpenOptions::new().append(true).create(true).open(path);
-    opened.map(drop).map_err(|error| format!("{path}: {error}"))
+    try_to_open(Path::new(path)).map_err(|error| format!("{path}: {error}"))
+}
+
+fn try_to_open(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(found) if found.is_file() => OpenOptions::new().append(true).open(path).map(drop),
+        // The reader of a pipe would take the end of this for the end of the answer.
+        Ok(_) => Ok(()),
+        // A link to a file that is still to be made.
+        Err(_) if path.is_symlink() => Ok(()),
+        Err(_) => {
+            OpenOptions::new().write(true).create_new(true).open(path)?;
+            fs::remove_file(path)
+        }
+    }
 }
 
 /// Writes the best point to a file that `--start` reads: a line for every value but 0, with all
@@ -53,7 +74,7 @@ pub(crate) fn write(model: &Model, solution: &Solution, path: &str) -> Result<()
             }
         }
     }
-    std::fs::write(path, text).map_err(|error| format!("{path}: {error}"))
+    fs::write(path, text).map_err(|error| format!("{path}: {error}"))
 }
 
 /// What became of the MIP start.
@@ -61,7 +82,8 @@ pub(crate) fn start_report(status: Option<&StartStatus>) -> String {
     match status {
         Some(StartStatus::Accepted) => "start: accepted".into(),
         Some(StartStatus::Repaired { changed }) => {
-            format!("start: repaired, {} integers differ", changed.len())
+            let differ = if changed.len() == 1 { "integer differs" } else { "integers differ" };
+            format!("start: repaired, {} {differ}", changed.len())
         }
         Some(StartStatus::Rejected { reason }) => format!("start: rejected, {reason}"),
         _ => "start: not tried, because the answer was known before".into(),
@@ -72,16 +94,17 @@ pub(crate) fn start_report(status: Option<&StartStatus>) -> String {
 pub(crate) fn summary(model: &Model, solution: &Solution, seconds: f64) -> String {
     let statistics = solution.statistics();
     let effort = format!(
-        "{seconds:.2} s, {} nodes and {} relaxations",
-        statistics.nodes, statistics.relaxations
+        "{seconds:.2} s, {} and {}",
+        counted(statistics.nodes as usize, "node"),
+        counted(statistics.relaxations as usize, "relaxation")
     );
     let found = match solution.objective() {
-        Some(objective) => format!(
+        Some(value) => format!(
             "objective {}, proved bound {}, gap {}{}",
-            twelve_digits(objective),
-            twelve_digits(solution.bound()),
+            objective(solution, value),
+            bound(solution),
             percent(solution.relative_gap()),
-            without_constant(model, solution, objective)
+            without_constant(model, solution, value)
         ),
         None => "no point".into(),
     };
@@ -133,11 +156,35 @@ pub(crate) fn domains(model: &Model, explanation: &Explanation, is_lp: bool) -> 
     explanation.domains().iter().filter_map(line).collect()
 }
 
-/// The line about a proof that was written.
+/// The line about a proof that was written: how far, and what it claims. The bound has all digits.
 pub(crate) fn proof_line(proof: &ProofReport) -> String {
-    let ProofReport { commands, bytes, .. } = proof;
-    let state = if proof.is_complete { "complete" } else { "incomplete" };
-    format!("proof={state} commands={commands} bytes={bytes}")
+    let ProofReport { commands, bytes, bound, failure, .. } = proof;
+    let state = match (failure, proof.is_complete) {
+        (Some(_), _) => "failed",
+        (None, true) => "complete",
+        (None, false) => "incomplete",
+    };
+    let claim = match bound {
+        Some(bound) => format!("bound bound={bound}"),
+        None => "infeasible".to_owned(),
+    };
+    match failure {
+        Some(_) => format!("proof={state}"),
+        None => format!("proof={state} claim={claim} commands={commands} bytes={bytes}"),
+    }
+}
+
+/// An objective, without what rounding has left of 0.
+fn objective(solution: &Solution, value: f64) -> String {
+    twelve_digits(solution.cleaned(value))
+}
+
+/// The bound; `-` where no bound is possible.
+fn bound(solution: &Solution) -> String {
+    match solution.termination() {
+        Termination::Unbounded => "-".to_owned(),
+        _ => objective(solution, solution.bound()),
+    }
 }
 
 fn status(solution: &Solution) -> &'static str {

@@ -34,7 +34,9 @@ FILE is `-` for the standard input. It may be compressed by gzip.
   --start FILE.sol     begin with the integers of a point: lines `name value` or `name = value`;
                        integers that are not named are 0
   --explain            if there is no solution, print which statements contradict each other
-  --proof FILE         write a proof of the bound, or that there is no point, for `carom-proof check`
+  --proof FILE         write a proof of the bound, or that there is no point, for `carom-proof check`;
+                       it is made after the search, takes from half as long again to more than ten
+                       times as long (`lseu`: 14), and a time limit holds for each of the two
   --time-limit S       stop after S seconds
   --node-limit N       stop after N nodes
   --gap G              relative gap at which to stop, 1e-6 by default
@@ -56,12 +58,22 @@ FILE is `-` for the standard input. It may be compressed by gzip.
   --version            print the version
   --help               print this
 
-Ctrl-C ends the search; the best point and the bound are printed, and what was asked for is written.
-A second Ctrl-C ends the program at once.
+The last line on the standard output is `status=... objective=... bound=... nodes=... seconds=...`,
+where `-` stands for what is not known. With --proof, a line before it says what the log proves:
+`proof=complete claim=bound bound=... commands=... bytes=...`, or `claim=infeasible` without a bound.
+That bound is looser than the one of the search by the gap at which the search may stop. `incomplete`
+is a log that ends too early, and `failed` one that cannot be written.
 
-exit status: 0 if the search came to its end or to a limit that was set, 1 after an error, 2 if the
-arguments are wrong, 3 if Ctrl-C ended the search; what the signal says after a second Ctrl-C (130 in
-a shell)"
+Files to which nothing can be written are refused before the model is read. If writing fails later,
+the answer is printed, and the exit status is 1.
+
+Ctrl-C ends the search, the explanation or the proof; the best point and the bound are printed, and
+what was asked for is written. A second Ctrl-C, or one while the model is read, ends the program at
+once.
+
+exit status: 0 if the search came to its end or to a limit that was set, or if nobody reads the
+output on; 1 after an error; 2 if the arguments are wrong; 3 if Ctrl-C ended the search, the
+explanation or the proof; what the signal says if it ends the program at once (130 in a shell)"
 );
 
 /// What is to be done.

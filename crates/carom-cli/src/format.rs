@@ -7,6 +7,7 @@ use std::str::FromStr;
 use carom::model::{Warning, cbf, lp, mps, qplib};
 use carom::prelude::Model;
 
+use crate::answer;
 use crate::input::{self, STANDARD_INPUT};
 use crate::warnings;
 
@@ -90,6 +91,15 @@ fn parse(format: Format, text: &str) -> Result<(Model, Vec<Warning>), Box<dyn Er
         Format::Json => return Err("JSON needs `--features serde`".into()),
     };
     Ok((read.model, read.warnings))
+}
+
+/// Makes sure that a model can be written to a file: the extension tells a format, and the file can
+/// be opened.
+pub(crate) fn check(path: &str) -> Result<(), String> {
+    match of_extension(path) {
+        Some(_) => answer::check(path),
+        None => Err(format!("{path}: expected .mps, .lp, .cbf or .json")),
+    }
 }
 
 /// Writes a model in the format that the extension tells, compressed for `.gz`.

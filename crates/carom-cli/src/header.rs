@@ -2,6 +2,8 @@
 
 use carom::prelude::Model;
 
+use crate::answer::counted;
+
 /// The first line of the output.
 pub(crate) fn counts(model: &Model) -> String {
     let [rows, columns, integers, nonzeros, cones] = size(model);
@@ -20,12 +22,14 @@ pub(crate) fn header(model: &Model) -> String {
     let further: String = further
         .into_iter()
         .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!(", {count} {what}{}", if count > 1 { "s" } else { "" }))
+        .map(|(count, what)| format!(", {}", counted(count, what)))
         .collect();
     format!(
-        "carom {}\n{rows} rows, {columns} columns ({integers} integral), {nonzeros} \
-         nonzeros{further}\n{}",
+        "carom {}\n{}, {} ({integers} integral), {}{further}\n{}",
         env!("CARGO_PKG_VERSION"),
+        counted(rows, "row"),
+        counted(columns, "column"),
+        counted(nonzeros, "nonzero"),
         coefficients(model)
     )
 }

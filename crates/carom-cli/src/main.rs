@@ -32,6 +32,7 @@ mod live;
 mod warnings;
 
 use std::error::Error;
+use std::fmt::Display;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -63,7 +64,8 @@ fn main() -> ExitCode {
         }
     };
     match run(arguments) {
-        Ok(Termination::Interrupted) => INTERRUPTED.into(),
+        Ok(Ended { has_failed: true, .. }) => ExitCode::FAILURE,
+        Ok(Ended { is_interrupted: true, .. }) => INTERRUPTED.into(),
         Ok(_) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{NAME}: {error}");
@@ -72,25 +74,51 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what is asked for. Returns how the search ended.
-fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
+/// How a run has ended that has printed its answer.
+#[derive(Default)]
+struct Ended {
+    /// Whether Ctrl-C has left something unfinished.
+    is_interrupted: bool,
+    /// Whether something could not be written, which was said.
+    has_failed: bool,
+}
+
+impl Ended {
+    /// Says what has failed beside the answer.
+    fn fail(&mut self, error: &dyn Display) {
+        eprintln!("{NAME}: {error}");
+        self.has_failed = true;
+    }
+}
+
+/// Refuses files that cannot be written, before the work that leads to them.
+fn check_files(arguments: &Arguments) -> Result<(), String> {
+    let models = [&arguments.write, &arguments.lowered];
+    models.into_iter().flatten().try_for_each(|path| format::check(path))?;
+    if let Some(Values::Written(path)) = &arguments.solution {
+        answer::check(path)?;
+    }
+    match arguments.options.proof.as_deref() {
+        // Folders get a new file.
+        Some(path) if !path.is_dir() => answer::check(&path.to_string_lossy()),
+        _ => Ok(()),
+    }
+}
+
+/// Does what is asked for.
+fn run(arguments: Arguments) -> Result<Ended, Box<dyn Error>> {
+    check_files(&arguments)?;
     let mut live = Live::new(arguments.quiet);
     live.doing("reading");
     let (model, warnings, is_lp) = format::read(&arguments.file, arguments.format)?;
-    live.aside(|| {
-        let shown = warnings.iter().filter(|_| !arguments.quiet);
-        shown.for_each(|warning| eprintln!("{warning}"));
-        println!("{}", header::counts(&model));
-    });
+    warnings.iter().for_each(|warning| live.say(warning));
+    live.aside(|| println!("{}", header::counts(&model)));
     if let Some(path) = arguments.write {
         format::write(&model, &path)?;
-        return Ok(Termination::Optimal);
+        return Ok(Ended::default());
     }
     if let Some(path) = arguments.lowered {
         format::write(reformulate::lower(&model)?.model(), &path)?;
-    }
-    if let Some(Values::Written(path)) = &arguments.solution {
-        answer::check(path)?;
     }
     let mip_start = arguments.start.map(|path| start(&model, &path)).transpose()?;
     live.say(&header::header(&model));
@@ -106,11 +134,26 @@ fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
     if let Some(start) = &mip_start {
         control = control.with_start(start);
     }
-    let solution = solver.solve_with(&model, &mut control);
+    let solution = solver.solve_with(&model, &mut control)?;
     let seconds = start.elapsed().as_secs_f64();
     let cpu = processor_seconds(threads).zip(cpu).map(|(end, start)| end - start);
+
+    let mut ended = Ended {
+        is_interrupted: solution.termination() == Termination::Interrupted,
+        ..Ended::default()
+    };
+    // Before anything is printed, because nobody may read that.
+    if let Some(Values::Written(path)) = &arguments.solution
+        && let Err(error) = answer::write(&model, &solution, path)
+    {
+        live.aside(|| ended.fail(&error));
+    }
+    let explanation = (arguments.explain && solution.is_infeasible()).then(|| {
+        live.doing("the explanation");
+        let options = ExplainOptions::default().with_interrupt(&interrupt);
+        infeasibility(&model, &options, &mut solver)
+    });
     live.end();
-    let solution = solution?;
 
     if let Some(report) = solution.start_report() {
         live.say(&answer::start_report(report.status.as_ref()));
@@ -123,28 +166,27 @@ fn run(arguments: Arguments) -> Result<Termination, Box<dyn Error>> {
     if solver.options().pool > 1 {
         println!("{}", answer::pool(&solution));
     }
-    match &arguments.solution {
-        Some(Values::Written(path)) => answer::write(&model, &solution, path)?,
-        Some(Values::Printed) => {
-            answer::values(&model, &solution).iter().for_each(|line| println!("{line}"));
-        }
-        None => {}
+    if arguments.solution == Some(Values::Printed) {
+        answer::values(&model, &solution).iter().for_each(|line| println!("{line}"));
     }
-    let mut ended = solution.termination();
-    if arguments.explain && ended == Termination::Infeasible {
-        let options = ExplainOptions::default().with_interrupt(&interrupt);
-        let explanation = infeasibility(&model, &options, &mut solver)?;
-        println!("{explanation}");
-        let domains = answer::domains(&model, &explanation, is_lp);
-        domains.iter().for_each(|line| println!("{line}"));
-        if signals.came() {
-            ended = Termination::Interrupted;
+    match explanation {
+        Some(Ok(explanation)) => {
+            println!("{explanation}");
+            let domains = answer::domains(&model, &explanation, is_lp);
+            domains.iter().for_each(|line| println!("{line}"));
+            ended.is_interrupted |= signals.came();
         }
+        Some(Err(error)) => ended.fail(&error),
+        None => {}
     }
     if let Some(proof) = solution.proof() {
         println!("{}", answer::proof_line(proof));
+        ended.is_interrupted |= signals.came() && !proof.is_complete;
     }
     println!("{}", answer::status_line(&solution, seconds, cpu));
+    if let Some(failure) = solution.proof().and_then(|proof| proof.failure.as_ref()) {
+        ended.fail(failure);
+    }
     Ok(ended)
 }
 
