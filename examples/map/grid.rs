@@ -156,7 +156,7 @@ impl Map {
         self.cells.iter().filter(|cell| cell.is_missing).count()
     }
 
-    /// The number of cells without a proof.
+    /// The number of cells without a proof, missing or not.
     pub(crate) fn unproved(&self) -> usize {
         self.cells.iter().filter(|cell| !cell.is_proved()).count()
     }

@@ -1,21 +1,11 @@
 //! A map of when hitting the wall pays: the shortest horizons with and without collisions, with
 //! proofs, for every pair of a destination and a restitution. The other data are the paper's.
 //!
-//! `cargo run --release --example map [-- --csv] [--out FOLDER] [--size N] [--time-step S]
-//! [--file FILE] [--shard I/N]`
-//!
-//! * `--csv`: print the rows of a CSV file on standard output and nothing else
-//! * `--out FOLDER`: where the picture `map.svg` goes, `plots` by default
-//! * `--size N`: N destinations times N restitutions, 50 by default
-//! * `--time-step S`: length of a step in s, 0.01 by default
-//! * `--file FILE`: append each cell to this file of JSON lines, and go on where it ends
-//! * `--shard I/N`: search only the I-th of N shares of the cells; join the files to draw the whole
-//!   map
-//!
-//! Ctrl-C ends the searches; the picture and the rows then have the cells that are proved, and the
-//! exit status is 3. A second Ctrl-C ends the program. With a file, the next run searches what is
-//! missing.
+//! `cargo run --release --example map [-- OPTIONS]`; `--help` lists the options.
 
+#[macro_use]
+#[path = "../../crates/carom-cli/src/output.rs"]
+mod output;
 #[path = "../../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
@@ -23,7 +13,6 @@ mod grid;
 mod picture;
 
 use std::error::Error;
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
@@ -33,14 +22,59 @@ use carom::prelude::Interrupt;
 use grid::Map;
 use interrupts::{INTERRUPTED, Signals};
 
-const USAGE: &str = "usage: map [--csv] [--out FOLDER] [--size N] [--time-step S] [--file FILE] \
-                     [--shard I/N]";
+const USAGE: &str = "usage: map [--csv] [--out FOLDER] [--size N] [--time-step S] [--file FILE] [--shard I/N]; \
+                     `map --help` lists the options";
+
+const HELP: &str = "\
+A map of when hitting the wall pays: the shortest horizons with and without collisions, with proofs,
+for every pair of a destination and a restitution. The other data are the paper's.
+
+usage: map [--csv] [--out FOLDER] [--size N] [--time-step S] [--file FILE] [--shard I/N]
+
+  --csv            print the rows of a CSV file on standard output and nothing else
+  --out FOLDER     where the picture `map.svg` goes; `plots` by default, and no picture by default
+                   with --shard
+  --size N         N destinations times N restitutions, from 2 to 500, 50 by default
+  --time-step S    length of a step in s, 0.01 by default
+  --file FILE      append each cell to this file of JSON lines, and go on where it ends
+  --shard I/N      search only the I-th of N shares of the cells; join the files to draw the whole map
+  --help           print this
+
+Ctrl-C ends the searches; the picture and the rows then have the cells that are proved. With a file,
+the next run searches what is missing. A second Ctrl-C ends the program at once.
+
+exit status: 0 if all searches came to their end, 1 after an error, 2 if the arguments are wrong, 3 if
+Ctrl-C ended them";
 
 /// The allowed sizes of a map: smaller ones show nothing, larger ones take hours.
 const SIZES: std::ops::RangeInclusive<usize> = 2..=500;
 
+/// The exit status for wrong arguments.
+const WRONG_ARGUMENTS: u8 = 2;
+
+/// What is asked for.
+struct Arguments {
+    csv: bool,
+    folder: Option<PathBuf>,
+    size: usize,
+    time_step: f64,
+    file: Option<PathBuf>,
+    shard: Option<String>,
+}
+
 fn main() -> ExitCode {
-    match run() {
+    let arguments = match arguments() {
+        Ok(Some(arguments)) => arguments,
+        Ok(None) => {
+            println!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            eprintln!("map: {error}\n{USAGE}");
+            return WRONG_ARGUMENTS.into();
+        }
+    };
+    match run(arguments) {
         Ok(status) => status,
         Err(error) => {
             eprintln!("map: {error}");
@@ -49,42 +83,63 @@ fn main() -> ExitCode {
     }
 }
 
-fn run() -> Result<ExitCode, Box<dyn Error>> {
-    let (mut csv, mut folder) = (false, PathBuf::from("plots"));
-    let (mut size, mut time_step) = (50, 0.01);
+/// Reads the arguments; `None` if help is asked for.
+fn arguments() -> Result<Option<Arguments>, String> {
+    let (mut csv, mut folder, mut size, mut time_step) = (false, None, 50, 0.01);
     let (mut file, mut shard) = (None, None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or(format!("{word} needs a value\n{USAGE}"));
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
         match word.as_str() {
+            "--help" | "-h" => return Ok(None),
             "--csv" => csv = true,
-            "--out" => folder = value()?.into(),
+            "--out" => folder = Some(PathBuf::from(value()?)),
             "--size" => size = number(&word, &value()?)?,
             "--time-step" => time_step = number(&word, &value()?)?,
             "--file" => file = Some(PathBuf::from(value()?)),
             "--shard" => shard = Some(value()?),
-            _ => return Err(format!("unexpected `{word}`\n{USAGE}").into()),
+            _ => return Err(format!("unexpected `{word}`")),
         }
     }
     if !SIZES.contains(&size) {
-        return Err(format!("--size is from {} to {}", SIZES.start(), SIZES.end()).into());
+        return Err(format!("--size is from {} to {}", SIZES.start(), SIZES.end()));
     }
-    // Problems with the folder show before the work, not after it.
-    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    // A part of a map is no picture.
+    if folder.is_none() && shard.is_none() {
+        folder = Some("plots".into());
+    }
+    Ok(Some(Arguments { csv, folder, size, time_step, file, shard }))
+}
 
+fn run(arguments: Arguments) -> Result<ExitCode, Box<dyn Error>> {
+    let Arguments { csv, folder, size, time_step, file, shard } = arguments;
+    // Problems with the folder show before the work, not after it.
+    if let Some(folder) = &folder {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| format!("{}: {error}", folder.display()))?;
+    }
     let interrupt = Interrupt::new();
     let signals = Signals::catch(&interrupt)?;
     let start = Instant::now();
     let map = Map::solve((size, time_step), (file, shard.as_deref()), &interrupt)?;
     let seconds = start.elapsed().as_secs_f64();
-    let path = folder.join("map.svg");
-    picture::draw(&map, &path).map_err(|error| format!("{}: {error}", path.display()))?;
-    let text = if csv {
-        rows(&map)
+    let path = folder.map(|folder| folder.join("map.svg"));
+    let drawn = path.as_ref().map_or(Ok(()), |path| {
+        picture::draw(&map, path).map_err(|error| format!("{}: {error}", path.display()))
+    });
+    // What is proved is told before what has failed.
+    if csv {
+        print!("{}", rows(&map));
     } else {
-        format!("{}wrote {}\n", summary(&map, seconds), path.display())
-    };
-    std::io::stdout().write_all(text.as_bytes())?;
+        if signals.came() {
+            print!("interrupted: ");
+        }
+        print!("{}", summary(&map, seconds));
+        if let (Some(path), Ok(())) = (&path, &drawn) {
+            println!("wrote {}", path.display());
+        }
+    }
+    drawn?;
     Ok(if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS })
 }
 
@@ -108,13 +163,18 @@ fn rows(map: &Map) -> String {
 fn summary(map: &Map, seconds: f64) -> String {
     let hit = map.cells.iter().filter(|cell| cell.hits()).count();
     let all = map.cells.len();
-    let mut text = format!(
+    let known = all - map.missing();
+    let mut text = match map.missing() {
+        0 => String::new(),
+        _ => format!("{}.\n", map.results),
+    };
+    text += &format!(
         "Destinations from {} to {} m, restitutions from 0 to 1, steps of {} s: hitting the wall \
-         pays in {hit} of {all} cells ({:.1} %).\n",
+         pays in {hit} of {known} cells ({:.1} %).\n",
         map.goals[0],
         map.goals[map.goals.len() - 1],
         map.time_step,
-        100.0 * hit as f64 / all as f64,
+        100.0 * hit as f64 / known.max(1) as f64,
     );
     let best = map.cells.iter().filter(|cell| cell.hits());
     if let Some(best) = best.max_by(|a, b| a.saving().total_cmp(&b.saving())) {
@@ -129,21 +189,32 @@ fn summary(map: &Map, seconds: f64) -> String {
             best.saving(),
         );
     }
-    text += &match (map.missing(), map.unproved()) {
-        (0, 0) => "Every cell is proved".into(),
-        (0, unproved) => format!("{unproved} of {all} cells are NOT proved"),
-        _ => format!("{}", map.results),
+    text += &match map.unproved() - map.missing() {
+        0 => {
+            if known == all {
+                "Every cell is proved".into()
+            } else {
+                "Every known cell is proved".into()
+            }
+        }
+        unproved => format!("{unproved} of {known} cells are NOT proved"),
     };
     if map.results.half_lines() > 0 {
-        text += &format!("; {} half lines were written again", map.results.half_lines());
+        let half = map.results.half_lines();
+        let lines = if half == 1 { "line was" } else { "lines were" };
+        text += &format!("; {half} half {lines} written again");
     }
     let effort = &map.effort;
     text += &format!(
-        "; reach sets alone refuted {} of {} horizons. {} searches took {seconds:.1} s, {:.1} ms \
+        "; reach sets alone refuted {} of {} horizons. {} took {seconds:.1} s, {:.1} ms \
          each and {:.1} ms at most.\n",
         effort.by_sets,
         effort.refuted,
-        effort.searches,
+        if effort.searches == 1 {
+            "1 search".into()
+        } else {
+            format!("{} searches", effort.searches)
+        },
         1e3 * effort.seconds / effort.searches.max(1) as f64,
         1e3 * effort.longest,
     );

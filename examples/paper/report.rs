@@ -58,7 +58,10 @@ pub(crate) fn print_csv(results: &[SolvedCase]) {
 
 /// Prints what is known after an interrupt: some cases are proved, of some a part.
 pub(crate) fn print_interrupted(results: &[SolvedCase], unfinished: &[SolvedCase]) {
-    println!("interrupted: {} cases are proved, {} are not", results.len(), unfinished.len());
+    let proved =
+        if results.len() == 1 { "1 case is" } else { &format!("{} cases are", results.len()) };
+    let not = if unfinished.len() == 1 { "1 is" } else { &format!("{} are", unfinished.len()) };
+    println!("interrupted: {proved} proved, {not} not");
     for solved in results.iter().chain(unfinished) {
         println!("  {}: {}", solved.case.label(), solved.shortest);
     }
