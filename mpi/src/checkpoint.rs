@@ -44,6 +44,11 @@ pub(crate) struct TreeState {
 }
 
 impl Checkpoint {
+    /// The open nodes of all trees.
+    pub(crate) fn open_nodes(&self) -> usize {
+        self.trees.iter().map(|tree| tree.open.len()).sum()
+    }
+
     fn to_bytes(&self) -> Vec<u8> {
         let mut content = Writer::default();
         content.whole(self.trees.len() as u64);

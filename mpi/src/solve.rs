@@ -1,5 +1,6 @@
 //! A solve on several ranks.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -41,6 +42,8 @@ pub struct Answer {
     pub ranks: Vec<RankCounts>,
     /// Why the last checkpoint could not be written, if it could not.
     pub unwritten: Option<Error>,
+    /// The open nodes of the checkpoint that the run went on from; `None` if it began anew.
+    pub resumed: Option<usize>,
 }
 
 impl Run {
@@ -125,7 +128,7 @@ impl Run {
             Some(error) => Err(error),
             None => {
                 solved.map(drop)?;
-                Ok(Answer { solution: None, ranks: Vec::new(), unwritten: None })
+                Ok(Answer { solution: None, ranks: Vec::new(), unwritten: None, resumed: None })
             }
         }
     }
@@ -143,6 +146,12 @@ impl Run {
             Ok(resume) => (resume, None),
             Err(error) => (None, Some(error)),
         };
+        let resumed = resume.as_ref().map(Checkpoint::open_nodes);
+        if let Some(open) = resumed.filter(|_| self.logs) {
+            let nodes = if open == 1 { "open node" } else { "open nodes" };
+            // A log that nobody reads is no error.
+            let _ = writeln!(std::io::stderr(), "resumed with {open} {nodes}");
+        }
         let mut supervisor = Supervisor::new(channel, works, node_limit, checkpoints, resume);
         if let Some(error) = failed {
             supervisor.finish();
@@ -166,7 +175,7 @@ impl Run {
             return Err(error);
         }
         let (ranks, unwritten) = (supervisor.counts(), supervisor.unwritten);
-        Ok(Answer { solution: Some(solved?), ranks, unwritten })
+        Ok(Answer { solution: Some(solved?), ranks, unwritten, resumed })
     }
 
     /// The number of a model with these options, for checkpoints: limits and threads do not count.

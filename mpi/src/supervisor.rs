@@ -47,7 +47,8 @@ pub(crate) struct Supervisor<'a, C> {
     resume: VecDeque<TreeState>,
     resumed: Option<TreeState>,
     checkpoints: Option<Checkpoints>,
-    last_checkpoint: Instant,
+    /// When the last checkpoint was begun. The first one is due as soon as there is a tree.
+    last_checkpoint: Option<Instant>,
     /// The checkpoint that waits for lists of nodes.
     collecting: Option<Vec<OpenNode>>,
     last_look: Instant,
@@ -92,7 +93,7 @@ impl<'a, C: Channel> Supervisor<'a, C> {
             resume: resume.map(|checkpoint| checkpoint.trees.into()).unwrap_or_default(),
             resumed: None,
             checkpoints,
-            last_checkpoint: Instant::now(),
+            last_checkpoint: None,
             collecting: None,
             last_look: Instant::now(),
             last_share: Instant::now(),
@@ -343,10 +344,10 @@ impl<'a, C: Channel> Supervisor<'a, C> {
 
     /// Begins a checkpoint when it is due, and writes it once all lists are there.
     fn save(&mut self, part: &mut dyn TreePart) {
-        let Some(every) = self.checkpoints.as_ref().map(|checkpoints| checkpoints.every) else {
-            return;
-        };
-        if self.collecting.is_none() && self.last_checkpoint.elapsed() >= every {
+        let Some(Checkpoints { every, .. }) = self.checkpoints else { return };
+        let is_due = |last: Instant| last.elapsed() >= every;
+        if self.collecting.is_none() && self.last_checkpoint.is_none_or(is_due) {
+            self.last_checkpoint = Some(Instant::now());
             let pool = self.pool.values().cloned();
             self.collecting = Some(part.open_nodes().into_iter().chain(pool).collect());
             for peer in &mut self.peers {
@@ -381,7 +382,6 @@ impl<'a, C: Channel> Supervisor<'a, C> {
         if !self.is_over {
             self.searched.pop();
         }
-        self.last_checkpoint = Instant::now();
     }
 
     fn note_elsewhere(&self, part: &mut dyn TreePart) {

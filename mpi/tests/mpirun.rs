@@ -26,19 +26,19 @@ fn file(folder: &Path, name: &str, model: &Model) -> PathBuf {
     path
 }
 
-/// A number that the program has printed.
+/// A figure of the last line that the program has printed.
 fn figure(output: &Output, name: &str) -> String {
     let text = String::from_utf8_lossy(&output.stdout);
-    let mut lines = text.lines().filter_map(|line| line.split_once(": "));
-    let found = lines.find(|(key, _)| *key == name).map(|(_, value)| value.to_owned());
-    found.unwrap_or_else(|| panic!("no {name} in {output:?}"))
+    let words = text.lines().last().into_iter().flat_map(|line| line.split(' '));
+    let found = words.filter_map(|word| word.split_once('=')).find(|(key, _)| *key == name);
+    found.map(|(_, value)| value.to_owned()).unwrap_or_else(|| panic!("no {name} in {output:?}"))
 }
 
 fn assert_same(output: &Output, alone: &Solution, what: &str) {
     assert!(output.status.success(), "{what}: {output:?}");
     assert_eq!(figure(output, "status"), alone.termination().to_string(), "{what}");
     match alone.objective() {
-        None => assert_eq!(figure(output, "objective"), "none", "{what}"),
+        None => assert_eq!(figure(output, "objective"), "-", "{what}"),
         Some(best) => {
             let [own, bound] =
                 ["objective", "bound"].map(|name| figure(output, name).parse::<f64>().unwrap());
@@ -106,6 +106,21 @@ fn a_killed_rank_ends_the_run_and_the_checkpoint_goes_on() {
         let output = mpirun(later, &words).output().unwrap();
         assert_same(&output, &alone, &format!("{ranks} ranks, then {later}"));
     }
+}
+
+/// A limit is no failure for `mpirun`, and the next run says how much is open.
+#[test]
+fn a_limit_leaves_a_run_that_can_be_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(folder.path(), "market", &market(4, 40, true));
+    let checkpoint = folder.path().join("checkpoint");
+    let words = [path.to_str().unwrap(), "--node-limit", "300", "--resume", "--checkpoint"];
+    let words = [&words[..], &[checkpoint.to_str().unwrap()]].concat();
+    let output = mpirun(2, &words).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stdout).starts_with("rows=4 "), "{output:?}");
+    let output = mpirun(2, &words).output().unwrap();
+    assert!(String::from_utf8_lossy(&output.stderr).contains("resumed with "), "{output:?}");
 }
 
 #[test]
