@@ -3,7 +3,7 @@ import { SIDES } from "./charts.js";
 import * as form from "./form.js";
 import { makeMovable } from "./handles.js";
 import { outdateLess, redrawLess, showLess } from "./less.js";
-import { allowed, link, numbers, readLink } from "./link.js";
+import { allowed, ends, link, numbers, readLink } from "./link.js";
 import { loadPlanner } from "./load.js";
 import * as pace from "./pace.js";
 import { drawCharts, drawTask, duration } from "./pictures.js";
@@ -20,6 +20,8 @@ const $ = selector => document.querySelector(selector);
 const page = document.documentElement;
 let [name, state] = readLink(location.hash);
 let kind = KINDS[name];
+/** A phone: one picture for both plans. As in the style sheet. */
+const NARROW = matchMedia("(max-width: 34rem)");
 let planners = null;
 /** The last answer, of the task as it stands or of an older one. */
 let answer = null;
@@ -91,7 +93,10 @@ function move(pairs, bySteps) {
   const before = link(name, state);
   for (const number of numbers(kind)) {
     const pair = pairs.find(([key]) => key === number.key);
-    if (pair) state[number.key] = allowed(kind, number, bySteps ? state[number.key] + pair[1] * number.step : pair[1]);
+    if (!pair) continue;
+    const [least, most] = number.label ? ends(kind, number, state) : [-Infinity, Infinity];
+    const value = bySteps ? state[number.key] + pair[1] * number.step : pair[1];
+    state[number.key] = allowed(kind, number, Math.min(most, Math.max(least, value)));
   }
   if (link(name, state) !== before) changed();
 }
@@ -181,7 +186,7 @@ function cancel() {
 function draw() {
   redraw ||= requestAnimationFrame(() => {
     redraw = 0;
-    views = drawTask(kind, state, answer, pace.isHeld() && views[0]?.view ? views : null);
+    views = drawTask(kind, state, answer, pace.isHeld() && views[0]?.view ? views : null, NARROW.matches);
     if (charted.answer !== answer || charted.width !== innerWidth || charted.kind !== kind) {
       const point = time => { if (player.length) { player.stop(); player.at(time); } };
       charted = { answer, kind, width: innerWidth, views: drawCharts(kind, state, answer, point) };
@@ -247,3 +252,9 @@ try {
 } catch (error) {
   fail(error.message, 0);
 }
+  const folds = [...document.querySelectorAll(".fold")];
+  const unfold = () => { for (const fold of folds) fold.open = !NARROW.matches; };
+  unfold();
+  NARROW.addEventListener("change", unfold);
+  // What is folded has no width, and is drawn when it is opened.
+  for (const fold of folds) fold.addEventListener("toggle", () => { if (fold.open) { charted = { views: [] }; draw(); redrawLess(); } });

@@ -1,5 +1,5 @@
 // The form: the kinds of tasks, their words, sliders and examples.
-import { allowed, link } from "./link.js";
+import { allowed, ends, link } from "./link.js";
 import { KINDS } from "./tasks.js";
 
 const $ = selector => document.querySelector(selector);
@@ -19,7 +19,9 @@ export function showKind(name, change) {
     `<a href="#${link(key, defaults)}"${key === name ? ' aria-current="page"' : ""}>${short}</a>`).join("");
   $("#presets").innerHTML = Object.keys(kind.presets).map(label => `<button type="button" data-preset="${label}">${label}</button>`).join("");
   for (const part of document.querySelectorAll("[data-for]")) part.hidden = (part.dataset.for === "scene") !== Boolean(kind.room);
-  $("#sliders").replaceChildren(...kind.knobs.map(knob => slider(kind, knob, change)));
+  const row = knob => slider(kind, knob, change), isMain = knob => kind.main.includes(knob.key);
+  $("#sliders").replaceChildren(...kind.knobs.filter(isMain).map(row));
+  $("#more-sliders").replaceChildren(...kind.knobs.filter(knob => !isMain(knob)).map(row));
 }
 
 function slider(kind, knob, change) {
@@ -39,6 +41,7 @@ function slider(kind, knob, change) {
 export function showSliders(kind, state) {
   for (const knob of kind.knobs) {
     const value = state[knob.key], input = $(`#${knob.key}`);
+    if (!knob.values) [input.min, input.max] = ends(kind, knob, state);
     input.value = knob.values ? knob.values.indexOf(value) : value;
     input.setAttribute("aria-valuetext", said(knob, value));
     input.parentElement.querySelector("output").textContent = said(knob, value);

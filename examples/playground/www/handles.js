@@ -6,6 +6,8 @@ import { numbers } from "./link.js";
 
 /** Where an arrow begins, in pixels from the middle of its body: the tip of no velocity can be grabbed too. */
 const RIM = 26;
+/** How near a pointer takes hold of something, in pixels. */
+const GRIP = 20;
 /** From below to above: the goal is never hidden. */
 const ORDER = ["obstacle", "body", "velocity", "goal"];
 
@@ -62,7 +64,7 @@ export function drawHandles(view, kind, state, shape, focusable) {
     const role = focusable ? `tabindex="0" role="slider" aria-roledescription="movable" aria-label="${words}" ` +
       `aria-valuemin="${min}" aria-valuemax="${max}" aria-valuenow="${state[own.x]}" aria-valuetext="${said(state, own)}"` : 'aria-hidden="true"';
     return `<g class="handle ${own.kind}-handle" data-handle="${own.name}" transform="translate(${round(x)} ${round(y)})" ${role}>` +
-      `<circle class="grip" r="${own.kind === "velocity" ? 14 : 20}"/>${inside}${label}</g>`;
+      `<circle class="grip" r="${own.kind === "velocity" ? 14 : GRIP}"/>${inside}${label}</g>`;
   }).join("");
 }
 
@@ -84,9 +86,18 @@ export function makeMovable(place, scene, change) {
     const name = event.target.closest("[data-handle]")?.dataset.handle;
     return name && scene().kind.handles.find(own => own.name === name);
   };
+  /** Of handles on top of each other, the one whose middle is nearest to the pointer. */
+  const nearest = event => {
+    const { view, kind, state } = scene(), top = ownOf(event), from = at(event);
+    const far = own => Math.hypot(...pixelOf(view, kind, state, own).map((value, k) => value - from[k]));
+    return top && kind.handles.filter(own => own === top || far(own) < GRIP).reduce((a, b) => far(b) < far(a) ? b : a);
+  };
+  // A touch of a handle is no scrolling: the style sheet says so too, to browsers that heed it on parts of an SVG.
+  place.addEventListener("touchstart", event => { if (ownOf(event)) event.preventDefault(); }, { passive: false });
   place.addEventListener("pointerdown", event => {
-    const own = ownOf(event);
-    if (!own || event.button) return;
+    if (event.button) return;
+    const own = nearest(event);
+    if (!own) return;
     const { view, kind, state } = scene(), from = at(event);
     held = { own, view, kind, by: pixelOf(view, kind, state, own).map((value, k) => value - from[k]) };
     place.setPointerCapture(event.pointerId);

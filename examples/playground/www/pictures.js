@@ -11,12 +11,14 @@ export const duration = answer =>
 
 /**
  * The task, with what can be dragged and the plans. Returns what moves them. `before` is what this returned
- * the last time, while something is held.
+ * the last time, while something is held; `isNarrow` says that one picture shows both plans.
  */
-export function drawTask(kind, state, answer, before) {
-  if (!kind.room) return [drawTrack($("#track"), curvesOf(answer), kind, state, before?.[0].view.far ?? 0)];
+export function drawTask(kind, state, answer, before, isNarrow) {
+  if (!kind.room) return [drawTrack($("#track"), answer ?? {}, kind, state, before?.[0].view.far ?? 0)];
   const task = kind.task(state);
-  return SIDES.map(side => drawScene($(`#scene-${side}`), side, answer?.[side]?.plan, kind, task, state));
+  $("#scene-title").textContent = isNarrow ? "Without and with collisions" : "Without collisions";
+  const shown = isNarrow ? { free: SIDES } : { free: ["free"], tolerant: ["tolerant"] };
+  return Object.entries(shown).map(([place, sides]) => drawScene($(`#scene-${place}`), sides, answer ?? {}, kind, task, state));
 }
 
 /** The charts of an answer. `point(view)` lets a visitor point at a time. */

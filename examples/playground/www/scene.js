@@ -82,23 +82,31 @@ function hitMark(view, side, hit) {
   return `${ring}<path class="impulse" d="M${x + 6 * dx} ${y + 6 * dy}L${tx} ${ty}m${round(-8 * dx - 4 * dy)} ${round(-8 * dy + 4 * dx)}L${tx} ${ty}l${round(-8 * dx + 4 * dy)} ${round(-8 * dy - 4 * dx)}"/>`;
 }
 
-/** Draws one side; returns what moves its bodies. */
-export function drawScene(place, side, motion, kind, task, state) {
-  const view = new View(place, kind);
-  const numbers = motion ? motion.bodies.map((_, k) => k) : [];
-  const paths = numbers.map(k => `<path class="curve ${side} body-${k}" d="${path(view, motion, k)}"/>`).join("");
-  const hits = motion ? motion.hits.map(hit => hitMark(view, side, hit)).join("") : "";
+/** The plan of a side: paths, hits and bodies. */
+function drawPlan(view, side, { plan, isOlder }, task) {
+  const numbers = plan.bodies.map((_, k) => k);
+  const paths = numbers.map(k => `<path class="curve ${side} body-${k}" d="${path(view, plan, k)}"/>`).join("");
+  const hits = plan.hits.map(hit => hitMark(view, side, hit)).join("");
   const movers = numbers.map(k => `<g class="mover">${shape(view, task.bodies[k], `body ${side} body-${k}`)}</g>`).join("");
+  return `<g class="plan${isOlder ? " older" : ""}" data-side="${side}">${paths}${hits}${movers}</g>`;
+}
+
+/** Draws the plans of some sides in one picture; returns what moves their bodies. */
+export function drawScene(place, sides, answer, kind, task, state) {
+  const view = new View(place, kind);
+  const shown = sides.filter(side => answer[side]?.plan);
   const outline = own => own.kind === "obstacle" ? shape(view, own, "obstacle") : shape(view, task.bodies[own.body], "start");
-  const handles = drawHandles(view, kind, state, outline, side === "free");
+  const handles = drawHandles(view, kind, state, outline, sides.includes("free"));
   const own = focused(place);
   // A group, so that what can be moved is not hidden inside an image.
-  place.innerHTML = `<svg viewBox="0 0 ${view.width} ${view.height}" height="${view.height}" role="group" aria-label="${WORDS[side]}: the scene from above, in m">` +
-    `${view.ground(task.walls)}<g class="plan">${paths}${hits}${movers}</g>${handles}</svg>`;
+  place.innerHTML = `<svg viewBox="0 0 ${view.width} ${view.height}" height="${view.height}" role="group" aria-label="${sides.map(side => WORDS[side]).join(", ")}: the scene from above, in m">` +
+    `${view.ground(task.walls)}${shown.map(side => drawPlan(view, side, answer[side], task)).join("")}${handles}</svg>`;
   focus(place, own);
-  const groups = [...place.querySelectorAll(".mover")];
+  const groups = shown.map(side => [answer[side].plan, [...place.querySelectorAll(`.plan[data-side=${side}] .mover`)]]);
   return {
     view,
-    show: time => groups.forEach((group, k) => group.setAttribute("transform", `translate(${view.at(placeAt(motion, k, time))})`)),
+    show: time => {
+      for (const [plan, movers] of groups) movers.forEach((mover, k) => mover.setAttribute("transform", `translate(${view.at(placeAt(plan, k, time))})`));
+    },
   };
 }

@@ -1,5 +1,6 @@
 // What there is to try: for each kind of task its sliders, what can be dragged, its examples, and the
-// task that the planner is given. A state is a flat list of numbers, so that a link can hold it.
+// task that the planner is given. A state is a flat list of numbers, so that a link can hold it. The sliders
+// named `main` come first: on a phone, the others are below a fold.
 
 export const NO_LIMIT = 20;
 const STEPS = [0.005, 0.01, 0.02, 0.025, 0.05, 0.1, 0.2, 0.5];
@@ -7,11 +8,15 @@ const STEPS = [0.005, 0.01, 0.02, 0.025, 0.05, 0.1, 0.2, 0.5];
 const knob = (key, label, unit, min, max, step, digits, more) => ({ key, label, unit, min, max, step, digits, ...more });
 const restitution = label => knob("restitution", label, "", 0, 1, 0.005, 3);
 const timeStep = values => ({ key: "timeStep", label: "Time step", unit: "s", values, digits: 3 });
+/** A velocity: sliders keep it within the largest speed. */
+const speed = { within: "maxSpeed" };
 const limit = value => value >= NO_LIMIT ? null : value;
 
 // What can be dragged: a place, of which `x` and `y` are the numbers in the state, or the arrow of a velocity.
-const body = (name, label, number) => ({ name, label, kind: "body", body: number, x: `${name}X`, y: `${name}Y` });
-const goal = { name: "goal", label: "Goal", kind: "goal", x: "goalX", y: "goalY" };
+// `half` is how far something reaches from its middle: all of it stays in the room.
+const POINT = [0, 0];
+const body = (name, label, number, half = POINT) => ({ name, label, kind: "body", body: number, half, x: `${name}X`, y: `${name}Y` });
+const goalOf = (half = POINT) => ({ name: "goal", label: "Goal", kind: "goal", half, x: "goalX", y: "goalY" });
 const obstacle = (name, label, half) => ({ name, label, kind: "obstacle", half, x: `${name}X`, y: `${name}Y` });
 const arrow = (y = "velocityY") => ({ name: "velocity", label: "Velocity", kind: "velocity", of: "start", x: "velocityX", y });
 
@@ -24,9 +29,9 @@ const wall = {
   short: "A wall",
   intro: "A vehicle must stop at its goal, close to a wall. It may brake in time, or let the wall help. Move a slider:",
   knobs: [
-    knob("start", "Start", "m", -1, 15, 0.1, 1),
-    knob("velocity", "Velocity at the start", "m/s", -16, 16, 0.5, 1),
-    knob("goal", "Goal", "m", -1, 8, 0.05, 2),
+    knob("start", "Start", "m", 0, 15, 0.1, 1),
+    knob("velocity", "Velocity at the start", "m/s", -16, 16, 0.5, 1, speed),
+    knob("goal", "Goal", "m", 0, 8, 0.05, 2),
     restitution("Restitution of the wall"),
     knob("impactLimit", "Largest impact speed", "m/s", 0, NO_LIMIT, 0.05, 2, { none: "no limit" }),
     knob("maxSpeed", "Largest speed", "m/s", 0.5, 20, 0.5, 1),
@@ -38,6 +43,7 @@ const wall = {
     { name: "velocity", label: "Velocity", kind: "velocity", of: "start", x: "velocity" },
     { name: "goal", label: "Goal", kind: "goal", x: "goal" },
   ],
+  main: ["restitution", "impactLimit"],
   coarsest: 0.04,
   defaults: { start: 10, velocity: 0, goal: 0.3, restitution: 0, impactLimit: NO_LIMIT, maxSpeed: 15, maxAcceleration: 6, timeStep: 0.005 },
   presets: {
@@ -52,8 +58,8 @@ const wall = {
 };
 
 const velocities = (most, step) => [
-  knob("velocityX", "Velocity at the start, to the right", "m/s", -most, most, step, 2),
-  knob("velocityY", "Velocity at the start, upward", "m/s", -most, most, step, 2),
+  knob("velocityX", "Velocity at the start, to the right", "m/s", -most, most, step, 2, speed),
+  knob("velocityY", "Velocity at the start, upward", "m/s", -most, most, step, 2, speed),
 ];
 
 const bank = {
@@ -68,7 +74,8 @@ const bank = {
     knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 6, 0.25, 2),
     timeStep([0.05, 0.1, 0.2, 0.5]),
   ],
-  handles: [body("start", "Puck", 0), goal, obstacle("block", "Block", [0.1, 0.1]), arrow()],
+  handles: [body("start", "Puck", 0), goalOf(), obstacle("block", "Block", [0.1, 0.1]), arrow()],
+  main: ["restitution", "maxAcceleration"],
   arrow: 0.12,
   coarsest: 0.2,
   defaults: { velocityX: 2, velocityY: 2, restitution: 0.9, maxSpeed: 3, maxAcceleration: 3, timeStep: 0.05,
@@ -100,7 +107,8 @@ const pillar = {
     knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 0.5, 0.025, 3),
     timeStep([0.5, 1, 2]),
   ],
-  handles: [body("start", "Robot", 0), goal, obstacle("pillar", "Pillar", [0.3, 0.65]), arrow()],
+  handles: [body("start", "Robot", 0, [0.16, 0.16]), goalOf([0.16, 0.16]), obstacle("pillar", "Pillar", [0.3, 0.65]), arrow()],
+  main: ["restitution", "impulseLimit"],
   arrow: 1.5,
   coarsest: 2,
   defaults: { velocityX: -0.4, velocityY: 0.3, restitution: 0.6, impulseLimit: NO_LIMIT, maxSpeed: 0.5, maxAcceleration: 0.15, timeStep: 0.5,
@@ -123,9 +131,9 @@ const exchange = {
   title: "Two vehicles exchange momentum",
   short: "Two vehicles",
   intro: "A carrier of 2 kg arrives too fast to stop at its goal, and a cart stands in its way. It may avoid the cart, or brake against it. Drag both and the goal, or move a slider:",
-  room: [[0, 6], [0, 1]],
+  room: [[0, 6], [0, 1.4]],
   knobs: [
-    knob("velocityX", "Velocity of the carrier", "m/s", -3, 3, 0.1, 1),
+    knob("velocityX", "Velocity of the carrier", "m/s", -3, 3, 0.1, 1, speed),
     restitution("Restitution of the bumpers"),
     knob("impulseLimit", "Largest impulse", "N s", 0, NO_LIMIT, 0.25, 2, { none: "no limit" }),
     knob("mass", "Mass of the cart", "kg", 0.2, 5, 0.1, 1),
@@ -133,16 +141,17 @@ const exchange = {
     knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 2, 0.1, 1),
     timeStep([0.25, 0.5]),
   ],
-  handles: [body("start", "Carrier", 0), body("cart", "Cart", 1), goal, arrow(null)],
+  handles: [body("start", "Carrier", 0, [0.3, 0.2]), body("cart", "Cart", 1, [0.2, 0.2]), goalOf([0.3, 0.2]), arrow(null)],
+  main: ["restitution", "mass"],
   arrow: 0.25,
   coarsest: 0.5,
   defaults: { velocityX: 2, restitution: 0.8, impulseLimit: 4, mass: 1, maxSpeed: 3, maxAcceleration: 1, timeStep: 0.25,
-    startX: 0.5, startY: 0.5, cartX: 2.2, cartY: 0.5, goalX: 2, goalY: 0.5 },
+    startX: 0.5, startY: 0.7, cartX: 2.2, cartY: 0.7, goalX: 2, goalY: 0.7 },
   presets: {
     "Brake against the cart": {},
     "A heavy cart": { mass: 3 },
     "Fragile": { impulseLimit: 1 },
-    "No way around": { cartX: 1.5, cartY: 0.2 },
+    "No way around": { cartX: 1.5, cartY: 0.4 },
   },
   task: state => ({
     timeStep: state.timeStep, longest: 10, room: exchange.room, walls: false, restitution: state.restitution, impulseLimit: limit(state.impulseLimit),

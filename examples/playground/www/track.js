@@ -25,7 +25,8 @@ class Lane {
 }
 
 /** `least` metres at least are seen, so that nothing moves away from the pointer that moves it. */
-export function drawTrack(place, curves, kind, state, least) {
+export function drawTrack(place, answer, kind, state, least) {
+  const curves = Object.fromEntries(SIDES.map(side => [side, answer[side]?.curve]));
   const shown = SIDES.filter(side => curves[side]);
   const all = shown.flatMap(side => curves[side].position);
   const view = new Lane(place, range([0, state.start, state.goal, ...all], 0.4)[1], least), { px, width } = view;
@@ -35,7 +36,7 @@ export function drawTrack(place, curves, kind, state, least) {
     `<g class="hits" data-side="${side}" data-time="${hit.time}" visibility="hidden"><path class="spark" d="M${WALL + 3} ${LANES[side]}l9 -13m-9 13l15 -5m-15 5l15 7"/></g>` +
     (k ? "" : `<text class="${side}" x="${WALL + 6}" y="${LANES[side] + 32}">hits at ${hit.before.toFixed(2)} m/s, leaves at ${hit.after.toFixed(2)} m/s</text>`)));
   const marks = ticks(0, view.far, width / 90).map(t => `<text x="${px(t)}" y="${HEIGHT - 4}" text-anchor="middle">${t}${t ? "" : " m"}</text>`);
-  const bodies = shown.map(side => `<g class="vehicle" data-side="${side}"><rect class="body ${side}" x="0" y="-9" width="22" height="18" rx="5"/><circle cx="5" cy="12" r="3.5" class="wall"/><circle cx="17" cy="12" r="3.5" class="wall"/></g>`);
+  const bodies = shown.map(side => `<g class="vehicle${answer[side].isOlder ? " older" : ""}" data-side="${side}"><rect class="body ${side}" x="0" y="-9" width="22" height="18" rx="5"/><circle cx="5" cy="12" r="3.5" class="wall"/><circle cx="17" cy="12" r="3.5" class="wall"/></g>`);
   const start = () => '<rect class="start" x="0" y="-9" width="22" height="18" rx="5"/>';
   const own = focused(place);
   place.innerHTML = `<svg viewBox="0 0 ${width} ${HEIGHT}" height="${HEIGHT}" role="group" aria-label="the vehicle moving beside its wall, with and without collisions">` +
