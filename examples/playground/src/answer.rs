@@ -35,15 +35,25 @@ impl Answer {
     }
 
     /// The answer to a task.
+    ///
+    /// # Arguments
+    ///
+    /// * `free`: the search without collisions.
+    /// * `shorter`: the search with collisions for a shorter plan; `None` if there can be none.
     pub fn new(
         task: &Task,
         free: &ShortestHorizon<Plan>,
-        tolerant: &ShortestHorizon<Plan>,
+        shorter: Option<&ShortestHorizon<Plan>>,
     ) -> Self {
-        let [slow, fast] = [free, tolerant].map(|found| finding(task, found));
+        let fast = match shorter {
+            Some(shorter) => finding(task, free).after(finding(task, shorter)),
+            None => finding(task, free),
+        };
+        let slow = finding(task, free).beside(&fast);
+        let shown = shorter.filter(|found| found.plan.is_some()).unwrap_or(free);
         Answer {
             free: Some(Side::new(free, &slow)),
-            tolerant: Some(Side::new(tolerant, &fast)),
+            tolerant: Some(Side::new(shown, &fast)),
             conclusion: words::conclusion(&slow, &fast, &NOUNS, LONGEST),
             ..Answer::default()
         }
@@ -55,6 +65,10 @@ impl Answer {
 pub struct Side {
     /// Proved to be the shortest.
     found: bool,
+    /// Proved that there is none.
+    none: bool,
+    /// What every plan takes at least, in s.
+    least: f64,
     steps: Option<usize>,
     /// Every horizon up to this one is impossible, in steps.
     refuted: usize,
@@ -108,8 +122,10 @@ impl Side {
         let sets = trajectory.zip(plan.tube.as_ref()).map(|(path, tube)| sets(tube, path));
         Side {
             found: finding.is_found(),
-            steps: plan.steps,
-            refuted: plan.refuted_steps.unwrap_or(0),
+            none: finding.is_none(),
+            least: finding.least(),
+            steps: finding.steps,
+            refuted: finding.refuted.unwrap_or(0),
             seconds: finding.seconds(),
             proof: words::proof(finding),
             curve: trajectory.map(Curve::new),

@@ -49,6 +49,12 @@ fn main() -> Result<(), Error> {{
 pub fn of_scene(task: &SceneTask) -> String {
     let mut lines = Vec::new();
     for (k, body) in task.bodies.iter().enumerate() {
+        if !task.walls {
+            let [[left, right], [low, high]] = task.range(body);
+            lines.push(format!(
+                "let room = [{left:?}..={right:?}, {low:?}..={high:?}]; // m, of its middle"
+            ));
+        }
         lines.extend(of_body(k, body, task.bodies.len() > 1));
     }
     if task.walls {
@@ -86,13 +92,16 @@ pub fn of_scene(task: &SceneTask) -> String {
     };
     let body = lines.iter().map(|line| format!("    {line}\n")).collect::<String>();
     let [[left, right], [low, high]] = task.room;
+    let room = match task.walls {
+        true => format!("    let room = [{left:?}..={right:?}, {low:?}..={high:?}]; // m\n"),
+        false => String::new(),
+    };
     format!(
         r#"{import}use carom::prelude::*;
 
 /// The scene, with surfaces to avoid or to bounce off.
 fn scene(surface: Surface) -> Result<Scene, Error> {{
-    let room = [{left:?}..={right:?}, {low:?}..={high:?}]; // m
-    let mut scene = Scene::new({time_step:?}); // s
+{room}    let mut scene = Scene::new({time_step:?}); // s
 {body}    Ok(scene)
 }}
 

@@ -16,7 +16,9 @@ mod task;
 mod wall;
 mod words;
 
-use carom::hybrid::{ShortestHorizon, ShortestOptions, ShortestStatus};
+use carom::hybrid::{HorizonEvent, ShortestHorizon, ShortestOptions, ShortestStatus};
+use carom::prelude::BranchAndBound;
+use carom::solver::{Interrupt, Options};
 use serde::Serialize;
 use std::time::Duration;
 use wasm_bindgen::prelude::*;
@@ -24,12 +26,10 @@ use wasm_bindgen::prelude::*;
 use answer::Answer;
 use scene_answer::SceneAnswer;
 
-/// Time for each of the two searches. Most take a hundredth of it.
-const PATIENCE: Duration = Duration::from_secs(10);
-
-/// Time for a search for plans in which bodies hit each other, of which there are many.
-/// What is found meanwhile is shown.
-const PATIENCE_WITH_PAIRS: Duration = Duration::from_secs(3);
+/// Nodes of a solve, and of all solves of a search together before the last one; most searches need
+/// a hundredth of them. It is work that is limited and not time, so that an answer does not depend
+/// on the machine: a visitor sees how far a long search is, and can end it.
+const WORK: u64 = 6000;
 
 /// Time for the search for plans with collisions while something is being dragged.
 const PATIENCE_OF_DRAGS: Duration = Duration::from_millis(150);
@@ -109,15 +109,49 @@ fn text(answer: &impl Serialize) -> String {
     serde_json::to_string(answer).unwrap_or_else(|error| format!(r#"{{"error":"{error}"}}"#))
 }
 
+/// Why there is no plan at all, on one side or on both.
+///
+/// # Arguments
+///
+/// * `free`: the search without collisions.
+/// * `tolerant`: the search with collisions, if there was one.
+fn reason<P>(free: &ShortestHorizon<P>, tolerant: Option<&ShortestHorizon<P>>) -> Option<String> {
+    if free.steps.is_some() {
+        return None;
+    }
+    let both = tolerant.and_then(refuted);
+    let one = || refuted(free).map(|reason| format!("without collisions: {reason}"));
+    both.or_else(one).map(|reason| words::sentence(&reason))
+}
+
 /// Why a search found that there is no plan at all.
 fn refuted<P>(found: &ShortestHorizon<P>) -> Option<String> {
     let ShortestStatus::NoneWithin { max_steps } = found.status else { return None };
-    let reason = found.sets.clone()?.explain_within(max_steps, QUICK).ok()??;
-    Some(words::sentence(&reason.to_string()))
+    Some(found.sets.clone()?.explain_within(max_steps, QUICK).ok()??.to_string())
 }
 
 fn search_options(max_steps: usize) -> ShortestOptions {
-    ShortestOptions::default().with_max_steps(max_steps).with_time_limit(PATIENCE)
+    ShortestOptions::default().with_max_steps(max_steps)
+}
+
+/// Options of a search that tells its news, and ends when its work is done.
+fn told_options(side: &'static str, options: &ShortestOptions) -> ShortestOptions {
+    let interrupt = Interrupt::new();
+    let options = options.clone().with_interrupt(&interrupt);
+    let (mut tell, mut nodes) = (progress::refuted(side), 0);
+    options.with_progress(move |event| {
+        tell(event);
+        if let HorizonEvent::Decided(attempt) = event {
+            nodes += attempt.statistics.nodes;
+            if nodes >= WORK {
+                interrupt.trigger();
+            }
+        }
+    })
+}
+
+fn solver() -> BranchAndBound {
+    BranchAndBound::new(Options::default().with_node_limit(WORK))
 }
 
 /// Why one step less is not enough.

@@ -29,7 +29,8 @@ struct News<'a, S> {
     found: Option<&'a S>,
 }
 
-/// Tells how many horizons the search of a side has refuted: each of them, in ascending order.
+/// Tells how many horizons the search of a side has refuted: each of them, in ascending order, and
+/// again during a long solve, because the page leaves out news that come too often.
 pub fn refuted(side: &'static str) -> impl FnMut(&HorizonEvent) {
     let mut told = 0;
     move |event| {
@@ -39,9 +40,10 @@ pub fn refuted(side: &'static str) -> impl FnMut(&HorizonEvent) {
                 HorizonVerdict::Refuted(_) if attempt.steps == told + 1 => attempt.steps,
                 _ => return,
             },
+            HorizonEvent::Solving { .. } => told,
             _ => return,
         };
-        if refuted > told {
+        if refuted > told || matches!(event, HorizonEvent::Solving { .. }) {
             told = refuted;
             send(&News::<()> { side, refuted, found: None });
         }

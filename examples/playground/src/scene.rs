@@ -14,7 +14,7 @@ use crate::progress;
 use crate::scene_answer::{SceneAnswer, Side};
 use crate::scene_task::SceneTask;
 use crate::{
-    PATIENCE_OF_DRAGS, PATIENCE_WITH_PAIRS, REASON, Reasons, code, refuted, search_options, words,
+    PATIENCE_OF_DRAGS, REASON, Reasons, code, reason, search_options, solver, told_options, words,
 };
 
 /// For the search for what is in the way.
@@ -34,8 +34,6 @@ fn answer(task: &SceneTask) -> Result<SceneAnswer, Error> {
     let mut options = search_options(free.steps.map_or(task.max_steps(), |steps| steps - 1));
     if task.hurried {
         options = options.with_time_limit(PATIENCE_OF_DRAGS);
-    } else if task.bodies.len() > 1 {
-        options = options.with_time_limit(PATIENCE_WITH_PAIRS);
     }
     let tolerant = match free.steps {
         Some(1) => None,
@@ -43,7 +41,7 @@ fn answer(task: &SceneTask) -> Result<SceneAnswer, Error> {
     };
     let mut answer = SceneAnswer::new(task, &free, tolerant.as_ref());
     answer.code = code::of_scene(task);
-    answer.reason = refuted(&free).or_else(|| tolerant.as_ref().and_then(refuted));
+    answer.reason = reason(&free, tolerant.as_ref());
     if task.files {
         let found = tolerant.as_ref().and_then(|found| found.steps.or(found.refuted_steps));
         let steps = found.or(free.steps).unwrap_or(1);
@@ -58,8 +56,7 @@ fn plan(
     side: &'static str,
     options: &ShortestOptions,
 ) -> Result<ShortestHorizon<ScenePlan>, Error> {
-    let options = options.clone().with_progress(progress::refuted(side));
-    scene.shortest_with(&options, &mut BranchAndBound::default())
+    scene.shortest_with(&told_options(side, options), &mut solver())
 }
 
 /// Why plans with so many steps are impossible.
@@ -80,7 +77,7 @@ pub fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, Stri
 /// The sets of a scene that a search uses.
 fn sets(scene: &Scene, steps: usize) -> Option<ReachSets> {
     let options = search_options(steps).with_time_limit(Duration::ZERO);
-    scene.shortest_with(&options, &mut BranchAndBound::default()).ok()?.sets
+    scene.shortest_with(&options, &mut solver()).ok()?.sets
 }
 
 /// What has to go for a careful plan of so many steps.
@@ -89,7 +86,7 @@ fn in_the_way(task: &SceneTask, steps: usize) -> Option<String> {
     let limit = WITHOUT / (parts.len().max(1) as u32);
     let enough = parts.into_iter().filter(|_| steps > 0).find_map(|(name, rest)| {
         let options = search_options(steps).with_time_limit(limit);
-        let found = rest.free().ok()?.shortest_with(&options, &mut BranchAndBound::default());
+        let found = rest.free().ok()?.shortest_with(&options, &mut solver());
         found.ok()?.steps.map(|found| (name, found))
     });
     enough.map(|(name, found)| {

@@ -29,6 +29,10 @@ pub struct SceneAnswer {
 pub struct Side {
     /// Proved to be the shortest.
     found: bool,
+    /// Proved that there is none.
+    none: bool,
+    /// What every plan takes at least, in s.
+    least: f64,
     steps: Option<usize>,
     /// Every horizon up to this one is impossible, in steps.
     refuted: usize,
@@ -55,8 +59,9 @@ struct Path {
     velocity: Vec<Vec<f64>>,
 }
 
-/// A hit: who, when (s), where (m), how fast (m/s), and the impulse on the body (N s). Of two
-/// bodies, each has its own.
+/// A hit: who, when (s), where (m), how fast (m/s), and the impulse on the body (N s). Time and
+/// place are where the impact is located in its step; speed and impulse are those of the
+/// time-stepped law, which counts the speed at the end of the step.
 #[derive(Debug, Serialize)]
 struct Hit {
     body: String,
@@ -90,6 +95,7 @@ impl SceneAnswer {
             Some(shorter) => finding(task, free).after(finding(task, shorter)),
             None => finding(task, free),
         };
+        let careful = careful.beside(&bold);
         let plan = shorter.and_then(|found| found.plan.as_ref()).or(free.plan.as_ref());
         SceneAnswer {
             conclusion: words::conclusion(&careful, &bold, &NOUNS, task.longest),
@@ -113,6 +119,8 @@ impl Side {
     fn new(plan: Option<&ScenePlan>, finding: &Finding<'_>) -> Self {
         Side {
             found: finding.is_found(),
+            none: finding.is_none(),
+            least: finding.least(),
             steps: finding.steps,
             refuted: finding.refuted.unwrap_or(0),
             seconds: finding.seconds(),
@@ -135,7 +143,7 @@ impl Motion {
             step: hit.step,
             time: hit.time,
             place: hit.place.clone(),
-            speed: hit.speed,
+            speed: hit.end_speed,
             impulse: hit.impulse.clone(),
         };
         Motion {

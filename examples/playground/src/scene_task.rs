@@ -6,7 +6,7 @@ use carom::interval::Interval;
 use carom::prelude::*;
 use serde::Deserialize;
 
-use crate::task::check_time_step;
+use crate::task::{check_time_step, round};
 
 /// Bodies in a room with obstacles, in SI units.
 #[derive(Debug, Clone, Deserialize)]
@@ -92,11 +92,10 @@ impl SceneTask {
     }
 
     fn scene(&self, surface: Surface) -> Result<Scene, Error> {
-        let room = intervals(&self.room);
         let mut scene = Scene::new(self.time_step);
         let mut bodies = Vec::new();
         for body in &self.bodies {
-            bodies.push(scene.body(body.stated(&room))?);
+            bodies.push(scene.body(body.stated(&intervals(&self.range(body))))?);
         }
         if self.walls {
             for (name, normal, end) in WALLS {
@@ -121,6 +120,16 @@ impl SceneTask {
             }
             _ => scene,
         })
+    }
+
+    /// Where the middle of a body may be. Walls keep all of it in the room; without walls, this does.
+    pub fn range(&self, body: &BodyTask) -> Sides {
+        let half = body.half.filter(|_| !self.walls).unwrap_or_default();
+        let within = |axis: usize| {
+            let [lower, upper] = self.room[axis];
+            [round(lower + half[axis]), round(upper - half[axis])]
+        };
+        [within(0), within(1)]
     }
 
     /// What may be in the way: its name, and the task without it.

@@ -4,13 +4,12 @@ use carom::Error;
 use carom::collision_tolerant::{Objective, Plan, Scenario};
 use carom::hybrid::ShortestHorizon;
 use carom::model::mps;
-use carom::prelude::*;
 use carom::reformulate::lower;
 
 use crate::answer::{Answer, Side};
 use crate::progress;
 use crate::task::Task;
-use crate::{REASON, Reasons, code, refuted, search_options};
+use crate::{REASON, Reasons, code, reason, search_options, solver, told_options};
 
 /// Answers a task.
 pub fn solve(task: &str) -> Result<Answer, String> {
@@ -24,13 +23,20 @@ fn answer(task: &Task) -> Result<Answer, Error> {
     let mut options = search_options(task.max_steps());
     let free = plan(&careful, "free", &options)?;
     progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free));
-    options.upper_hint = free.steps;
-    let tolerant = plan(&scenario, "tolerant", &options)?;
-    let mut answer = Answer::new(task, &free, &tolerant);
+    // The careful plan is a plan with collisions allowed, too: only shorter ones are looked for.
+    if let Some(steps) = free.steps {
+        options.search = search_options(steps - 1);
+    }
+    let tolerant = match free.steps {
+        Some(1) => None,
+        _ => Some(plan(&scenario, "tolerant", &options)?),
+    };
+    let mut answer = Answer::new(task, &free, tolerant.as_ref());
     answer.code = code::of_wall(task);
-    answer.reason = refuted(&free).or_else(|| refuted(&tolerant));
+    answer.reason = reason(&free, tolerant.as_ref());
     if task.files {
-        let steps = tolerant.steps.or(tolerant.refuted_steps).unwrap_or(1);
+        let found = tolerant.as_ref().and_then(|found| found.steps.or(found.refuted_steps));
+        let steps = free.steps.filter(|_| found.is_none()).or(found).unwrap_or(1);
         let program = scenario.program(steps, Objective::Feasibility)?;
         answer.mps = Some(mps::write(lower(program.model())?.model())?);
     }
@@ -42,8 +48,8 @@ fn plan(
     side: &'static str,
     options: &ShortestOptions,
 ) -> Result<ShortestHorizon<Plan>, Error> {
-    let options = options.clone().with_progress(progress::refuted(side));
-    scenario.shortest_with(&options, &mut BranchAndBound::default())
+    let options = told_options(side, options);
+    scenario.shortest_with(&options, &mut solver())
 }
 
 /// Why plans with so many steps are impossible.

@@ -48,12 +48,25 @@ impl<'a> Finding<'a> {
         Finding { status, refuted: shorter.refuted, attempts: shorter.attempts, ..self }
     }
 
+    /// This side without collisions, beside that with collisions: what is impossible there is
+    /// impossible here.
+    pub fn beside(self, tolerant: &Finding<'a>) -> Self {
+        match self.status {
+            ShortestStatus::Stopped(_) if tolerant.refuted > self.refuted => {
+                let status = if tolerant.is_none() { tolerant.status } else { self.status };
+                Finding { status, refuted: tolerant.refuted, attempts: tolerant.attempts, ..self }
+            }
+            _ => self,
+        }
+    }
+
     /// Whether the shortest plan was found and proved.
     pub fn is_found(&self) -> bool {
         self.status == ShortestStatus::Found
     }
 
-    fn is_none(&self) -> bool {
+    /// Whether it is proved that there is no plan.
+    pub fn is_none(&self) -> bool {
         matches!(self.status, ShortestStatus::NoneWithin { .. })
     }
 
@@ -62,10 +75,43 @@ impl<'a> Finding<'a> {
         Some(self.steps? as f64 * self.time_step)
     }
 
-    /// By how much another plan that is proved to be shorter is shorter, in s.
-    fn longer_than(&self, other: &Finding<'_>) -> Option<f64> {
-        let (own, other) = (self.seconds()?, other.seconds()?);
-        (self.is_found() && own > other).then_some(own - other)
+    /// What every plan takes at least, in s.
+    pub fn least(&self) -> f64 {
+        (self.refuted.unwrap_or(0) + 1) as f64 * self.time_step
+    }
+
+    fn known(&self) -> Known {
+        match (self.status, self.seconds()) {
+            (ShortestStatus::NoneWithin { .. }, _) => Known::Never,
+            (ShortestStatus::Found, Some(seconds)) => Known::Shortest(seconds),
+            (_, Some(most)) => Known::Between(self.least(), most),
+            (_, None) => Known::Open(self.least()),
+        }
+    }
+}
+
+/// What is known of the shortest plan; times in s.
+enum Known {
+    /// There is none.
+    Never,
+    Shortest(f64),
+    /// There is a plan; the shortest takes from the first to the second.
+    Between(f64, f64),
+    /// Whether there is a plan is open; it takes at least so long.
+    Open(f64),
+}
+
+impl Known {
+    /// As the end of a sentence that begins with the plan.
+    fn words(&self) -> String {
+        match *self {
+            Known::Never => "there is none".into(),
+            Known::Shortest(seconds) => format!("it takes {} s", number(seconds)),
+            Known::Between(least, most) => {
+                format!("it takes {} s or more and {} s or less", number(least), number(most))
+            }
+            Known::Open(least) => format!("it takes {} s or more, if there is one", number(least)),
+        }
     }
 }
 
@@ -77,7 +123,8 @@ pub struct Nouns {
     pub plan: &'static str,
 }
 
-/// What comes out of the comparison of the plans without and with collisions.
+/// What comes out of the comparison of the plans without and with collisions. What is said to be
+/// so is proved; what is not decided is said to be open.
 pub fn conclusion(
     free: &Finding<'_>,
     tolerant: &Finding<'_>,
@@ -85,39 +132,50 @@ pub fn conclusion(
     longest: f64,
 ) -> String {
     let Nouns { hitting, plan } = nouns;
-    if let (Some(saved), Some(slow), Some(fast)) =
-        (free.longer_than(tolerant), free.seconds(), tolerant.seconds())
-    {
-        let share = 100.0 * (slow - fast) / slow;
-        return format!("{hitting} saves {saved:.3} s, {share:.1} % of the careful plan's time.");
-    }
-    match (free.seconds(), tolerant.seconds()) {
-        _ if free.is_none() && tolerant.is_none() => {
+    let (slow, fast) = (free.known(), tolerant.known());
+    match (&slow, &fast) {
+        (_, Known::Never) => {
             format!("There is no plan, with or without collisions, of {longest} s or less.")
         }
-        (None, Some(_)) if free.is_none() => {
+        (Known::Never, Known::Shortest(_)) => {
             format!("Only {plan} gets there: without an impact there is no plan.")
         }
-        _ if free.is_found() && tolerant.is_found() => {
+        (Known::Never, Known::Between(least, most)) => format!(
+            "Only {plan} gets there: without an impact there is no plan. The shortest takes {} s or \
+             more and {} s or less.",
+            number(*least),
+            number(*most)
+        ),
+        (Known::Never, Known::Open(least)) => format!(
+            "Without an impact there is no plan. Whether {plan} gets there is open; it takes {} s \
+             or more.",
+            number(*least)
+        ),
+        (Known::Shortest(slow), Known::Shortest(fast)) if slow > fast => {
+            let (saved, share) = (slow - fast, 100.0 * (slow - fast) / slow);
+            format!("{hitting} saves {saved:.3} s, {share:.1} % of the careful plan's time.")
+        }
+        (Known::Shortest(_), Known::Shortest(_)) => {
             format!("{hitting} does not pay here: it makes no plan any faster.")
         }
-        (None, None) => "The search was stopped before it found a plan.".into(),
-        (Some(slow), Some(fast)) if fast < slow => {
-            let saved = number(slow - fast);
-            format!("{hitting} saves {saved} s at least: the search for faster plans was stopped.")
-        }
-        (slow, _) => {
-            let less = slow.map_or("at all".to_owned(), |s| format!("less than {} s", number(s)));
-            match tolerant.refuted {
-                Some(refuted) => {
-                    let least = number((refuted + 1) as f64 * tolerant.time_step);
-                    format!(
-                        "{hitting} takes {least} s or more, proved; whether it takes {less} is open."
-                    )
-                }
-                None => format!("Whether {} takes {less} is open.", hitting.to_lowercase()),
-            }
-        }
+        (Known::Shortest(slow), Known::Between(least, most)) if most < slow => format!(
+            "{hitting} saves {} s at least. Whether there is a faster plan still is open; it takes \
+             {} s or more.",
+            number(slow - most),
+            number(*least)
+        ),
+        (Known::Shortest(slow), Known::Between(least, _) | Known::Open(least)) => format!(
+            "Without an impact it takes {} s. Whether {plan} is faster is open; it takes {} s or \
+             more.",
+            number(*slow),
+            number(*least)
+        ),
+        (Known::Between(..) | Known::Open(_), _) => format!(
+            "Not decided. Of the shortest plan without an impact is known: {}. With collisions \
+             allowed: {}.",
+            slow.words(),
+            fast.words()
+        ),
     }
 }
 
@@ -200,8 +258,8 @@ pub fn steps(count: usize) -> String {
     if count == 1 { "1 step".into() } else { format!("{count} steps") }
 }
 
-/// A number with at most two digits after the point.
+/// A number with at most three digits after the point: those of a multiple of a time step.
 pub fn number(value: f64) -> String {
-    let text = format!("{value:.2}");
+    let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

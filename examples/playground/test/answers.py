@@ -12,7 +12,7 @@ WORST = {
     "task=exchange&goalX=4": "",
     "task=exchange&goalX=5": "",
     "task=exchange&velocityX=-3": "no plan",
-    "task=pillar&startX=0": "Bouncing",
+    "task=pillar&startX=0": "plan that bounces",
     "task=bank&maxAcceleration=0": "no plan",
     "maxAcceleration=0&velocity=-5": "no plan",
 }

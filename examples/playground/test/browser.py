@@ -16,6 +16,7 @@ import time
 import answers
 import axe
 import drags
+import knowing
 import loading
 import taking
 import touches
@@ -51,7 +52,7 @@ EDGES = {
     "task=bank&maxAcceleration=0": "no plan",
     "task=bank&velocityX=3&maxSpeed=1": "outside its largest speed",
     "task=bank&velocityX=0&velocityY=0&goalX=1.2&goalY=0.2": "does not pay",
-    "task=pillar&startX=0": "Bouncing",
+    "task=pillar&startX=0": "plan that bounces",
     "task=pillar&impulseLimit=0": "does not pay",
     "task=pillar&velocityX=-0.5&velocityY=0&startX=0.6&restitution=0.3": "Only a plan that bounces",
     "task=exchange&cartX=0.5": "Carrier starts inside cart; move one of them.",
@@ -118,7 +119,7 @@ class Test:
         self.browser.type("#scene-free [data-handle=goal]", RIGHT)
         self.browser.type("#scene-free [data-handle=block]", UP, held=SHIFT)
         self.settled()
-        assert self.browser.run("return location.hash") == "#task=bank&goalX=0.45&blockY=0.95"
+        assert self.browser.run("return location.hash") == "#task=bank&goalX=0.45&blockY=0.9"
         assert self.browser.run("return document.activeElement.dataset.handle") == "block"
         # By pointer: the block onto the puck, in the second picture.
         places = self.browser.run("""
@@ -274,6 +275,12 @@ def main():
             answers.waits_can_be_ended(test)
             answers.progress_is_told(test)
             answers.one_step_less_is_shown(test, ["", "task=bank", "task=pillar"])
+            knowing.what_is_open_is_said_to_be_open(test)
+            knowing.hits_obey_their_law(test, [f"task={name}" for name in SCENES])
+            knowing.sliders_begin_with_tasks(test, ["", *(f"task={name}" for name in SCENES)])
+            knowing.bodies_stay_in_their_room(test)
+            knowing.the_theme_stays(test)
+            knowing.hits_stay_while_one_drags(test)
             taking.all_can_be_taken(test, ["", *(f"task={name}" for name in SCENES)])
             test.is_readable(arguments.pictures)
             touches.follow_a_thumb(test, ["", *(f"task={name}" for name in SCENES)])

@@ -44,13 +44,13 @@ fn vehicles() -> Value {
         json!({ "name": name, "mass": mass, "half": half, "start": start, "goal": goal,
             "maxSpeed": 3, "maxAcceleration": 1 })
     };
-    let at_rest = json!([2, 0.5, 0, 0]);
+    let at_rest = json!([2, 0.7, 0, 0]);
     json!({
-        "timeStep": 0.5, "longest": 10, "room": [[0, 6], [0, 1]], "walls": false,
+        "timeStep": 0.5, "longest": 10, "room": [[0, 6], [0, 1.4]], "walls": false,
         "restitution": 0.8, "impulseLimit": 4,
         "bodies": [
-            vehicle("carrier", 2.0, json!([0.3, 0.2]), json!([0.5, 0.5, 2, 0]), at_rest),
-            vehicle("cart", 1.0, json!([0.2, 0.2]), json!([2.2, 0.5, 0, 0]), Value::Null),
+            vehicle("carrier", 2.0, json!([0.3, 0.2]), json!([0.5, 0.7, 2, 0]), at_rest),
+            vehicle("cart", 1.0, json!([0.2, 0.2]), json!([2.2, 0.7, 0, 0]), Value::Null),
         ],
         "obstacles": [],
     })

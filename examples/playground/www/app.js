@@ -15,13 +15,15 @@ import { KINDS } from "./tasks.js";
 
 /** After so long without a change, what was planned coarsely is planned, and the reasons are asked for, in ms. */
 const REST = 150;
+/** After so long, a search tells what it knows where its result will stand, in ms. */
+const LONG = 500;
 
 const $ = selector => document.querySelector(selector);
 const page = document.documentElement;
-let [name, state] = readLink(location.hash);
-let kind = KINDS[name];
 /** A phone: one picture for both plans. As in the style sheet. */
 const NARROW = matchMedia("(max-width: 34rem)");
+let [name, state] = readLink(location.hash);
+let kind = KINDS[name];
 let planners = null;
 /** The last answer, of the task as it stands or of an older one. */
 let answer = null;
@@ -34,6 +36,8 @@ let redraw = 0;
 let resting = 0;
 let linking = 0;
 let hasPlayed = false;
+/** The sides of which a bound is shown while they are being searched. */
+let bounded = [];
 
 const player = new Player({ button: $("#play"), slider: $("#time"), clock: $("#clock"),
   show: time => { if (answer) [...views, ...charted.views].forEach(view => view.show(time)); } });
@@ -73,6 +77,7 @@ function ask(isDrag) {
   clearTimeout(resting);
   const whole = kind.task(state), task = isDrag ? pace.preview(name, kind, whole) : whole;
   const isCoarse = task !== whole;
+  bounded = [];
   results.begin();
   asked = { id: planners.plan({ task, isScene: Boolean(kind.room), name, isCoarse }), at: performance.now(), isCoarse };
   page.dataset.asked = asked.id;
@@ -111,10 +116,10 @@ function heard(message) {
   if (message.files) return isLatest && saveProgram(message.files);
   if (message.less !== undefined) return isLatest && showLess(message.less, answer, kind, state);
   if (message.reasons) return isLatest && showReasons(id, message.reasons);
-  if (message.progress) return isLatest && !job.isCoarse && showProgress(message.progress);
+  if (message.progress) return isLatest && !job.isCoarse && showProgress(message.progress, job.task.timeStep);
   pace.learn(job.name, job.isCoarse, message.took);
   if (job.name !== name) return;
-  show(message.answer);
+  show(job.isCoarse ? withLastHits(message.answer) : message.answer);
   results.showPreview(job.isCoarse ? job.task : null, kind.task(state));
   page.dataset.pictures = Number(page.dataset.pictures ?? 0) + 1;
   if (!isLatest) return;
@@ -150,6 +155,15 @@ function show(found) {
   draw();
 }
 
+/** A short search that did not decide the side with collisions: the plan that was there stays, dimmed. */
+function withLastHits(found) {
+  const bold = found.tolerant;
+  if (!bold || bold.found || bold.none) return found;
+  const last = answer?.tolerant;
+  const kept = last && (last.plan?.hits ?? last.curve?.impacts)?.length ? { ...last, isOlder: true } : { ...bold, plan: null, curve: null };
+  return { ...found, tolerant: kept };
+}
+
 function fail(sentence, id) {
   answer = null;
   results.showPreview(null);
@@ -163,10 +177,17 @@ function showReasons(id, reasons) {
   page.dataset.explained = id;
 }
 
-/** How far the planner is; one side may be known already. */
-function showProgress(progress) {
+/** How far the planner is; one side may be known already. A bound is told once a search takes long. */
+function showProgress(progress, timeStep) {
+  const { side } = progress;
   results.showProgress(progress);
-  if (!progress.found) return;
+  if (!progress.found) {
+    if (performance.now() - asked.at < LONG) return;
+    if (!bounded.includes(side)) bounded.push(side);
+    results.showBound(side, (progress.refuted + 1) * timeStep);
+    return results.setStale(false, [side], asked.id);
+  }
+  bounded = bounded.filter(other => other !== side);
   answer = { ...answer, [progress.side]: progress.found };
   for (const side of SIDES) if (side !== progress.side) delete answer[side];
   results.showPreview(null);
@@ -177,7 +198,7 @@ function showProgress(progress) {
 
 function cancel() {
   planners.cancel();
-  results.showCancelled();
+  results.showCancelled(bounded);
   page.dataset.state = "cancelled";
   page.dataset.drawn = page.dataset.explained = asked.id;
 }
@@ -234,7 +255,15 @@ function listen() {
   $("#theme").addEventListener("click", () => {
     const dark = page.dataset.theme ? page.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
     page.dataset.theme = dark ? "light" : "dark";
+    // Read again in the head of the page, before it is drawn.
+    try { localStorage.setItem("theme", page.dataset.theme); } catch { /* It lasts as long as the page. */ }
   });
+  const folds = [...document.querySelectorAll(".fold")];
+  const unfold = () => { for (const fold of folds) fold.open = !NARROW.matches; };
+  unfold();
+  NARROW.addEventListener("change", unfold);
+  // What is folded has no width, and is drawn when it is opened.
+  for (const fold of folds) fold.addEventListener("toggle", () => { if (fold.open) { charted = { views: [] }; draw(); redrawLess(); } });
   addEventListener("hashchange", () => { [name, state] = readLink(location.hash); begin(); });
   let width = innerWidth;
   addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; draw(); redrawLess(); } });
@@ -252,9 +281,3 @@ try {
 } catch (error) {
   fail(error.message, 0);
 }
-  const folds = [...document.querySelectorAll(".fold")];
-  const unfold = () => { for (const fold of folds) fold.open = !NARROW.matches; };
-  unfold();
-  NARROW.addEventListener("change", unfold);
-  // What is folded has no width, and is drawn when it is opened.
-  for (const fold of folds) fold.addEventListener("toggle", () => { if (fold.open) { charted = { views: [] }; draw(); redrawLess(); } });

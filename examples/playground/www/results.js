@@ -46,6 +46,24 @@ export function showPreview(task, whole) {
     : "Preview: a short search.";
 }
 
+const seconds = value => `${value.toFixed(3)} s`;
+
+/** What is known of the shortest plan of a side: a figure, and words for it. */
+function known(side) {
+  if (!side) return ["–", ""];
+  if (side.none) return ["–", "no plan"];
+  if (side.found) return [seconds(side.seconds), steps(side.steps)];
+  const least = side.refuted ? `at least ${seconds(side.least)}` : "";
+  return side.steps ? [`≤ ${seconds(side.seconds)}`, `open${least && `, ${least}`}`] : ["open", least];
+}
+
+/** What is known of a side so far, while it is being searched. */
+export function showBound(name, least) {
+  text(name, ".seconds", "open");
+  text(name, ".steps", `at least ${seconds(least)} so far`);
+  for (const part of [".proof", ".hits", ".why"]) text(name, part, "");
+}
+
 /** How far the planner is: `refuted` steps are too few on one side. */
 export function showProgress({ side, refuted }) {
   const where = { free: "without collisions", tolerant: "with collisions" }[side];
@@ -59,9 +77,12 @@ export function showFailure(sentence) {
   for (const side of SIDES) showSide(side, null);
 }
 
-export function showCancelled() {
+/** The search was ended; `bounds` says which sides have a bound. */
+export function showCancelled(bounds) {
   end();
-  $("#verdict").textContent = "Cancelled. Change something to plan again.";
+  for (const name of bounds) text(name, ".steps", $(`[data-side=${name}] .steps`).textContent.replace(" so far", ""));
+  $("#verdict").textContent = bounds.length ? "Cancelled: the numbers are what is known. Change something to plan again."
+    : "Cancelled. Change something to plan again.";
   $("#reason").textContent = "";
   $("#verdict").classList.remove("stale");
 }
@@ -74,11 +95,13 @@ export function showAnswer(found) {
 }
 
 export function showSide(name, side) {
-  text(name, ".seconds", side?.steps ? `${side.seconds.toFixed(3)} s` : "–");
-  text(name, ".steps", side?.steps ? steps(side.steps) : side ? "no plan" : "");
+  const [figure, words] = known(side);
+  text(name, ".seconds", figure);
+  text(name, ".steps", words);
   text(name, ".proof", side?.proof ?? "");
-  text(name, ".hits", (side?.plan?.hits ?? []).map(hit =>
-    `Hit: ${hit.contact} at ${hit.time.toFixed(2)} s with ${hit.speed.toFixed(2)} m/s, ${Math.hypot(...hit.impulse).toFixed(2)} N s.`).join(" "));
+  const hits = (side?.plan?.hits ?? []).map(hit =>
+    `Hit: ${hit.contact} at ${hit.time.toFixed(2)} s with ${hit.speed.toFixed(2)} m/s, ${Math.hypot(...hit.impulse).toFixed(2)} N s.`);
+  text(name, ".hits", hits.length ? `${hits.join(" ")} Speeds and impulses are those of the law that the plan follows: it counts a hit at the end of its step.` : "");
   text(name, ".why", "");
 }
 
