@@ -2,7 +2,7 @@
 
 use carom::Error;
 use carom::collision_tolerant::{Objective, Plan, Scenario};
-use carom::hybrid::ShortestHorizon;
+use carom::hybrid::{ShortestHorizon, ShortestOptions};
 use carom::model::mps;
 use carom::reformulate::lower;
 
@@ -25,7 +25,7 @@ fn answer(task: &Task) -> Result<Answer, Error> {
     progress::found("free", free.refuted_steps.unwrap_or(0), &Side::of(task, &free));
     // The careful plan is a plan with collisions allowed, too: only shorter ones are looked for.
     if let Some(steps) = free.steps {
-        options.search = search_options(steps - 1);
+        options = search_options(steps - 1);
     }
     let tolerant = match free.steps {
         Some(1) => None,
