@@ -7,7 +7,6 @@ use super::plan::Plan;
 use super::program::{Objective, PlanningProgram};
 use super::scenario::Scenario;
 use crate::error::Error;
-#[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::hybrid::reach::Tube;
 use crate::hybrid::{
@@ -169,8 +168,13 @@ impl Refinement<'_> {
         self.solver.options_mut().proof = Some(proof.path.clone());
         let solution = self.solve(&program, &start);
         self.solver.options_mut().proof = None;
-        let Some(solution) = solution? else { return Ok(plan) };
-        proof.report = solution.proof().copied().filter(|_| solution.is_optimal());
+        // A log that cannot be written costs no plan: that of the search has told it.
+        let solution = match solution {
+            Err(error) if matches!(error.kind(), ErrorKind::Io { .. }) => return Ok(plan),
+            solution => solution?,
+        };
+        let Some(solution) = solution else { return Ok(plan) };
+        proof.report = solution.proof().cloned().filter(|_| solution.is_optimal());
         if !solution.is_optimal() {
             return Ok(plan);
         }

@@ -1,6 +1,6 @@
-//! `print!`, `println!` and `eprintln!` for tools whose output is often cut off, as in `solve FILE |
-//! head -1`: if nobody reads on, the program ends quietly instead of panicking. If nobody reads the
-//! standard error, it goes on without it.
+//! `print!`, `println!` and `eprintln!` for tools whose output is often cut off, as in `solve FILE
+//! | head -1`: if nobody reads on, the program ends quietly instead of panicking. If nobody reads
+//! the standard error, it goes on without it.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write, stderr, stdout};

@@ -287,7 +287,7 @@ fn a_folder_that_goes_does_not_lose_the_plan() -> Result<(), Error> {
     let folder = folder("gone");
     let (cart, x, _) = cart()?;
     let (start, goal) = ([x.equals(0.0)], [x.equals(6.0)]);
-    let plain = cart.shortest(start, goal, &mut BranchAndBound::default())?;
+    let plain = cart.shortest(start.clone(), goal.clone(), &mut BranchAndBound::default())?;
     let (gone, logged) = (folder.clone(), Arc::new(AtomicUsize::new(0)));
     let count = Arc::clone(&logged);
     let watch = move |event: &HorizonEvent| {

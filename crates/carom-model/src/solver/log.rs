@@ -108,8 +108,8 @@ impl<W: Write> Log<W> {
         }
     }
 
-    /// Sets the width of a terminal (characters, at least 40). Lines about a search have the columns
-    /// that fit, and texts are broken between words.
+    /// Sets the width of a terminal (characters, at least 40). Lines about a search have the
+    /// columns that fit, and texts are broken between words.
     #[must_use]
     pub fn with_width(mut self, width: usize) -> Self {
         self.width = width.max(LEAST_WIDTH);

@@ -448,8 +448,8 @@ fn has_enough_rows(state: &mut TreeState) -> bool {
 }
 
 /// An estimate of the part of the tree that is done: after Knuth, "Estimating the efficiency of
-/// backtrack programs", 1975, a node stands for the part that a walk to a random child at each split
-/// finds it with. `None` if other processes hold nodes.
+/// backtrack programs", 1975, a node stands for the part that a walk to a random child at each
+/// split finds it with. `None` if other processes hold nodes.
 fn explored(state: &TreeState) -> Option<f64> {
     let Elsewhere { open, nodes, .. } = state.elsewhere;
     let is_whole = open == 0 && nodes == 0;
