@@ -30,6 +30,7 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
+mod checks;
 mod explainable;
 mod law;
 mod literal;

@@ -1,10 +1,11 @@
 //! Scenarios: start, goal, limits, wall, contact and damage.
 
-use std::ops::RangeInclusive;
-
+use super::checks::{check_finite, check_order, check_range, out_of_range};
 use super::law::ContactLaw;
 use super::wall::Wall;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::scene::{Body, DamageRule};
 use crate::hybrid::{ImpactEstimate, Monotonicity, Region, Restitution, State, SystemRow};
 use crate::interval::Interval;
@@ -317,6 +318,10 @@ impl Scenario {
         check_range("acceleration", self.acceleration)?;
         check_range("the pushes", self.pushes)?;
         check_range("domain", self.domain.unwrap_or(still()))?;
+        for (name, range) in ["x", "v"].iter().zip(self.goal_region.iter().flat_map(|r| &r.ranges))
+        {
+            check_order(name, *range)?;
+        }
         if self.law == ContactLaw::Literal && self.spread != 0.0 {
             let what = "the spread of the restitution";
             return Err(out_of_range(
@@ -468,29 +473,4 @@ impl Scenario {
 /// The range of a state, of a region that may not have been checked.
 fn range(region: &Region, state: usize) -> Interval {
     region.ranges.get(state).copied().unwrap_or(Interval::REALS)
-}
-
-/// Refuses a number that is not finite.
-pub(super) fn check_finite(name: &str, what: &'static str, value: f64) -> Result<(), Error> {
-    match value.is_finite() {
-        true => Ok(()),
-        false => Err(ErrorKind::NotFinite { name: name.to_owned(), what, value }.into()),
-    }
-}
-
-/// Refuses a range whose ends are not finite, or crossed.
-fn check_range(name: &str, range: Interval) -> Result<(), Error> {
-    let Interval { lower, upper } = range;
-    check_finite(name, "the lower limit", lower)?;
-    check_finite(name, "the upper limit", upper)?;
-    match lower <= upper {
-        true => Ok(()),
-        false => Err(ErrorKind::CrossedBounds { name: name.to_owned(), lower, upper }.into()),
-    }
-}
-
-fn out_of_range(what: &str, value: f64, limits: RangeInclusive<f64>, range: &str) -> Error {
-    let (what, range) = (what.to_owned(), range.to_owned());
-    let (lower, upper) = (Some(*limits.start()), Some(*limits.end()));
-    ErrorKind::OutOfRange { what, value, lower, upper, range }.into()
 }

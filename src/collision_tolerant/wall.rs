@@ -1,6 +1,6 @@
 //! A wall: a half-line that the vehicle cannot enter.
 
-use super::scenario::check_finite;
+use super::checks::check_finite;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::Affine;
