@@ -176,7 +176,7 @@ fn regions_that_cannot_be_ends_are_refused() {
          limit"
     );
     let named = Region::point([0.3, 0.0]).with_mode("mode", "flying");
-    assert_eq!(text(named), "the model has no mode of the choice named `flying`");
+    assert_eq!(text(named), "the model has no choice of the system named `mode`");
 }
 
 // -- extended programs --------------------------------------------------------------------------

@@ -113,7 +113,7 @@ fn a_combination_that_no_values_reach() {
         ],
     );
     // Multipliers of 0 use no side.
-    assert_eq!(verdict(&SUM.log("x 3 0 -1 1 1 1 0")), "proved: no point (1 steps)");
+    assert_eq!(verdict(&SUM.log("x 3 0 -1 1 1 1 0")), "proved: no point (1 step)");
 }
 
 #[test]
