@@ -32,8 +32,9 @@ export function showLess(less, answer, kind, state) {
   player.stop();
   if (!at.length) return;
   const side = less.side === "free" ? "without collisions" : "with collisions";
-  $("#less-title").textContent = `${answer[less.side].steps ? "One step less" : "No plan"}: ${less.steps} steps, ${side}`;
-  $("#less-words").textContent = kind.room ? "Drawn are places; with velocities, the two never meet: so there is no such plan."
+  const why = answer[less.side].found ? "Why nothing is faster" : answer[less.side].none ? "Why there is no plan" : "Why it takes longer";
+  $("#less-title").textContent = `${why}: not ${less.steps} ${less.steps === 1 ? "step" : "steps"}, ${side}`;
+  $("#less-words").textContent = kind.room ? "Drawn are places; with velocities, the two never meet: so there is no such plan. Move the slider to see where they pass each other."
     : "Drawn are velocities (m/s) over positions (m); the two never meet: so there is no such plan.";
   const place = $("#less-picture"), { px, py, svg, ground } = frame(place, less, kind, state);
   const area = (name, corners) => corners.length < 2 ? "" : `<polygon class="${name}" points="${corners.map(([x, y]) => `${px(x)},${py(y)}`).join(" ")}"/>`;

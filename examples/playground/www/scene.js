@@ -91,6 +91,38 @@ function drawPlan(view, side, { plan, isOlder }, task) {
   return `<g class="plan${isOlder ? " older" : ""}" data-side="${side}">${paths}${hits}${movers}</g>`;
 }
 
+/** How near a pointer asks for a sample, in pixels. */
+const NEAR = 16;
+
+/** The sample of the plans that is drawn nearest to a pixel, in words and with its place; `null` where there is none. */
+function sampleAt(view, plans, [x, y]) {
+  let best = null;
+  for (const { timeStep, bodies, hits } of plans) for (const { name, position, velocity } of bodies) position.forEach((place, step) => {
+    const at = [view.px(place[0]), view.py(place[1])], far = Math.hypot(at[0] - x, at[1] - y);
+    if (far > NEAR || far >= (best?.far ?? Infinity)) return;
+    // The hit of the step that leads here.
+    const hit = hits.find(hit => hit.step === step - 1 && hit.body === name);
+    const mode = step === 0 ? "start" : hit ? `after the hit of ${hit.contact}` : "free flight";
+    best = { far, at, words: `${(step * timeStep).toFixed(2)} s, ${Math.hypot(...velocity[step]).toFixed(2)} m/s, ${mode}` };
+  });
+  return best;
+}
+
+/** Says the sample under the pointer. */
+function tellSamples(place, view, plans) {
+  const label = place.querySelector(".sample");
+  place.onpointermove = event => {
+    const frame = place.getBoundingClientRect();
+    const found = event.buttons ? null : sampleAt(view, plans, [event.clientX - frame.left, event.clientY - frame.top]);
+    label.setAttribute("visibility", found ? "visible" : "hidden");
+    if (!found) return;
+    const [x, y] = found.at, isRight = x > view.width / 2;
+    label.setAttribute("transform", `translate(${x} ${y})`);
+    label.innerHTML = `<circle r="3.5"/><text x="${isRight ? -9 : 9}" y="${y < 30 ? 18 : -9}" text-anchor="${isRight ? "end" : "start"}">${found.words}</text>`;
+  };
+  place.onpointerleave = () => label.setAttribute("visibility", "hidden");
+}
+
 /** Draws the plans of some sides in one picture; returns what moves their bodies. */
 export function drawScene(place, sides, answer, kind, task, state) {
   const view = new View(place, kind);
@@ -100,8 +132,9 @@ export function drawScene(place, sides, answer, kind, task, state) {
   const own = focused(place);
   // A group, so that what can be moved is not hidden inside an image.
   place.innerHTML = `<svg viewBox="0 0 ${view.width} ${view.height}" height="${view.height}" role="group" aria-label="${sides.map(side => WORDS[side]).join(", ")}: the scene from above, in m">` +
-    `${view.ground(task.walls)}${shown.map(side => drawPlan(view, side, answer[side], task)).join("")}${handles}</svg>`;
+    `${view.ground(task.walls)}${shown.map(side => drawPlan(view, side, answer[side], task)).join("")}${handles}<g class="sample" visibility="hidden"></g></svg>`;
   focus(place, own);
+  tellSamples(place, view, shown.map(side => answer[side].plan));
   const groups = shown.map(side => [answer[side].plan, [...place.querySelectorAll(`.plan[data-side=${side}] .mover`)]]);
   return {
     view,
