@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use carom::collision_tolerant::{Endpoint, PlanningOptions, Scenario};
+use carom::collision_tolerant::{Endpoint, Scenario};
 use carom::hybrid::scene::{DamageMeasure, DamageRule};
 use carom::hybrid::{ShortestHorizon, ShortestOptions, ShortestStatus};
 use carom::prelude::*;
@@ -99,8 +99,7 @@ fn wall(dice: &mut Dice) -> Result<Setting, Error> {
         .with_time_step(time_step)
         .with_damage(damage)
         .with_restitution(restitution)?;
-    let search = options((30.0_f64 / time_step).ceil() as usize);
-    let planning = PlanningOptions::default().with_search(search);
+    let planning = options((30.0_f64 / time_step).ceil() as usize);
     let truth = |scenario: &Scenario| -> Result<Truth, Error> {
         Ok(Truth::of(&scenario.shortest_with(&planning, &mut BranchAndBound::default())?))
     };
