@@ -125,10 +125,10 @@ impl Trajectory {
             let digit = 10.0_f64.powi(-SIGNIFICANT_DIGITS);
             if largest < digit { digit } else { largest * digit }
         });
-        for t in 0..self.time.len() {
+        for (t, (time, contact)) in self.time.iter().zip(&self.contact).enumerate() {
             let [position, velocity, acceleration, damage] =
                 [0, 1, 2, 3].map(|k| rounded(columns[k][t], noise[k]));
-            let (time, contact) = (rounded(self.time[t], 0.0), u8::from(self.contact[t]));
+            let (time, contact) = (rounded(*time, 0.0), u8::from(*contact));
             // Writing into a string cannot fail.
             let _ =
                 writeln!(text, "{time},{position},{velocity},{acceleration},{contact},{damage}");

@@ -166,7 +166,7 @@ impl Case {
                 own.iter().map(|line| format!("{line}\n")).collect::<String>()
             )
         };
-        let _ = write!(text, "{n}\n");
+        let _ = writeln!(text, "{n}");
         self.square.iter().zip(1..).for_each(|(h, k)| {
             let _ = writeln!(text, "{k} {k} {h:?}");
         });
