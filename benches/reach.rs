@@ -39,7 +39,7 @@ fn sweeps(criterion: &mut Criterion) {
     let tube = swept.clone().tube(485).expect("485 steps are allowed");
     let program = scenario(0.005).program(485, Objective::Feasibility);
     let program = program.expect("the paper's scenario is valid");
-    let variables = program.variables().horizon_variables();
+    let variables = program.program().variables().horizon_variables();
     group.bench_function("tighten", |b| {
         b.iter_batched(
             || program.model().clone(),
@@ -80,7 +80,7 @@ fn time_to_spare(criterion: &mut Criterion) {
     let scenario = scenario(0.1);
     let program = scenario.program(30, Objective::Effort);
     let program = program.expect("the paper's scenario is valid");
-    let variables = program.variables().horizon_variables();
+    let variables = program.program().variables().horizon_variables();
     group.bench_function("sets", |b| {
         b.iter_batched(
             || program.model().clone(),
