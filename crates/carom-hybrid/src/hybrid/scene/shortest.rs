@@ -56,7 +56,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// As for [`shortest`](Scene::shortest); [`ErrorKind::OutOfRange`] for a bad `max_steps`.
+    /// As for [`shortest`](Scene::shortest); `ErrorKind::OutOfRange` for a bad `max_steps`.
     pub fn shortest_with(
         &self,
         options: &ShortestOptions,
