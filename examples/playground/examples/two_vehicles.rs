@@ -5,18 +5,19 @@ use carom::prelude::*;
 
 /// The scene, with surfaces to avoid or to bounce off.
 fn scene(surface: Surface) -> Result<Scene, Error> {
-    let room = [0.0..=6.0, 0.0..=1.0]; // m
     let mut scene = Scene::new(0.5); // s
+    let room = [0.3..=5.7, 0.2..=1.2]; // m, of its middle
     let body = Body::new("carrier", &room, 3.0, 1.0) // m/s, m/s²
         .with_mass(2.0) // kg
         .with_shape(Shape::Box(vec![0.3, 0.2])) // m
-        .with_start([0.5, 0.5, 2.0, 0.0])
-        .with_goal([2.0, 0.5, 0.0, 0.0]);
+        .with_start([0.5, 0.7, 2.0, 0.0])
+        .with_goal([2.0, 0.7, 0.0, 0.0]);
     let body_0 = scene.body(body)?;
+    let room = [0.2..=5.8, 0.2..=1.2]; // m, of its middle
     let body = Body::new("cart", &room, 3.0, 1.0) // m/s, m/s²
         .with_mass(1.0) // kg
         .with_shape(Shape::Box(vec![0.2, 0.2])) // m
-        .with_start([2.2, 0.5, 0.0, 0.0]);
+        .with_start([2.2, 0.7, 0.0, 0.0]);
     let body_1 = scene.body(body)?;
     scene.pair(body_0, body_1, surface)?;
     if surface.restitution().is_some() {

@@ -12,7 +12,7 @@ const behind = node => {
   return over(rgb(getComputedStyle(node).backgroundColor), behind(node.parentElement));
 };
 const opacity = node => node ? Number(getComputedStyle(node).opacity) * opacity(node.parentElement) : 1;
-const seen = node => node.getClientRects().length && getComputedStyle(node).visibility === "visible";
+const seen = node => node.checkVisibility() && node.getClientRects().length && getComputedStyle(node).visibility === "visible";
 const bad = [], check = (node, colour, back, least, what) => {
   const c = rgb(colour);
   if (!c[3]) return;
@@ -38,7 +38,7 @@ return bad;
 # Texts on top of each other, and controls that are less than 24 pixels high: WCAG 2.2, AA.
 OVERLAPS = """
 const boxes = [...document.querySelectorAll("main *, header *, nav *")]
-  .filter(node => !node.closest("svg") && node.getClientRects().length && getComputedStyle(node).visibility === "visible"
+  .filter(node => !node.closest("svg") && node.checkVisibility() && getComputedStyle(node).visibility === "visible"
     && [...node.childNodes].some(c => c.nodeType === 3 && c.textContent.trim()))
   .map(node => [node, node.getBoundingClientRect()]);
 const bad = [];
@@ -48,6 +48,6 @@ for (const [k, [a, r]] of boxes.entries()) for (const [b, q] of boxes.slice(k + 
     bad.push(`${a.textContent.trim().slice(0, 30)} and ${b.textContent.trim().slice(0, 30)}`);
 }
 for (const node of document.querySelectorAll("button, input, nav a"))
-  if (node.getClientRects().length && node.getBoundingClientRect().height < 24) bad.push(`${node.id || node.textContent} is too low`);
+  if (node.checkVisibility() && node.getBoundingClientRect().height < 24) bad.push(`${node.id || node.textContent} is too low`);
 return bad;
 """

@@ -99,9 +99,9 @@ fn wall(dice: &mut Dice) -> Result<Setting, Error> {
         .with_time_step(time_step)
         .with_damage(damage)
         .with_restitution(restitution)?;
-    let planning = options((30.0_f64 / time_step).ceil() as usize);
+    let search = options((30.0_f64 / time_step).ceil() as usize);
     let truth = |scenario: &Scenario| -> Result<Truth, Error> {
-        Ok(Truth::of(&scenario.shortest_with(&planning, &mut BranchAndBound::default())?))
+        Ok(Truth::of(&scenario.shortest_with(&search, &mut BranchAndBound::default())?))
     };
     let truth = [truth(&scenario.clone().collision_free())?, truth(&scenario)?];
     Ok(Setting { name: "wall", task, time_step, truth })
