@@ -51,8 +51,8 @@ fn where_no_plan_is_there_is_a_reason() {
     let reason = answer["reason"].as_str().unwrap();
     assert!(
         reason.starts_with(
-            "No plan has 600 steps (30 s): after 9 steps (0.45 s), the lower limit of x of vehicle is missed by \
-         at least 0.02 m."
+            "No plan has 600 steps (30 s): after 9 steps (0.45 s), vehicle cannot keep clear of wall: at least \
+             0.02 m are missing; the limit on the impact speed (4) is missed by at least 3.6."
         ),
         "{reason}"
     );
