@@ -49,19 +49,14 @@ fn where_no_plan_is_there_is_a_reason() {
     let (answer, _) = wall(&[("start", 4.0), ("velocity", -10.0), ("impactLimit", 4.0)]);
     // Remedies follow if there is time for them.
     let reason = answer["reason"].as_str().unwrap();
-    assert!(
-        reason.starts_with(
-            "No plan has 600 steps (30 s): after 9 steps (0.45 s), vehicle cannot keep clear of wall: at least \
-             0.02 m are missing; the limit on the impact speed (4) is missed by at least 3.6."
-        ),
-        "{reason}"
-    );
+    // The reason with collisions has little time, and gives way to the one without.
+    assert!(reason.to_lowercase().contains("no plan has 600 steps (30 s): after "), "{reason}");
     let task = puck([0.3, 0.5, -3.0, 0.0], [1.5, 0.5], CORNER);
     let answer = scene(&task);
     assert_eq!(
         answer["reason"],
-        "No plan has 25 steps (5 s): after 1 step (0.2 s), puck cannot keep clear of left wall: at least \
-         0.24 m are missing."
+        "Without collisions: no plan has 25 steps (5 s): after 1 step (0.2 s), puck cannot keep clear of left \
+         wall: at least 0.24 m are missing."
     );
     let text = answer.to_string();
     for jargon in ["no dip", "clear and", "beyond 0", "ends in front"] {
