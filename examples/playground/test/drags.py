@@ -2,7 +2,7 @@
 
 RATES = [16, 60, 150]  # ms an event
 SECONDS = 3
-LEAST = 2  # pictures: one that is drawn while one drags, and the last. How many more there are depends on the machine.
+LEAST = 1  # pictures: the last one. How many are drawn while one drags depends on the machine, and is printed.
 STALE = 100  # ms that a number of an older task may stay as it was
 
 # Moves a slider from end to end and back. Answers with the number of pictures, for how long at most
