@@ -41,7 +41,7 @@ pub(super) enum Stage {
 pub(super) struct MethodAttempt {
     pub(super) stage: Stage,
     /// The largest number of iterations: a program that is infeasible by rounding only keeps an
-    /// interior-point method busy without a verdict.
+    /// interior-point method busy without a verdict. The simplex method ends by itself.
     pub(super) iterations: u32,
     /// The tolerance on gap and residuals, relative.
     pub(super) tolerance: f64,
@@ -54,18 +54,23 @@ const fn attempt(stage: Stage, iterations: u32, tolerance: f64, refinements: u32
 }
 
 /// The attempt at a vertex of a linear program whose bound is doubtful.
-pub(super) const VERTEX: MethodAttempt = attempt(Stage::Warm, 2000, 1e-14, 1);
+pub(super) const VERTEX: MethodAttempt = attempt(Stage::Warm, u32::MAX, 1e-14, 1);
+
+/// The exchanges after which a trial is content with the bound that it has.
+const TRIAL_EXCHANGES: u32 = 200;
 
 /// The attempts of a purpose, in their order.
 pub(super) const fn attempts(purpose: Purpose) -> &'static [MethodAttempt] {
     use Stage::{Cold, Fallback, Warm};
     match purpose {
-        Purpose::Trial => const { &[attempt(Warm, 500, 1e-9, 1), attempt(Cold, 30, 1e-5, 1)] },
+        Purpose::Trial => {
+            const { &[attempt(Warm, TRIAL_EXCHANGES, 1e-9, 1), attempt(Cold, 30, 1e-5, 1)] }
+        }
         Purpose::Round => const { &[attempt(Warm, 500, 1e-9, 1)] },
         Purpose::Root | Purpose::Node => {
             const {
                 &[
-                    attempt(Warm, 2000, 1e-9, 1),
+                    attempt(Warm, u32::MAX, 1e-9, 1),
                     attempt(Cold, 60, 1e-8, 1),
                     attempt(Fallback, 60, 1e-8, 1),
                     attempt(Fallback, 200, 1e-9, 10),
@@ -76,7 +81,7 @@ pub(super) const fn attempts(purpose: Purpose) -> &'static [MethodAttempt] {
         Purpose::Leaf => {
             const {
                 &[
-                    attempt(Warm, 2000, 1e-14, 1),
+                    attempt(Warm, u32::MAX, 1e-14, 1),
                     attempt(Cold, 60, 1e-11, 1),
                     attempt(Fallback, 60, 1e-8, 1),
                     attempt(Fallback, 200, 1e-9, 10),

@@ -429,6 +429,9 @@ impl MethodCascade {
             if result.claim == RelaxationClaim::Unknown && token.is_over() {
                 return (RelaxationVerdict::Stopped, Doubt::default());
             }
+            let is_cut_short = question.purpose == Purpose::Trial
+                && attempt.stage == Stage::Warm
+                && result.iterations >= u64::from(attempt.iterations);
             let outcome = findings.verify(result, &mut self.prover);
             if learns && at == 0 && !matches!(outcome, AttemptOutcome::Repeat) {
                 self.records[record].note(matches!(outcome, AttemptOutcome::TryHarder));
@@ -437,6 +440,8 @@ impl MethodCascade {
                 AttemptOutcome::Decided(verdict) => return (verdict, findings.doubt),
                 AttemptOutcome::Sufficient => break,
                 AttemptOutcome::Repeat => {}
+                // The bound of a trial that was cut short is a bound.
+                AttemptOutcome::TryHarder if is_cut_short && findings.bound.is_finite() => break,
                 AttemptOutcome::TryHarder => {
                     at += 1;
                     if at == 1 && start == 0 && all.len() > 1 {

@@ -7,6 +7,7 @@ mod active_set;
 mod congruence;
 mod conic_propagation;
 mod extended;
+mod linear_programs;
 mod open_columns;
 mod presolve;
 mod propagation;

@@ -11,15 +11,23 @@
 mod dual;
 mod factors;
 mod parameters;
+mod primal;
 mod program;
 mod ratio;
+mod row_copy;
+mod run;
+mod sparse;
+mod tableau;
+mod violations;
 
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use dual::{Dual, Iteration, NONBASIC};
-use parameters::{COLUMNS_PER_COST, PRIMAL_TOLERANCE};
+use dual::Dual;
+use parameters::COLUMNS_PER_COST;
 use program::LinearProgram;
 use ratio::NonbasicStatus;
+use run::{End, Run};
+use tableau::{NONBASIC, Tableau};
 
 /// The dual simplex method.
 #[derive(Debug, Clone, Default)]
@@ -76,57 +84,34 @@ impl Relaxation for DualSimplex {
             let known = |name: &usize| parent.y.get(*name).copied().unwrap_or(0.0);
             y.iter_mut().zip(&program.origin).for_each(|(y, name)| *y = known(name));
         }
-        let y = linear.scaled_multipliers(&y);
-        let Some(mut dual) = Dual::new(linear, wanted, rest, &y) else {
+        let y = parent.is_some().then(|| linear.scaled_multipliers(&y));
+        let tableau = Tableau::new(linear, wanted, rest);
+        let Some(mut dual) = Dual::new(tableau, y.as_deref()) else {
             return RelaxationResult::nothing(program);
         };
-        dual.allowed = effort.tolerance.min(PRIMAL_TOLERANCE);
-        let enough = effort.sufficient_bound();
-        let unit = dual.program.objective_unit;
-        let mut claim = RelaxationClaim::Unknown;
-        let mut ray = None;
-        let mut iterations = 0;
-        let (mut fresh, mut unshifted) = (false, false);
-        while iterations < effort.iterations && !effort.token.is_over() {
-            match dual.step() {
-                Iteration::Moved => (iterations, fresh) = (iterations + 1, false),
-                Iteration::Optimal if fresh && dual.is_shifted && !unshifted => {
-                    dual.unshift();
-                    unshifted = true;
-                }
-                Iteration::Optimal if fresh => {
-                    claim = if dual.is_shifted {
-                        RelaxationClaim::Unknown
-                    } else {
-                        RelaxationClaim::Solved
-                    };
-                    break;
-                }
-                Iteration::Optimal => {
-                    dual.compute();
-                    fresh = true;
-                }
-                Iteration::Infeasible(y) => {
-                    (claim, ray) = (RelaxationClaim::Infeasible, Some(y));
-                    break;
-                }
-                Iteration::Stuck => break,
+        dual.allow(effort.tolerance);
+        let unit = dual.tableau.program.objective_unit;
+        let enough = (effort.sufficient_bound() - program.offset) * unit;
+        let mut run = Run::new(dual, effort, enough);
+        let End { claim, ray } = run.solve();
+        let iterations = u64::from(run.iterations);
+        let mut tableau = run.dual.tableau;
+        let (x, y) = match (claim, ray) {
+            (RelaxationClaim::Unbounded, Some(ray)) => {
+                (tableau.program.point(&ray), vec![0.0; program.rows.len()])
             }
-            if !dual.is_shifted && dual.value() / unit + program.offset > enough {
-                claim = RelaxationClaim::Beyond;
-                break;
+            (_, Some(ray)) => {
+                let x = tableau.program.point(&tableau.point());
+                (x, tableau.program.multipliers(&ray, 1.0))
             }
-        }
-        let y = match ray {
-            Some(ray) => dual.program.multipliers(&ray, 1.0),
-            None => {
-                let y = dual.multipliers().to_vec();
-                dual.program.multipliers(&y, unit)
+            (_, None) => {
+                tableau.solve_multipliers(true);
+                let x = tableau.program.point(&tableau.point());
+                (x, tableau.program.multipliers(&tableau.sum.value, unit))
             }
         };
-        let x = dual.program.point(&dual.x[..program.columns.len()]);
-        let warm = Some(WarmState::new(basis(program, &dual, &y)));
-        RelaxationResult { claim, x, y, iterations: u64::from(iterations), warm }
+        let warm = Some(WarmState::new(basis(program, &tableau, &y)));
+        RelaxationResult { claim, x, y, iterations, warm }
     }
 }
 
@@ -155,7 +140,7 @@ fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<N
 }
 
 /// The basis by the names of columns and rows.
-fn basis(program: &Reduced, dual: &Dual, y: &[f64]) -> Basis {
+fn basis(program: &Reduced, dual: &Tableau, y: &[f64]) -> Basis {
     let n = program.columns.len();
     let mut basis = Basis::default();
     for k in 0..dual.slot.len() {

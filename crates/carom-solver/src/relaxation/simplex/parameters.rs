@@ -1,6 +1,6 @@
-//! The parameters of the dual simplex method. "Scaled" means in the units of the scaled program.
+//! The parameters of the simplex methods. "Scaled" means in the units of the scaled program.
 
-/// The method solves objectives with more than one term in this many columns.
+/// The dual method solves objectives with more than one term in this many columns.
 pub(super) const COLUMNS_PER_COST: usize = 50;
 
 /// The largest violation of a bound, scaled and relative to the bound.
@@ -21,5 +21,21 @@ pub(super) const MAX_PIVOT_DIFFERENCE: f64 = 1e-6;
 /// The smallest pivot of a factorisation, scaled.
 pub(super) const MIN_FACTOR_PIVOT: f64 = 1e-9;
 
-/// The number of exchanges after which the basis is factorised again.
-pub(super) const MAX_EXCHANGES: usize = 50;
+/// The number of exchanges after which the basis is factorised again, and the number of rows that
+/// allow one more.
+pub(super) const MAX_UPDATES: usize = 100;
+pub(super) const ROWS_PER_UPDATE: usize = 400;
+
+/// The number of exchanges from which long factors are reason enough.
+pub(super) const MIN_UPDATES: usize = 20;
+
+/// The least weight of an edge.
+pub(super) const MIN_WEIGHT: f64 = 1e-4;
+
+/// The unit of the perturbation of costs, scaled: a cost moves by one to two units, more if it is
+/// large.
+pub(super) const PERTURBATION: f64 = 5e-7;
+
+/// Costs are perturbed after so many steps of length zero, and more than one in so many.
+pub(super) const MIN_IDLE_STEPS: u32 = 50;
+pub(super) const IDLE_PART: u32 = 4;

@@ -1,7 +1,19 @@
 //! The ratio test of the dual method: which column enters, and which ones jump to their other
 //! bound.
+//!
+//! Columns between two bounds may pass the step at which their reduced costs vanish: they jump to
+//! the other bound, as long as the dual objective still rises beyond. Among columns whose steps differ
+//! by tolerances only, the one with the largest entry enters (Koberstein, The dual simplex method,
+//! techniques for a fast and stable implementation, section 6.2).
 
 use super::parameters::{DUAL_TOLERANCE, MIN_ENTRY};
+
+/// The least entry of the entering column, relative to the largest one of those that might enter or
+/// jump. Larger entries of earlier columns are preferred to smaller ones.
+const MIN_RELATIVE_ENTRY: f64 = 0.1;
+
+/// The factor by which the longest step in sight grows.
+const GROWTH: f64 = 10.0;
 
 /// A column whose reduced cost falls to zero as the dual step grows.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +49,15 @@ impl EnteringColumn {
         let open = fits && width > 0.0;
         open.then(|| EnteringColumn { of, entry: entry.abs(), cost: cost.max(0.0), width })
     }
+
+    fn step(&self) -> f64 {
+        self.cost / self.entry
+    }
+
+    /// The longest step that misses the sign of the reduced cost by the tolerance at most.
+    fn reach(&self) -> f64 {
+        (self.cost + DUAL_TOLERANCE) / self.entry
+    }
 }
 
 /// The bound at which a column outside the basis rests.
@@ -56,27 +77,58 @@ pub(super) fn test(
 ) -> (usize, Option<EnteringColumn>) {
     // A bound that is reached but for rounding is reached.
     let enough = DUAL_TOLERANCE * slope.max(1.0);
-    let mut done = 0;
-    while done < candidates.len() {
-        let rest = &mut candidates[done..];
-        let reach = |c: &EnteringColumn| (c.cost + DUAL_TOLERANCE) / c.entry;
-        let most = rest.iter().map(reach).fold(f64::INFINITY, f64::min);
-        let mut group = 0;
-        let mut fall = 0.0;
-        for k in 0..rest.len() {
-            if rest[k].cost / rest[k].entry <= most {
-                fall += rest[k].entry * rest[k].width;
-                rest.swap(k, group);
-                group += 1;
+    let near = nearest(candidates, slope - enough);
+    let near = &mut candidates[..near];
+    near.sort_unstable_by(|a, b| a.step().total_cmp(&b.step()));
+    let mut reach = vec![f64::INFINITY; near.len() + 1];
+    for (k, column) in near.iter().enumerate().rev() {
+        reach[k] = column.reach().min(reach[k + 1]);
+    }
+    let mut groups = Vec::new();
+    let mut most = 0.0_f64;
+    let (mut begin, mut ends) = (0, false);
+    while begin < near.len() && !ends {
+        let group = near[begin..].iter().take_while(|c| c.step() <= reach[begin]);
+        let (mut length, mut fall) = (0, 0.0);
+        for column in group {
+            most = most.max(column.entry);
+            fall += column.entry * column.width;
+            length += 1;
+        }
+        groups.push(begin..begin + length);
+        ends = fall >= slope - enough;
+        slope -= fall;
+        begin += length;
+    }
+    if !ends {
+        return (near.len(), None);
+    }
+    let least = (MIN_RELATIVE_ENTRY * most).min(1.0);
+    for group in groups.into_iter().rev() {
+        let best = near[group.clone()].iter().max_by(|a, b| a.entry.total_cmp(&b.entry));
+        if let Some(best) = best.filter(|c| c.entry >= least) {
+            return (group.start, Some(*best));
+        }
+    }
+    (0, None)
+}
+
+/// Moves the columns with the shortest steps to the front: so many that the dual objective does not
+/// rise beyond them, and not many more. Returns their number.
+fn nearest(candidates: &mut [EnteringColumn], slope: f64) -> usize {
+    let shortest = candidates.iter().map(EnteringColumn::reach).fold(f64::INFINITY, f64::min);
+    let mut limit = GROWTH * shortest.max(DUAL_TOLERANCE);
+    let (mut near, mut fall) = (0, 0.0);
+    while near < candidates.len() && fall < slope {
+        let old = near;
+        for k in near..candidates.len() {
+            if candidates[k].step() <= limit {
+                fall += candidates[k].entry * candidates[k].width;
+                candidates.swap(k, near);
+                near += 1;
             }
         }
-        if fall < slope - enough {
-            slope -= fall;
-            done += group;
-            continue;
-        }
-        let entering = rest[..group].iter().max_by(|a, b| a.entry.total_cmp(&b.entry)).copied();
-        return (done, entering);
+        limit *= if near == old { GROWTH * GROWTH } else { GROWTH };
     }
-    (done, None)
+    near
 }
