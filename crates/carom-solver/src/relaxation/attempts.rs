@@ -90,7 +90,13 @@ pub(super) const fn attempts(purpose: Purpose) -> &'static [MethodAttempt] {
             }
         }
         Purpose::Separation => {
-            const { &[attempt(Cold, 60, 1e-8, 1), attempt(Fallback, 60, 1e-8, 1)] }
+            const {
+                &[
+                    attempt(Warm, u32::MAX, 1e-9, 1),
+                    attempt(Cold, 60, 1e-8, 1),
+                    attempt(Fallback, 60, 1e-8, 1),
+                ]
+            }
         }
         Purpose::Bound => const { &[attempt(Fallback, 100, 1e-9, 2)] },
         Purpose::Direction => const { &[attempt(Fallback, 200, 1e-9, 10)] },

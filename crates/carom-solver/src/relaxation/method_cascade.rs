@@ -31,6 +31,9 @@ enum WarmMethod {
     Simplex,
 }
 
+/// The number of columns from which a program is large.
+const LARGE_PROGRAM: usize = 1000;
+
 /// The positions of the records of the cold method, and of the same method for programs with cones,
 /// behind those of the warm methods.
 const COLD_RECORD: usize = 2;
@@ -245,6 +248,9 @@ impl MethodCascade {
         self.warm.as_ref()?;
         let is_cold_start =
             matches!(question.purpose, Purpose::Root | Purpose::Round | Purpose::Leaf);
+        if question.purpose == Purpose::Separation {
+            return self.separates_vertex(program).then_some(WarmMethod::Simplex);
+        }
         if ActiveSet::suits(program) {
             return Some(WarmMethod::ActiveSet);
         }
@@ -255,6 +261,14 @@ impl MethodCascade {
     /// Whether a method for a program starts from its parent's state.
     pub fn starts_warm(&self, program: &Reduced) -> bool {
         self.warm.is_some() && (ActiveSet::suits(program) || DualSimplex::suits(program))
+    }
+
+    /// Whether the point to cut off is a vertex, found by the dual simplex method, which leaves its
+    /// state. The middle of the face of optima is farther inside what cuts take away, but in large
+    /// programs an interior-point method needs many times as long for it.
+    pub fn separates_vertex(&self, program: &Reduced) -> bool {
+        let is_large = program.columns.len() >= LARGE_PROGRAM;
+        is_large && self.warm.is_some() && DualSimplex::suits(program)
     }
 
     /// Takes back the vectors of a verdict, for their memory.

@@ -79,7 +79,8 @@ impl RootPoint {
         let point = match verdict {
             Some(RelaxationVerdict::Relaxed { bound, x, converged: true, warm, .. }) => {
                 let (value, x) = (reduced.objective(&x), projection.lift(&x));
-                let lacks_state = cascade.starts_warm(reduced);
+                let lacks_state =
+                    cascade.starts_warm(reduced) && !cascade.separates_vertex(reduced);
                 Some(RootPoint { bound, value, x, warm, lacks_state, iterations })
             }
             _ => None,
