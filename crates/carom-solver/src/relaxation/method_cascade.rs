@@ -31,11 +31,7 @@ enum WarmMethod {
     Simplex,
 }
 
-/// The number of columns from which a program is large.
-const LARGE_PROGRAM: usize = 1000;
-
-/// The positions of the records of the cold method, and of the same method for programs with cones,
-/// behind those of the warm methods.
+/// The records of the cold method, and of the same for programs with cones, behind the warm ones'.
 const COLD_RECORD: usize = 2;
 pub(super) const CONIC_RECORD: usize = 3;
 
@@ -145,7 +141,7 @@ impl MethodCascade {
         MethodCascade::of(warm, CascadeMethod::of(choice), fallback)
     }
 
-    /// A cascade with a method of one's own, alone and counted as the crate's own.
+    /// A cascade with a method of one's own, alone.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
         MethodCascade::of(None, CascadeMethod { method, starts_warm: |_| true, count }, None)
@@ -240,21 +236,16 @@ impl MethodCascade {
 
     /// The method that starts from a state and suits a program. Without a state the dual simplex
     /// method solves roots, and leaves, which are reduced for it.
-    fn warm_method(
-        &self,
-        program: &Reduced,
-        question: &RelaxationQuestion<'_>,
-    ) -> Option<WarmMethod> {
+    fn warm_method(&self, program: &Reduced, asked: &RelaxationQuestion<'_>) -> Option<WarmMethod> {
         self.warm.as_ref()?;
-        let is_cold_start =
-            matches!(question.purpose, Purpose::Root | Purpose::Round | Purpose::Leaf);
-        if question.purpose == Purpose::Separation {
-            return self.separates_vertex(program).then_some(WarmMethod::Simplex);
-        }
+        let starts = match asked.purpose {
+            Purpose::Separation if !self.separates_vertex(program) => return None,
+            Purpose::Root | Purpose::Round | Purpose::Leaf | Purpose::Separation => true,
+            _ => asked.warm.is_some(),
+        };
         if ActiveSet::suits(program) {
             return Some(WarmMethod::ActiveSet);
         }
-        let starts = question.warm.is_some() || is_cold_start;
         (starts && DualSimplex::suits(program)).then_some(WarmMethod::Simplex)
     }
 
@@ -263,12 +254,9 @@ impl MethodCascade {
         self.warm.is_some() && (ActiveSet::suits(program) || DualSimplex::suits(program))
     }
 
-    /// Whether the point to cut off is a vertex, found by the dual simplex method, which leaves its
-    /// state. The middle of the face of optima is farther inside what cuts take away, but in large
-    /// programs an interior-point method needs many times as long for it.
+    /// Whether the point to cut off is a vertex, with the state of the simplex method.
     pub fn separates_vertex(&self, program: &Reduced) -> bool {
-        let is_large = program.columns.len() >= LARGE_PROGRAM;
-        is_large && self.warm.is_some() && DualSimplex::suits(program)
+        self.warm.is_some() && DualSimplex::suits_separation(program)
     }
 
     /// Takes back the vectors of a verdict, for their memory.

@@ -1,12 +1,13 @@
-//! A dual simplex method for linear relaxations, started from the parent's basis.
+//! The simplex method for linear relaxations, started from the parent's basis.
 //!
 //! Children differ from their parent in bounds only. So the parent's basis is dual feasible there,
-//! and a few exchanges away from an optimal one. Rows are chosen by steepest edges. Columns between
-//! two bounds jump to the other one where the dual objective still rises beyond. Where rows or
-//! columns of the parent are gone, its basis is mended with the rows' own columns. The dual
-//! objective never falls, so the method stops when it exceeds the cutoff.
+//! and a few exchanges of the dual method away from an optimal one. Where rows or columns of the
+//! parent are gone, its basis is mended with the rows' own columns. Reduced costs of the wrong sign
+//! that have no bound to go to are shifted away for the dual method, and if it stalls, costs are
+//! perturbed; the primal method ends the solve with the true costs. The dual objective never falls,
+//! so the dual method stops when it exceeds the cutoff.
 //!
-//! If the numbers are too bad, or the start cannot be made dual feasible, the method gives up.
+//! If the numbers are too bad, the method gives up. Only what `bound.rs` proves is believed.
 
 mod dual;
 mod factors;
@@ -23,10 +24,10 @@ mod violations;
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use dual::Dual;
-use parameters::COLUMNS_PER_COST;
+use parameters::{COLUMNS_PER_COST, LARGE_PROGRAM};
 use program::LinearProgram;
 use ratio::NonbasicStatus;
-use run::{End, Run};
+use run::{Run, RunEnd};
 use tableau::{NONBASIC, Tableau};
 
 /// The dual simplex method.
@@ -65,6 +66,12 @@ impl DualSimplex {
             && (is_cut_off || program.wants_vertex || DualSimplex::suits_costs(&program.linear))
     }
 
+    /// Whether cuts are to separate a vertex. The middle of the face of optima is farther inside
+    /// what cuts take away, but an interior-point method is many times slower in large programs.
+    pub(super) fn suits_separation(program: &Reduced) -> bool {
+        program.columns.len() >= LARGE_PROGRAM && DualSimplex::suits(program)
+    }
+
     /// As [`suits`](Self::suits), by the costs alone.
     pub(super) fn suits_costs(costs: &[f64]) -> bool {
         COLUMNS_PER_COST * costs.iter().filter(|q| **q != 0.0).count() > costs.len()
@@ -93,7 +100,7 @@ impl Relaxation for DualSimplex {
         let unit = dual.tableau.program.objective_unit;
         let enough = (effort.sufficient_bound() - program.offset) * unit;
         let mut run = Run::new(dual, effort, enough);
-        let End { claim, ray } = run.solve();
+        let RunEnd { claim, ray } = run.solve();
         let iterations = u64::from(run.iterations);
         let mut tableau = run.dual.tableau;
         let (x, y) = match (claim, ray) {

@@ -1,5 +1,5 @@
-//! The steps of the primal simplex method, which follows where the true costs are not those that the
-//! dual method has used.
+//! The steps of the primal simplex method, which follows where the true costs are not those that
+//! the dual method has used.
 
 use super::parameters::{DUAL_TOLERANCE, MIN_ENTRY, PRIMAL_TOLERANCE};
 use super::ratio::NonbasicStatus;
@@ -16,7 +16,7 @@ pub(super) struct Primal {
 }
 
 /// What ends the way of an entering column.
-struct Block {
+struct BlockingSide {
     slot: usize,
     step: f64,
     to: NonbasicStatus,
@@ -94,7 +94,7 @@ impl Primal {
 
 /// The slot whose column reaches a bound first: among those that do so but for a tolerance, the one
 /// with the largest entry.
-fn blocking(tableau: &Tableau, direction: f64) -> Option<Block> {
+fn blocking(tableau: &Tableau, direction: f64) -> Option<BlockingSide> {
     let sides = || {
         tableau.entering.entries().filter_map(|(slot, entry)| {
             let [lower, upper] = tableau.bounds[slot];
@@ -112,7 +112,7 @@ fn blocking(tableau: &Tableau, direction: f64) -> Option<Block> {
     let near = sides().filter(|side| side.2 / side.1 <= most);
     let best = near.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let to = if best.4 { NonbasicStatus::Lower } else { NonbasicStatus::Upper };
-    Some(Block { slot: best.0, step: (best.2 / best.1).max(0.0), to })
+    Some(BlockingSide { slot: best.0, step: (best.2 / best.1).max(0.0), to })
 }
 
 /// The ray along which a column moves without end.

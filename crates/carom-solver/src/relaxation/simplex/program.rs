@@ -4,8 +4,8 @@ use crate::presolve::{Compressed, Reduced};
 use crate::relaxation::scaling::factors;
 use crate::tolerance::largest_magnitude;
 
-/// Bounds of this magnitude count as missing: a column at such a bound would drown the others in its
-/// rounding. If the optimum is there, no claim holds, and other methods follow.
+/// Bounds of this magnitude count as missing: a column at such a bound would drown the others in
+/// its rounding. If the optimum is there, no claim holds, and other methods follow.
 const NO_BOUND: f64 = 1e20;
 
 /// `min c'x` over `A x - s = 0` and bounds of the columns `x` and of the rows' activities `s`,

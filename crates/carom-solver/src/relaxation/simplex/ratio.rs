@@ -2,9 +2,9 @@
 //! bound.
 //!
 //! Columns between two bounds may pass the step at which their reduced costs vanish: they jump to
-//! the other bound, as long as the dual objective still rises beyond. Among columns whose steps differ
-//! by tolerances only, the one with the largest entry enters (Koberstein, The dual simplex method,
-//! techniques for a fast and stable implementation, section 6.2).
+//! the other bound, as long as the dual objective still rises beyond. Among columns whose steps
+//! differ by tolerances only, the one with the largest entry enters (Koberstein, The dual simplex
+//! method, techniques for a fast and stable implementation, section 6.2).
 
 use super::parameters::{DUAL_TOLERANCE, MIN_ENTRY};
 
@@ -13,7 +13,7 @@ use super::parameters::{DUAL_TOLERANCE, MIN_ENTRY};
 const MIN_RELATIVE_ENTRY: f64 = 0.1;
 
 /// The factor by which the longest step in sight grows.
-const GROWTH: f64 = 10.0;
+const STEP_GROWTH: f64 = 10.0;
 
 /// A column whose reduced cost falls to zero as the dual step grows.
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +117,7 @@ pub(super) fn test(
 /// rise beyond them, and not many more. Returns their number.
 fn nearest(candidates: &mut [EnteringColumn], slope: f64) -> usize {
     let shortest = candidates.iter().map(EnteringColumn::reach).fold(f64::INFINITY, f64::min);
-    let mut limit = GROWTH * shortest.max(DUAL_TOLERANCE);
+    let mut limit = STEP_GROWTH * shortest.max(DUAL_TOLERANCE);
     let (mut near, mut fall) = (0, 0.0);
     while near < candidates.len() && fall < slope {
         let old = near;
@@ -128,7 +128,7 @@ fn nearest(candidates: &mut [EnteringColumn], slope: f64) -> usize {
                 near += 1;
             }
         }
-        limit *= if near == old { GROWTH * GROWTH } else { GROWTH };
+        limit *= if near == old { STEP_GROWTH * STEP_GROWTH } else { STEP_GROWTH };
     }
     near
 }

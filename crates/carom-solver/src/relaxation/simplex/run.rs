@@ -26,15 +26,15 @@ pub(super) struct Run<'a> {
 }
 
 /// The end of a run.
-pub(super) struct End {
+pub(super) struct RunEnd {
     pub(super) claim: RelaxationClaim,
     /// Multipliers that prove that there is no point, or a ray; scaled.
     pub(super) ray: Option<Vec<f64>>,
 }
 
-impl End {
+impl RunEnd {
     fn without_ray(claim: RelaxationClaim) -> Self {
-        End { claim, ray: None }
+        RunEnd { claim, ray: None }
     }
 }
 
@@ -43,7 +43,7 @@ impl<'a> Run<'a> {
         Run { dual, effort, enough, iterations: 0, is_perturbed: false, looked: 0 }
     }
 
-    pub(super) fn solve(&mut self) -> End {
+    pub(super) fn solve(&mut self) -> RunEnd {
         for round in 0..MAX_ROUNDS {
             if let Some(end) = self.run_dual(round == 0) {
                 return end;
@@ -55,10 +55,10 @@ impl<'a> Run<'a> {
             self.dual.restart();
             self.dual.allow(self.effort.tolerance);
             if self.dual.is_optimal() {
-                return End::without_ray(RelaxationClaim::Solved);
+                return RunEnd::without_ray(RelaxationClaim::Solved);
             }
         }
-        End::without_ray(RelaxationClaim::Unknown)
+        RunEnd::without_ray(RelaxationClaim::Unknown)
     }
 
     fn is_over(&self) -> bool {
@@ -66,25 +66,25 @@ impl<'a> Run<'a> {
     }
 
     /// Runs the dual method until its basis is optimal for the costs that it uses.
-    fn run_dual(&mut self, may_perturb: bool) -> Option<End> {
+    fn run_dual(&mut self, may_perturb: bool) -> Option<RunEnd> {
         while !self.is_over() {
             match self.dual.step() {
                 Iteration::Moved => self.iterations += 1,
                 Iteration::Optimal => return None,
                 Iteration::Infeasible(ray) => {
-                    return Some(End { claim: RelaxationClaim::Infeasible, ray: Some(ray) });
+                    return Some(RunEnd { claim: RelaxationClaim::Infeasible, ray: Some(ray) });
                 }
-                _ => return Some(End::without_ray(RelaxationClaim::Unknown)),
+                _ => return Some(RunEnd::without_ray(RelaxationClaim::Unknown)),
             }
             if self.dual.value > self.enough && self.is_beyond() {
-                return Some(End::without_ray(RelaxationClaim::Beyond));
+                return Some(RunEnd::without_ray(RelaxationClaim::Beyond));
             }
             let stalls = self.dual.idle_steps > MIN_IDLE_STEPS.max(self.iterations / IDLE_PART);
             if stalls && may_perturb && !self.is_perturbed {
                 self.perturb();
             }
         }
-        Some(End::without_ray(RelaxationClaim::Unknown))
+        Some(RunEnd::without_ray(RelaxationClaim::Unknown))
     }
 
     fn perturb(&mut self) {
@@ -107,7 +107,7 @@ impl<'a> Run<'a> {
 
     /// Goes back to the true costs, and runs the primal method if that leaves reduced costs of the
     /// wrong sign.
-    fn run_primal(&mut self) -> Option<End> {
+    fn run_primal(&mut self) -> Option<RunEnd> {
         let tableau = &mut self.dual.tableau;
         tableau.used.copy_from_slice(&tableau.program.cost);
         tableau.compute_costs();
@@ -124,11 +124,11 @@ impl<'a> Run<'a> {
                 Iteration::Moved => self.iterations += 1,
                 Iteration::Optimal => return None,
                 Iteration::Unbounded(ray) => {
-                    return Some(End { claim: RelaxationClaim::Unbounded, ray: Some(ray) });
+                    return Some(RunEnd { claim: RelaxationClaim::Unbounded, ray: Some(ray) });
                 }
                 _ => break,
             }
         }
-        Some(End::without_ray(RelaxationClaim::Unknown))
+        Some(RunEnd::without_ray(RelaxationClaim::Unknown))
     }
 }

@@ -1,7 +1,7 @@
 //! Vectors with few entries, whose places are listed.
 
 /// Entries up to this magnitude are what rounding has left of zeros.
-pub(super) const TINY: f64 = 1e-14;
+pub(super) const TINY_ENTRY: f64 = 1e-14;
 
 /// A vector of full length and a list of its places that may not be zero.
 #[derive(Debug, Clone, Default)]
@@ -43,7 +43,7 @@ impl SparseVector {
     pub(super) fn list(&mut self) {
         self.index.clear();
         for (k, value) in self.value.iter_mut().enumerate() {
-            if value.abs() > TINY {
+            if value.abs() > TINY_ENTRY {
                 self.index.push(k as u32);
             } else {
                 *value = 0.0;

@@ -8,7 +8,7 @@ use super::parameters::{
 use super::program::LinearProgram;
 use super::ratio::NonbasicStatus;
 use super::row_copy::RowCopy;
-use super::sparse::{SparseVector, TINY};
+use super::sparse::{SparseVector, TINY_ENTRY};
 
 /// No slot.
 pub(super) const NONBASIC: usize = usize::MAX;
@@ -250,7 +250,7 @@ impl Tableau {
         let n = self.program.size().0;
         self.pivots.clear();
         let SparseVector { value, index } = &mut self.pivots;
-        for (i, rho) in self.row.entries().filter(|e| e.1.abs() > TINY) {
+        for (i, rho) in self.row.entries().filter(|e| e.1.abs() > TINY_ENTRY) {
             let k = n + i;
             if self.slot[k] == NONBASIC && self.program.lower[k] < self.program.upper[k] {
                 value[k] = -rho;

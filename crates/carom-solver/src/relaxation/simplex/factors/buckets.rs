@@ -1,6 +1,6 @@
 //! Things by a count that changes, in doubly linked lists.
 
-const NONE: u32 = u32::MAX;
+const NO_THING: u32 = u32::MAX;
 
 /// Lists of numbers, one for each count. What has the count 0 is in no list.
 #[derive(Debug)]
@@ -14,9 +14,9 @@ pub(super) struct Buckets {
 impl Buckets {
     pub(super) fn new(things: usize, most: usize) -> Self {
         Buckets {
-            head: vec![NONE; most + 1],
-            next: vec![NONE; things],
-            last: vec![NONE; things],
+            head: vec![NO_THING; most + 1],
+            next: vec![NO_THING; things],
+            last: vec![NO_THING; things],
             count: vec![0; things],
         }
     }
@@ -37,8 +37,8 @@ impl Buckets {
         }
         let Some(head) = self.head.get_mut(count) else { return };
         let old = std::mem::replace(head, thing as u32);
-        (self.next[thing], self.last[thing]) = (old, NONE);
-        if old != NONE {
+        (self.next[thing], self.last[thing]) = (old, NO_THING);
+        if old != NO_THING {
             self.last[old as usize] = thing as u32;
         }
     }
@@ -50,10 +50,10 @@ impl Buckets {
         }
         let (next, last) = (self.next[thing], self.last[thing]);
         match last {
-            NONE => self.head[count] = next,
+            NO_THING => self.head[count] = next,
             last => self.next[last as usize] = next,
         }
-        if next != NONE {
+        if next != NO_THING {
             self.last[next as usize] = last;
         }
     }
@@ -67,8 +67,8 @@ impl Buckets {
 
     /// The things with a count.
     pub(super) fn with(&self, count: usize) -> impl Iterator<Item = usize> + '_ {
-        let first = self.head.get(count).copied().unwrap_or(NONE);
-        let step = |thing: &u32| Some(self.next[*thing as usize]).filter(|n| *n != NONE);
-        std::iter::successors(Some(first).filter(|f| *f != NONE), step).map(|t| t as usize)
+        let first = self.head.get(count).copied().unwrap_or(NO_THING);
+        let step = |thing: &u32| Some(self.next[*thing as usize]).filter(|n| *n != NO_THING);
+        std::iter::successors(Some(first).filter(|f| *f != NO_THING), step).map(|t| t as usize)
     }
 }

@@ -3,11 +3,11 @@
 //! Columns with one entry in the rows that are left come first, then rows with one entry in the
 //! columns that are left: both take pivots without new entries, and leave a small nucleus. There,
 //! Markowitz' product of the other entries of row and column chooses the pivot among a few columns
-//! and rows with the fewest entries, and pivots that are small in their column are passed over (Suhl
-//! and Suhl, Computing sparse LU factorizations for large-scale linear programming bases).
+//! and rows with the fewest entries, and pivots that are small in their column are passed over
+//! (Suhl and Suhl, Computing sparse LU factorizations for large-scale linear programming bases).
 
 use super::super::parameters::MIN_FACTOR_PIVOT;
-use super::super::sparse::TINY;
+use super::super::sparse::TINY_ENTRY;
 use super::buckets::Buckets;
 use super::lists::Lists;
 
@@ -18,18 +18,18 @@ const THRESHOLD: f64 = 0.1;
 const SEARCHED: usize = 4;
 
 /// No column.
-const NONE: u32 = u32::MAX;
+const NO_PIVOT: u32 = u32::MAX;
 
 /// The triangles of a basis. Both are stored by the rows of the pivots.
 #[derive(Debug, Default)]
-pub(super) struct Elimination {
+pub(super) struct Triangles {
     pub(super) lower: Lists,
     /// Rows whose lower columns have entries, in order.
     pub(super) lower_order: Vec<u32>,
     pub(super) upper: Lists,
     pub(super) pivots: Vec<f64>,
     pub(super) order: Vec<u32>,
-    /// By row, the column of its pivot; `NONE` while there is none.
+    /// By row, the column of its pivot; `NO_PIVOT` while there is none.
     column_of: Vec<u32>,
 }
 
@@ -39,13 +39,13 @@ pub(super) struct Elimination {
 pub(super) fn eliminate<'a>(
     rows: usize,
     columns: &[(&'a [usize], &'a [f64])],
-) -> (Elimination, Vec<Option<usize>>) {
-    let mut factors = Elimination {
+) -> (Triangles, Vec<Option<usize>>) {
+    let mut factors = Triangles {
         lower: Lists::empty(rows),
         upper: Lists::empty(rows),
         pivots: vec![0.0; rows],
-        column_of: vec![NONE; rows],
-        ..Elimination::default()
+        column_of: vec![NO_PIVOT; rows],
+        ..Triangles::default()
     };
     let by_row = pattern(rows, columns);
     let mut is_open = vec![true; columns.len()];
@@ -55,11 +55,11 @@ pub(super) fn eliminate<'a>(
         Nucleus::new(&factors, columns, &is_open).eliminate(&mut factors);
     }
     let column_of = std::mem::take(&mut factors.column_of);
-    for row in (0..rows).filter(|&i| column_of[i] == NONE) {
+    for row in (0..rows).filter(|&i| column_of[i] == NO_PIVOT) {
         factors.pivots[row] = -1.0;
         factors.order.push(row as u32);
     }
-    (factors, column_of.into_iter().map(|c| (c != NONE).then_some(c as usize)).collect())
+    (factors, column_of.into_iter().map(|c| (c != NO_PIVOT).then_some(c as usize)).collect())
 }
 
 /// By row, the columns with an entry there.
@@ -75,9 +75,9 @@ fn pattern(rows: usize, columns: &[(&[usize], &[f64])]) -> Lists {
     lists
 }
 
-impl Elimination {
+impl Triangles {
     fn is_open(&self, row: usize) -> bool {
-        self.column_of[row] == NONE
+        self.column_of[row] == NO_PIVOT
     }
 
     /// Notes a pivot, with the entries of its column in rows before it and, as multiples of the
@@ -185,7 +185,7 @@ struct Nucleus {
 }
 
 impl Nucleus {
-    fn new(factors: &Elimination, columns: &[(&[usize], &[f64])], is_open: &[bool]) -> Self {
+    fn new(factors: &Triangles, columns: &[(&[usize], &[f64])], is_open: &[bool]) -> Self {
         let rows = factors.pivots.len();
         let size = is_open.iter().filter(|o| **o).count();
         let mut nucleus = Nucleus {
@@ -197,13 +197,14 @@ impl Nucleus {
             columns: Buckets::new(size, rows),
             rows: Buckets::new(rows, size),
             multiple: vec![0.0; rows],
-            met: vec![NONE; rows],
+            met: vec![NO_PIVOT; rows],
         };
         for (c, (index, value)) in columns.iter().enumerate().filter(|c| is_open[c.0]) {
             let k = nucleus.name.len();
             let entries = || index.iter().zip(*value).map(|(&i, &a)| (i as u32, a));
-            let open: Vec<(u32, f64)> =
-                entries().filter(|e| factors.is_open(e.0 as usize) && e.1.abs() > TINY).collect();
+            let open: Vec<(u32, f64)> = entries()
+                .filter(|e| factors.is_open(e.0 as usize) && e.1.abs() > TINY_ENTRY)
+                .collect();
             open.iter().for_each(|e| nucleus.by_row[e.0 as usize].push(k as u32));
             nucleus.columns.insert(k, open.len());
             nucleus.above.push(entries().filter(|e| !factors.is_open(e.0 as usize)).collect());
@@ -217,7 +218,7 @@ impl Nucleus {
         nucleus
     }
 
-    fn eliminate(mut self, factors: &mut Elimination) {
+    fn eliminate(mut self, factors: &mut Triangles) {
         while let Some((row, column)) = self.choose() {
             self.pivot(row, column, factors);
         }
@@ -291,7 +292,7 @@ impl Nucleus {
         self.rows.move_to(row, list.len());
     }
 
-    fn pivot(&mut self, row: usize, column: usize, factors: &mut Elimination) {
+    fn pivot(&mut self, row: usize, column: usize, factors: &mut Triangles) {
         self.columns.remove(column);
         self.rows.remove(row);
         let mut entries = std::mem::take(&mut self.open[column]);
@@ -327,7 +328,7 @@ impl Nucleus {
             if self.multiple[i] != 0.0 {
                 self.met[i] = k as u32;
                 open[at].1 -= self.multiple[i] * factor;
-                if open[at].1.abs() <= TINY {
+                if open[at].1.abs() <= TINY_ENTRY {
                     open.swap_remove(at);
                     self.forget(i, k);
                     continue;
@@ -337,7 +338,7 @@ impl Nucleus {
         }
         for &(i, _) in pivot_column {
             let entry = -self.multiple[i as usize] * factor;
-            if self.met[i as usize] != k as u32 && entry.abs() > TINY {
+            if self.met[i as usize] != k as u32 && entry.abs() > TINY_ENTRY {
                 open.push((i, entry));
                 let list = &mut self.by_row[i as usize];
                 list.push(k as u32);
@@ -345,7 +346,7 @@ impl Nucleus {
             }
         }
         // The same column meets the rows of later pivots again.
-        pivot_column.iter().for_each(|e| self.met[e.0 as usize] = NONE);
+        pivot_column.iter().for_each(|e| self.met[e.0 as usize] = NO_PIVOT);
         self.largest[k] = largest(&open);
         self.columns.move_to(k, open.len());
         self.open[k] = open;

@@ -1,7 +1,7 @@
 //! Sparse vectors that grow and shrink one entry at a time, side by side in one memory.
 
 /// Free places behind a list that was moved because it had grown.
-const ROOM: usize = 4;
+const SPARE_PLACES: usize = 4;
 
 /// Lists of entries, by a number each.
 #[derive(Debug, Clone, Default)]
@@ -71,7 +71,7 @@ impl Lists {
     /// Moves a list to the end, where it has room.
     fn make_room(&mut self, k: usize) {
         let [start, length] = self.range[k].map(|v| v as usize);
-        let capacity = 2 * length + ROOM;
+        let capacity = 2 * length + SPARE_PLACES;
         self.range[k][0] = self.index.len() as u32;
         self.capacity[k] = capacity as u32;
         self.index.extend_from_within(start..start + length);

@@ -14,10 +14,10 @@ mod lists;
 mod reach;
 
 use super::parameters::{MAX_PIVOT_DIFFERENCE, MAX_UPDATES, MIN_UPDATES, ROWS_PER_UPDATE};
-use super::sparse::{SparseVector, TINY};
-use elimination::{Elimination, eliminate};
+use super::sparse::{SparseVector, TINY_ENTRY};
+use elimination::{Triangles, eliminate};
 use lists::Lists;
-use reach::{GONE, Reach, Triangle};
+use reach::{GONE, ReachSearch, TriangularFactor};
 
 /// The share of the past in what is expected of the next solve.
 const MEMORY: f64 = 0.9;
@@ -60,7 +60,7 @@ pub(super) struct Factors {
     /// By [`SolveFor`], the density of results lately: between the triangles and behind them.
     density: [[f64; 2]; 4],
     work: Vec<f64>,
-    reach: Reach,
+    reach: ReachSearch,
 }
 
 impl Factors {
@@ -69,7 +69,7 @@ impl Factors {
     /// that row, which stands in for columns that are missing or depend on others.
     pub(super) fn new(rows: usize, columns: &[(&[usize], &[f64])]) -> (Self, Vec<Option<usize>>) {
         let (triangles, column_of) = eliminate(rows, columns);
-        let Elimination { lower, lower_order, upper, pivots, order, .. } = triangles;
+        let Triangles { lower, lower_order, upper, pivots, order, .. } = triangles;
         let mut place = vec![0; rows];
         order.iter().enumerate().for_each(|(k, &row)| place[row as usize] = k as u32);
         let lower_rows = lower.transposed();
@@ -110,10 +110,10 @@ impl Factors {
             || (self.update_count >= MIN_UPDATES && entries > 2 * self.fresh_entries + rows)
     }
 
-    /// Solves `B x = b` in place, and keeps what an exchange needs if `b` is the column that enters.
+    /// Solves `B x = b` in place, and keeps what an exchange needs if `b` is the entering column.
     pub(super) fn solve(&mut self, v: &mut SparseVector, purpose: SolveFor) {
         let [between, behind] = self.density[purpose as usize];
-        let triangle = Triangle {
+        let triangle = TriangularFactor {
             lists: &self.lower_columns,
             inverse: None,
             order: &self.lower_order[0],
@@ -136,7 +136,7 @@ impl Factors {
             self.spike.sort_unstable_by_key(|e| e.0);
             self.spike.dedup_by_key(|e| e.0);
         }
-        let triangle = Triangle {
+        let triangle = TriangularFactor {
             lists: &self.upper_columns,
             inverse: Some(&self.inverse),
             order: &self.order,
@@ -150,7 +150,7 @@ impl Factors {
     /// Solves `B'y = c` in place, and keeps what an exchange needs if `c` is the slot that leaves.
     pub(super) fn solve_transposed(&mut self, v: &mut SparseVector, purpose: SolveFor) {
         let [between, behind] = self.density[purpose as usize];
-        let triangle = Triangle {
+        let triangle = TriangularFactor {
             lists: &self.upper_rows,
             inverse: Some(&self.inverse),
             order: &self.order,
@@ -170,7 +170,7 @@ impl Factors {
                 index.iter().zip(multiples).for_each(|(&i, a)| v.add(i as usize, a * value));
             }
         }
-        let triangle = Triangle {
+        let triangle = TriangularFactor {
             lists: &self.lower_rows,
             inverse: None,
             order: &self.lower_order[1],
@@ -200,7 +200,7 @@ impl Factors {
             self.work[i as usize] = a;
         }
         let multiples = self.leaving.iter().map(|&(i, a)| (i, a * old));
-        let multiples = multiples.filter(|e| e.0 != row && e.1.abs() > TINY);
+        let multiples = multiples.filter(|e| e.0 != row && e.1.abs() > TINY_ENTRY);
         self.updated.push(row);
         self.updates.append(multiples);
         let (index, value) = self.updates.get(self.updated.len() - 1);
@@ -218,7 +218,8 @@ impl Factors {
         for &i in self.upper_columns.indices(slot) {
             self.upper_rows.remove(i as usize, row);
         }
-        let entries = || self.spike.iter().copied().filter(|e| e.0 != row && e.1.abs() > TINY);
+        let entries =
+            || self.spike.iter().copied().filter(|e| e.0 != row && e.1.abs() > TINY_ENTRY);
         entries().for_each(|(i, a)| self.upper_rows.push(i as usize, row, a));
         self.upper_columns.replace(slot, entries());
         (self.pivots[slot], self.inverse[slot]) = (new, 1.0 / new);

@@ -5,7 +5,7 @@
 //! to arithmetic operations). It pays where the result has few entries, which is so for most solves
 //! of a sparse program (Hall and McKinnon, Hyper-sparsity in the revised simplex method).
 
-use super::super::sparse::{SparseVector, TINY};
+use super::super::sparse::{SparseVector, TINY_ENTRY};
 use super::lists::Lists;
 
 /// The largest share of entries of a right side, and of results lately, that is searched for.
@@ -17,7 +17,7 @@ pub(super) const GONE: u32 = u32::MAX;
 
 /// The work space of the search.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Reach {
+pub(super) struct ReachSearch {
     is_seen: Vec<bool>,
     /// Places whose lists are being searched, and how many entries of each are left.
     stack: Vec<(u32, u32)>,
@@ -27,7 +27,7 @@ pub(super) struct Reach {
 
 /// Half of a factorisation, by the rows of the pivots.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Triangle<'a> {
+pub(super) struct TriangularFactor<'a> {
     /// What is subtracted from other places once a place is known.
     pub(super) lists: &'a Lists,
     /// By row, the inverse of the pivot; `None` if all pivots are 1.
@@ -39,13 +39,13 @@ pub(super) struct Triangle<'a> {
     pub(super) is_partial: bool,
 }
 
-impl Triangle<'_> {
+impl TriangularFactor<'_> {
     /// Solves with the triangle in place. The list of the vector may name a place twice before.
     ///
     /// # Arguments
     ///
     /// * `density`: that of results lately.
-    pub(super) fn solve(&self, v: &mut SparseVector, density: f64, reach: &mut Reach) {
+    pub(super) fn solve(&self, v: &mut SparseVector, density: f64, reach: &mut ReachSearch) {
         if v.density() > MAX_START_DENSITY || density > MAX_RESULT_DENSITY {
             self.solve_in_order(v);
         } else {
@@ -75,7 +75,7 @@ impl Triangle<'_> {
         if *entry == 0.0 {
             return;
         }
-        if entry.abs() <= TINY {
+        if entry.abs() <= TINY_ENTRY {
             *entry = 0.0;
             return;
         }
@@ -90,8 +90,8 @@ impl Triangle<'_> {
         }
     }
 
-    fn solve_reached(&self, v: &mut SparseVector, reach: &mut Reach) {
-        let Reach { is_seen, stack, done } = reach;
+    fn solve_reached(&self, v: &mut SparseVector, reach: &mut ReachSearch) {
+        let ReachSearch { is_seen, stack, done } = reach;
         is_seen.resize(v.value.len(), false);
         done.clear();
         for &from in &v.index {
