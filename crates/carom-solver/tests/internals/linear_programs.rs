@@ -54,7 +54,7 @@ fn random_program(
     rooms: i32,
 ) -> impl Strategy<Value = RandomProgram> {
     (columns, 0..=6, prop_oneof![3 => Just(0), 1 => -3..=3]).prop_flat_map(
-        move |(n, decades, shift)| {
+        move |(n, decades, shift): (usize, i32, i32)| {
             (
                 prop::collection::vec((-3..=3, 0..=rooms, 0..=rooms), n),
                 prop::collection::vec(random_row(n), rows.clone()),
@@ -254,7 +254,8 @@ proptest! {
         }
         let answer = solve(&mut DualSimplex::new(), &program, None);
         let other = solve(&mut ClarabelRelaxation::new(), &case.program(false), None);
-        let firm = [RelaxationClaim::Solved, RelaxationClaim::Infeasible, RelaxationClaim::Unbounded];
+        let firm =
+            [RelaxationClaim::Solved, RelaxationClaim::Infeasible, RelaxationClaim::Unbounded];
         prop_assert!(firm.contains(&answer.claim), "{:?}", answer.claim);
         if !firm.contains(&other.claim) {
             return Ok(());
@@ -264,7 +265,8 @@ proptest! {
             return Ok(());
         }
         prop_assert_eq!(answer.claim, other.claim);
-        let (value, theirs) = (program.objective(&answer.x), case.program(false).objective(&other.x));
+        let value = program.objective(&answer.x);
+        let theirs = case.program(false).objective(&other.x);
         prop_assert!((value - theirs).abs() <= 1e-5 * theirs.abs().max(1.0), "{value}, {theirs}");
     }
 
