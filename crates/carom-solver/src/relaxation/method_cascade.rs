@@ -319,10 +319,8 @@ impl MethodCascade {
     }
 
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
-    /// result is not good enough.
-    ///
-    /// A program with cones that are not cut off gets the rows that the multipliers of its cones
-    /// are.
+    /// result is not good enough. A program with cones that are not cut off gets the rows that the
+    /// multipliers of its cones are.
     pub fn solve(
         &mut self,
         program: &mut Reduced,
