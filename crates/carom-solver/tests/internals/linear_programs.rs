@@ -53,7 +53,7 @@ fn random_program(
     rows: std::ops::Range<usize>,
     rooms: i32,
 ) -> impl Strategy<Value = RandomProgram> {
-    (columns, 0..=6, prop_oneof![3 => Just(0), 1 => -3..=3]).prop_flat_map(
+    (columns, 0..=3, prop_oneof![3 => Just(0), 1 => -3..=3]).prop_flat_map(
         move |(n, decades, shift): (usize, i32, i32)| {
             (
                 prop::collection::vec((-3..=3, 0..=rooms, 0..=rooms), n),

@@ -55,7 +55,11 @@ impl<'a> Run<'a> {
             self.dual.restart();
             self.dual.allow(self.effort.tolerance);
             if self.dual.is_optimal() {
-                return RunEnd::without_ray(RelaxationClaim::Solved);
+                let is_beyond = self.dual.value > self.enough;
+                return RunEnd::without_ray(match is_beyond {
+                    true => RelaxationClaim::Beyond,
+                    false => RelaxationClaim::Solved,
+                });
             }
         }
         RunEnd::without_ray(RelaxationClaim::Unknown)
@@ -68,6 +72,9 @@ impl<'a> Run<'a> {
     /// Runs the dual method until its basis is optimal for the costs that it uses.
     fn run_dual(&mut self, may_perturb: bool) -> Option<RunEnd> {
         while !self.is_over() {
+            if self.dual.value > self.enough && self.is_beyond() {
+                return Some(RunEnd::without_ray(RelaxationClaim::Beyond));
+            }
             match self.dual.step() {
                 Iteration::Moved => self.iterations += 1,
                 Iteration::Optimal => return None,
@@ -75,9 +82,6 @@ impl<'a> Run<'a> {
                     return Some(RunEnd { claim: RelaxationClaim::Infeasible, ray: Some(ray) });
                 }
                 _ => return Some(RunEnd::without_ray(RelaxationClaim::Unknown)),
-            }
-            if self.dual.value > self.enough && self.is_beyond() {
-                return Some(RunEnd::without_ray(RelaxationClaim::Beyond));
             }
             let stalls = self.dual.idle_steps > MIN_IDLE_STEPS.max(self.iterations / IDLE_PART);
             if stalls && may_perturb && !self.is_perturbed {
