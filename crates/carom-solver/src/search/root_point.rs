@@ -2,14 +2,20 @@
 //! and for the search, which need not relax the same root again.
 
 use super::cuts::Cut;
-use crate::presolve::{Domain, tighten_coefficients};
+use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
-use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
+use crate::relaxation::{
+    MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState, inverse_rows,
+};
 use crate::solver::{Options, StopToken};
 
 /// Largest distance of a bound from the value of its point with which a root needs no other
 /// relaxation, relative.
 const TIGHT_BOUND: f64 = 1e-7;
+
+/// The least fraction of a column whose row of the inverse is kept, and the most rows.
+const MIN_FRACTION: f64 = 0.01;
+const MOST_ROWS: usize = 500;
 
 /// The relaxed point of a program, and its value.
 #[derive(Debug, Clone)]
@@ -20,6 +26,10 @@ pub(super) struct RootPoint {
     pub(super) x: Vec<f64>,
     /// The state left by the relaxation.
     pub(super) warm: Option<WarmState>,
+    /// Whether the point is a vertex; then, rows of the inverse of its basis at whole columns with
+    /// fractions.
+    pub(super) is_vertex: bool,
+    pub(super) inverse: Vec<Vec<(usize, f64)>>,
     /// Whether the nodes below would start from the state of another method.
     lacks_state: bool,
     /// Iterations of the relaxation.
@@ -78,10 +88,24 @@ impl RootPoint {
         let reduced = &projection.reduced;
         let point = match verdict {
             Some(RelaxationVerdict::Relaxed { bound, x, converged: true, warm, .. }) => {
-                let (value, x) = (reduced.objective(&x), projection.lift(&x));
-                let lacks_state =
-                    cascade.starts_warm(reduced) && !cascade.separates_vertex(reduced);
-                Some(RootPoint { bound, value, x, warm, lacks_state, iterations })
+                let (value, reduced_x) = (reduced.objective(&x), x);
+                let x = projection.lift(&reduced_x);
+                let is_vertex = cascade.separates_vertex(reduced);
+                let lacks_state = cascade.starts_warm(reduced) && !is_vertex;
+                let state = warm.as_ref().filter(|_| is_vertex);
+                let inverse =
+                    state.map(|state| fractional_rows(program, reduced, &reduced_x, state));
+                let inverse = inverse.unwrap_or_default();
+                Some(RootPoint {
+                    bound,
+                    value,
+                    x,
+                    warm,
+                    is_vertex,
+                    inverse,
+                    lacks_state,
+                    iterations,
+                })
             }
             _ => None,
         };
@@ -103,4 +127,20 @@ impl RootPoint {
     pub(super) fn is_lifted_by(&self, part: f64, value: f64) -> bool {
         value - self.value >= part * self.value.abs().max(1e-6)
     }
+}
+
+/// The rows of the inverse of a basis at whole columns, those first whose fractions are nearest to
+/// a half.
+fn fractional_rows(
+    program: &Program,
+    reduced: &Reduced,
+    x: &[f64],
+    state: &WarmState,
+) -> Vec<Vec<(usize, f64)>> {
+    let distance = |x: f64| (x - x.round()).abs();
+    let whole = (0..x.len()).filter(|&k| program.integral[reduced.columns[k]]);
+    let mut fractional: Vec<usize> = whole.filter(|&k| distance(x[k]) > MIN_FRACTION).collect();
+    fractional.sort_by(|&a, &b| distance(x[b]).total_cmp(&distance(x[a])).then(a.cmp(&b)));
+    fractional.truncate(MOST_ROWS);
+    inverse_rows(reduced, state, fractional.into_iter())
 }

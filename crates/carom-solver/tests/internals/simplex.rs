@@ -101,6 +101,25 @@ fn solve(program: &Reduced, cutoff: f64, warm: Option<&WarmState>) -> Relaxation
     DualSimplex::new().solve(program, &effort)
 }
 
+/// Whether the objective falls along a ray that no bound and no row ends.
+fn falls_without_end(program: &Reduced, ray: &[f64]) -> bool {
+    let is_kept = |step: f64, lower: f64, upper: f64| {
+        (step >= -1e-9 || lower == -INF) && (step <= 1e-9 || upper == INF)
+    };
+    let columns = ray.iter().zip(&program.lower).zip(&program.upper);
+    let rows = (0..program.row_lower.len()).map(|i| {
+        let (index, value) = program.rows.vector(i);
+        let step = index.iter().zip(value).map(|(&j, a)| a * ray[j]).sum();
+        (step, program.row_lower[i], program.row_upper[i])
+    });
+    let falls = program.linear.iter().zip(ray).map(|(q, step)| q * step).sum::<f64>() < 0.0;
+    falls
+        && columns
+            .map(|((step, l), u)| (*step, *l, *u))
+            .chain(rows)
+            .all(|(s, l, u)| is_kept(s, l, u))
+}
+
 /// What is claimed holds, and Clarabel does not say otherwise. Returns whether there is a claim.
 fn check(program: &Reduced, answer: &RelaxationResult) -> Result<bool, TestCaseError> {
     let token = StopToken::default();
@@ -129,8 +148,12 @@ fn check(program: &Reduced, answer: &RelaxationResult) -> Result<bool, TestCaseE
             prop_assert!(Prover::default().proves_infeasible(program, &answer.y), "{:?}", answer);
             prop_assert!(other.claim != RelaxationClaim::Solved, "{:?}", answer);
         }
+        RelaxationClaim::Unbounded => {
+            prop_assert!(falls_without_end(program, &answer.x), "{:?}", answer);
+            prop_assert!(other.claim != RelaxationClaim::Solved, "{:?}", answer);
+        }
         RelaxationClaim::Unknown => return Ok(false),
-        _ => prop_assert!(false, "{:?}", answer),
+        RelaxationClaim::Beyond => prop_assert!(false, "{:?}", answer),
     }
     Ok(true)
 }

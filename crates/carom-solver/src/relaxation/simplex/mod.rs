@@ -11,6 +11,7 @@
 
 mod dual;
 mod factors;
+mod inverse;
 mod parameters;
 mod primal;
 mod program;
@@ -24,6 +25,7 @@ mod violations;
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use dual::Dual;
+pub(crate) use inverse::inverse_rows;
 use parameters::{COLUMNS_PER_COST, LARGE_PROGRAM};
 use program::LinearProgram;
 use ratio::NonbasicStatus;

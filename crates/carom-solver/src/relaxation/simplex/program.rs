@@ -69,6 +69,16 @@ impl LinearProgram {
         (self.column_unit.len(), self.row_unit.len())
     }
 
+    /// The unit of a column proper.
+    pub(super) fn column_unit(&self, j: usize) -> f64 {
+        self.column_unit[j]
+    }
+
+    /// The inverse unit of a row.
+    pub(super) fn row_unit(&self, i: usize) -> f64 {
+        self.row_unit[i]
+    }
+
     /// The rows and the entries of a column or of a row's activity.
     pub(super) fn column(&self, k: usize) -> (&[usize], &[f64]) {
         match k.checked_sub(self.column_unit.len()) {

@@ -64,7 +64,7 @@ fn is_loose(point: &SeparatedPoint<'_>, row: usize, aggregate: &Aggregate) -> bo
 }
 
 /// The better of the roundings of an aggregate and of its negative.
-fn best_rounding(
+pub(super) fn best_rounding(
     point: &SeparatedPoint<'_>,
     aggregate: &Aggregate,
     rounder: &mut Rounder,

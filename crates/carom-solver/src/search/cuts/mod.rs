@@ -6,6 +6,7 @@
 
 mod cut;
 mod cut_sets;
+mod gomory;
 mod mixed_integer_rounding;
 mod parameters;
 mod polymatroid;
@@ -15,6 +16,7 @@ mod separated_point;
 pub use cut::Cut;
 pub(crate) use cut::WholeForm;
 pub use cut_sets::cut_set_cuts;
+pub use gomory::gomory_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
 pub use polymatroid::polymatroid_cuts;
 
@@ -165,7 +167,7 @@ impl CutRounds<'_> {
         cascade: &mut MethodCascade,
     ) -> Option<RootPoint> {
         let program = more.as_ref().unwrap_or(self.program);
-        let mut found = self.separate(program, &before.x, round, token);
+        let mut found = self.separate(program, before, round, token);
         let mut sets = self.separate_sets(&before.x, &found, round, token);
         if self.sets == Sets::Help {
             found.append(&mut sets);
@@ -174,11 +176,12 @@ impl CutRounds<'_> {
             return None;
         }
         self.drop_idle(&before.x, CUTS.slack_rounds);
-        // Without a warm start, which ends less deep inside the face of optima and makes cuts
-        // worse.
+        // A warm start of the interior-point method ends less deep inside the face of optima, which
+        // makes cuts worse. A vertex is as good.
+        let warm = before.warm.as_ref().filter(|_| before.is_vertex);
         let mut relax = |cuts: &[Cut]| {
             let program = with_cuts(self.program, cuts)?;
-            let point = RootPoint::new(&program, self.domain, cascade, options, token, None)?;
+            let point = RootPoint::new(&program, self.domain, cascade, options, token, warm)?;
             Some((program, point))
         };
         let some = !found.is_empty();
@@ -219,11 +222,19 @@ impl CutRounds<'_> {
     }
 
     /// The best cuts that a point violates, from the rows of a program.
-    fn separate(&self, program: &Program, x: &[f64], round: usize, token: &StopToken) -> Vec<Cut> {
+    fn separate(
+        &self,
+        program: &Program,
+        point: &RootPoint,
+        round: usize,
+        token: &StopToken,
+    ) -> Vec<Cut> {
+        let x = &point.x;
         // Most programs with a curved objective gain nothing; a first round over single rows shows
         // it.
         let rows = if self.looks_at_single_rows(round) { 1 } else { MOST_ROWS };
         let mut cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
+        cuts.extend(gomory_cuts(program, self.domain, x, &point.inverse, token));
         cuts.extend(polymatroid_cuts(program, self.domain, x, token));
         select(cuts, &[], x)
     }

@@ -51,6 +51,10 @@ pub(super) struct CutParameters {
     pub(super) open_arc: f64,
     /// Most entries of an aggregate of rows.
     pub(super) aggregate_entries: usize,
+    /// Most entries of a row of a tableau that is rounded.
+    pub(super) tableau_entries: usize,
+    /// What is left of terms that cancel, relative to their magnitudes.
+    pub(super) cancelled: f64,
     /// Most rows from which aggregates are started.
     pub(super) start_rows: usize,
     /// Largest slack of a row that starts an aggregate of several, relative to its largest
@@ -96,6 +100,8 @@ pub(super) const CUTS: CutParameters = CutParameters {
     set_entries: 1000,
     open_arc: 1e-6,
     aggregate_entries: 300,
+    tableau_entries: 1000,
+    cancelled: 1e-11,
     start_rows: 2000,
     start_slack: 0.05,
     bound_distance: 1e-6,

@@ -8,7 +8,9 @@ use carom::prelude::*;
 use carom::solver::StopToken;
 use carom_solver::internals::presolve::{Domain, Propagator, probe_implications};
 use carom_solver::internals::program::Program;
-use carom_solver::internals::search::cuts::{Cut, MOST_ROWS, mixed_integer_rounding_cuts};
+use carom_solver::internals::search::cuts::{
+    Cut, MOST_ROWS, gomory_cuts, mixed_integer_rounding_cuts,
+};
 use proptest::prelude::*;
 
 use super::grid::{Grid, balance, columns, general, grid, some_binaries};
@@ -91,6 +93,23 @@ proptest! {
         let next =
             mixed_integer_rounding_cuts(&more, &domain, &middle, MOST_ROWS, &StopToken::default());
         prop_assert_eq!(cut_off(&next, &points), None);
+    }
+
+    // Whatever the multipliers are: a basis may be wrong.
+    #[test]
+    fn sums_of_rows_cut_no_whole_point_off(
+        case in case(),
+        sums in prop::collection::vec(prop::collection::vec(-2.0..=2.0_f64, 6), 1..6),
+    ) {
+        let program = Program::assemble(&case.grid.model()).unwrap();
+        let domain = Domain::new(&program);
+        let rows = program.row_count();
+        let sums: Vec<Vec<(usize, f64)>> =
+            sums.into_iter().map(|sum| sum.into_iter().take(rows).enumerate().collect()).collect();
+        let x = case.relaxed(&program);
+        let cuts = gomory_cuts(&program, &domain, &x, &sums, &StopToken::default());
+        let points = case.grid.points();
+        prop_assert_eq!(cut_off(&cuts, &points), None);
     }
 
     #[test]
