@@ -16,12 +16,13 @@ use super::interior::InteriorPoint;
 use super::recession::{growth_program, is_descent_ray, recession_program, relaxed_along};
 use super::record::Record;
 use super::simplex::DualSimplex;
+use super::spent::Spent;
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use super::{Prover, polish};
 use crate::presolve::{Domain, Reduced, Reducer};
 use crate::program::Program;
-use crate::solution::{RelaxationCounts, Statistics};
+use crate::solution::RelaxationCounts;
 use crate::solver::{RelaxationMethod, StopToken};
 
 /// The methods that start from a state: for dense programs with curvature, and for linear ones.
@@ -77,26 +78,6 @@ impl CascadeMethod {
                 count: |counts| &mut counts.clarabel,
             },
         }
-    }
-}
-
-/// The attempts, iterations and time of a cascade since they were last taken.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Spent {
-    /// Attempts by method.
-    pub counts: RelaxationCounts,
-    /// Iterations of all attempts.
-    pub iterations: u64,
-    /// Time inside the methods.
-    pub time: Duration,
-}
-
-impl Spent {
-    /// Adds it to the counts of a solve.
-    pub fn count(&self, statistics: &mut Statistics) {
-        statistics.relaxations += self.counts.total();
-        statistics.relaxation_counts.add(&self.counts);
-        statistics.iterations += self.iterations;
     }
 }
 
@@ -241,7 +222,8 @@ impl MethodCascade {
         let starts = match asked.purpose {
             Purpose::Separation if !self.separates_vertex(program) => return None,
             Purpose::Root | Purpose::Round | Purpose::Leaf | Purpose::Separation => true,
-            _ => asked.warm.is_some(),
+            // An interior-point method is many times slower in large programs.
+            _ => asked.warm.is_some() || DualSimplex::suits_separation(program),
         };
         if ActiveSet::suits(program) {
             return Some(WarmMethod::ActiveSet);
@@ -415,13 +397,16 @@ impl MethodCascade {
         let warm_method = self.warm_method(program, question);
         let all = self.attempts(question.purpose, warm_method);
         // Threads of a deterministic search must not differ in what they have seen.
-        let learns = matches!(question.purpose, Purpose::Node | Purpose::Trial)
+        let purpose = question.purpose;
+        // No trial is worth an interior-point method in a large program.
+        let is_hasty = purpose == Purpose::Trial && self.separates_vertex(program);
+        let learns = matches!(purpose, Purpose::Node | Purpose::Trial)
             && all.len() > 1
-            && !question.options.deterministic;
+            && !(question.options.deterministic || is_hasty);
         let record = warm_method.map_or(COLD_RECORD, |method| method as usize);
         let start = usize::from(learns && !self.records[record].asks());
-        let (purpose, warm) = (question.purpose, question.warm);
-        let mut request = Request { purpose, warm_method, warm, cutoff: findings.cutoff, token };
+        let (warm, cutoff) = (question.warm, findings.cutoff);
+        let mut request = Request { purpose, warm_method, warm, cutoff, token };
         let mut at = start;
         while let Some(&attempt) = all.get(at) {
             request.cutoff = findings.cutoff;
@@ -429,19 +414,24 @@ impl MethodCascade {
             if result.claim == RelaxationClaim::Unknown && token.is_over() {
                 return (RelaxationVerdict::Stopped, Doubt::default());
             }
-            let is_cut_short = question.purpose == Purpose::Trial
+            let is_cut_short = purpose == Purpose::Trial
                 && attempt.stage == Stage::Warm
                 && result.iterations >= u64::from(attempt.iterations);
             let outcome = findings.verify(result, &mut self.prover);
             if learns && at == 0 && !matches!(outcome, AttemptOutcome::Repeat) {
-                self.records[record].note(matches!(outcome, AttemptOutcome::TryHarder));
+                let gave_up = matches!(outcome, AttemptOutcome::TryHarder) && !is_cut_short;
+                self.records[record].note(gave_up);
             }
             match outcome {
                 AttemptOutcome::Decided(verdict) => return (verdict, findings.doubt),
                 AttemptOutcome::Sufficient => break,
                 AttemptOutcome::Repeat => {}
                 // The bound of a trial that was cut short is a bound.
-                AttemptOutcome::TryHarder if is_cut_short && findings.bound.is_finite() => break,
+                AttemptOutcome::TryHarder
+                    if is_hasty || is_cut_short && findings.bound.is_finite() =>
+                {
+                    break;
+                }
                 AttemptOutcome::TryHarder => {
                     at += 1;
                     if at == 1 && start == 0 && all.len() > 1 {

@@ -28,6 +28,7 @@ mod recession;
 mod record;
 mod scaling;
 mod simplex;
+mod spent;
 mod verdict;
 mod warm_state;
 

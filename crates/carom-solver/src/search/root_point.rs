@@ -15,7 +15,7 @@ const TIGHT_BOUND: f64 = 1e-7;
 
 /// The least fraction of a column whose row of the inverse is kept, and the most rows.
 const MIN_FRACTION: f64 = 0.01;
-const MOST_ROWS: usize = 500;
+const MOST_TABLEAU_ROWS: usize = 500;
 
 /// The relaxed point of a program, and its value.
 #[derive(Debug, Clone)]
@@ -141,6 +141,6 @@ fn fractional_rows(
     let whole = (0..x.len()).filter(|&k| program.integral[reduced.columns[k]]);
     let mut fractional: Vec<usize> = whole.filter(|&k| distance(x[k]) > MIN_FRACTION).collect();
     fractional.sort_by(|&a, &b| distance(x[b]).total_cmp(&distance(x[a])).then(a.cmp(&b)));
-    fractional.truncate(MOST_ROWS);
+    fractional.truncate(MOST_TABLEAU_ROWS);
     inverse_rows(reduced, state, fractional.into_iter())
 }

@@ -1,33 +1,45 @@
 //! Implied free columns.
 //!
-//! Takes a continuous column whose rows imply its bounds, and an equality among them; leaves the
-//! program without both (Achterberg, Bixby, Gu, Rothberg and Weninger, Presolve reductions in mixed
-//! integer programming, INFORMS Journal on Computing 32, 2020).
+//! Takes a column whose rows imply its bounds, and an equality among them; leaves the program
+//! without both (Achterberg, Bixby, Gu, Rothberg and Weninger, Presolve reductions in mixed integer
+//! programming, INFORMS Journal on Computing 32, 2020). An integral column has to be a whole
+//! multiple of integral ones.
+//!
+//! Rows of a curved program keep their columns longer, because bounds of states and inputs say more
+//! to propagation than sums of many terms.
 
 use super::substitute::{is_stable, substitute};
 use super::working_program::WorkingProgram;
+use crate::presolve::coefficients::is_whole;
 use crate::presolve::parameters::IMPLIED;
 
-/// The largest number of terms of an equality that replaces a column.
-const MAX_EQUALITY_TERMS: usize = 6;
+/// What is replaced.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    /// The largest number of terms of an equality that replaces a column.
+    terms: usize,
+    /// The largest number of rows of a column that is replaced.
+    rows: usize,
+    /// The largest number of entries that one substitution may add to the matrix.
+    fill: isize,
+    integers: bool,
+}
 
-/// The largest number of rows of a column that is replaced.
-const MAX_COLUMN_ROWS: usize = 4;
-
-/// The largest number of entries that one substitution may add to the matrix.
-const MAX_FILL: isize = 0;
+const CURVED: Limits = Limits { terms: 6, rows: 4, fill: 0, integers: false };
+const LINEAR: Limits = Limits { terms: 8, rows: 10, fill: 10, integers: true };
 
 pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
-    if !work.is_equality(row) || !(2..=MAX_EQUALITY_TERMS).contains(&work.rows[row].len()) {
+    let limits = if work.is_linear { LINEAR } else { CURVED };
+    if !work.is_equality(row) || !(2..=limits.terms).contains(&work.rows[row].len()) {
         return 0;
     }
     let candidates = work.rows[row].iter().map(|&(j, _)| j);
     let chosen = candidates
         .filter(|&j| {
-            !work.integral[j]
+            (!work.integral[j] || limits.integers && follows_integers(work, j, row))
                 && work.is_straight(j)
-                && work.uses[j].len() <= MAX_COLUMN_ROWS
-                && fill(work, j, row) <= MAX_FILL
+                && work.uses[j].len() <= limits.rows
+                && fill(work, j, row) <= limits.fill
                 && is_stable(work, j, row)
                 && is_implied_free(work, j)
         })
@@ -35,6 +47,13 @@ pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
     let Some(column) = chosen else { return 0 };
     substitute(work, column, row, false);
     1
+}
+
+/// Whether a column is whole where the others of an equality are.
+fn follows_integers(work: &WorkingProgram, column: usize, row: usize) -> bool {
+    let pivot = work.coefficient(row, column);
+    let whole = |&(j, a): &(usize, f64)| work.integral[j] && is_whole(a / pivot);
+    is_whole(work.row_lower[row] / pivot) && work.rows[row].iter().all(whole)
 }
 
 /// The most entries that a substitution can add, less those that it takes away.

@@ -62,6 +62,8 @@ pub(super) struct WorkingProgram {
     pub(super) cones: Vec<Cone>,
     /// Which columns are in cones.
     pub(super) conic: Vec<bool>,
+    /// Whether the program has neither cones nor curvature.
+    pub(super) is_linear: bool,
     pub(super) linear: Vec<f64>,
     /// `P`, both triangles.
     pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
@@ -130,6 +132,7 @@ impl WorkingProgram {
             integral: program.integral.clone(),
             given: vec![false; n],
             cones: program.cones.clone(),
+            is_linear: program.cones.is_empty() && program.quadratic.compute_nnz() == 0,
             conic: conic_columns(&program.cones, n),
             linear: program.linear.clone(),
             quadratic: (0..n).map(|j| pairs(program.quadratic_column(j)).collect()).collect(),

@@ -119,9 +119,10 @@ fn nearest(candidates: &mut [EnteringColumn], slope: f64) -> usize {
     let shortest = candidates.iter().map(EnteringColumn::reach).fold(f64::INFINITY, f64::min);
     let mut limit = STEP_GROWTH * shortest.max(DUAL_TOLERANCE);
     let (mut near, mut fall) = (0, 0.0);
-    while near < candidates.len() && fall < slope {
+    // Without end only if a step is not a number.
+    while near < candidates.len() && fall < slope && limit < f64::INFINITY {
         let old = near;
-        for k in near..candidates.len() {
+        for k in old..candidates.len() {
             if candidates[k].step() <= limit {
                 fall += candidates[k].entry * candidates[k].width;
                 candidates.swap(k, near);

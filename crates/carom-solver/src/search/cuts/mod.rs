@@ -65,10 +65,9 @@ pub(crate) fn strengthen(
         root.point = Some(point.with_bound(bound));
         return None;
     }
-    let domain = &root.domain;
     let mut rounds = CutRounds {
         program,
-        domain,
+        domain: root.domain.clone(),
         best,
         curved,
         cuts: Vec::new(),
@@ -95,7 +94,7 @@ pub(crate) fn strengthen(
 /// The state of the rounds that cut off the relaxed point.
 struct CutRounds<'a> {
     program: &'a Program,
-    domain: &'a Domain,
+    domain: Domain,
     /// The value of the best point that the pilot search has found.
     best: Option<f64>,
     /// 1 for a curved objective, 0 for a linear one.
@@ -181,7 +180,7 @@ impl CutRounds<'_> {
         let warm = before.warm.as_ref().filter(|_| before.is_vertex);
         let mut relax = |cuts: &[Cut]| {
             let program = with_cuts(self.program, cuts)?;
-            let point = RootPoint::new(&program, self.domain, cascade, options, token, warm)?;
+            let point = RootPoint::new(&program, &self.domain, cascade, options, token, warm)?;
             Some((program, point))
         };
         let some = !found.is_empty();
@@ -216,6 +215,8 @@ impl CutRounds<'_> {
     /// gap.
     fn pays(&self, [large, closed]: [f64; 2], root: &RootPoint, value: f64) -> bool {
         let closes = |gap| value - root.value >= closed * gap;
+        // Next to the nodes of a large program, rows cost little.
+        let large = if root.is_vertex { CUTS.slight_lift } else { large };
         root.is_lifted_by(large, value)
             || (root.is_lifted_by(CUTS.slight_lift, value)
                 && self.best.is_some_and(|best| closes(best - root.value)))
@@ -233,9 +234,9 @@ impl CutRounds<'_> {
         // Most programs with a curved objective gain nothing; a first round over single rows shows
         // it.
         let rows = if self.looks_at_single_rows(round) { 1 } else { MOST_ROWS };
-        let mut cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
-        cuts.extend(gomory_cuts(program, self.domain, x, &point.inverse, token));
-        cuts.extend(polymatroid_cuts(program, self.domain, x, token));
+        let mut cuts = mixed_integer_rounding_cuts(program, &self.domain, x, rows, token);
+        cuts.extend(gomory_cuts(program, &self.domain, x, &point.inverse, token));
+        cuts.extend(polymatroid_cuts(program, &self.domain, x, token));
         select(cuts, &[], x)
     }
 
@@ -250,7 +251,7 @@ impl CutRounds<'_> {
         if self.sets == Sets::Idle || self.looks_at_single_rows(round) {
             return Vec::new();
         }
-        select(cut_set_cuts(self.program, self.domain, x, token), found, x)
+        select(cut_set_cuts(self.program, &self.domain, x, token), found, x)
     }
 
     /// Drops the cuts that were not active for more than some rounds.

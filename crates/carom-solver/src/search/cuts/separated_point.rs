@@ -1,6 +1,8 @@
 //! The point to cut off, with the data that every aggregate needs.
 
 use super::cut::reach;
+use super::parameters::CUTS;
+use crate::activity::term_ends;
 use crate::presolve::Domain;
 use crate::program::Program;
 
@@ -53,23 +55,33 @@ impl<'a> SeparatedPoint<'a> {
         point
     }
 
+    /// A row bounds a continuous column by a whole one, whatever its other terms are.
     fn find_variable_bounds(&mut self) {
         let SeparatedPoint { program, domain, x, .. } = *self;
         for row in 0..program.row_count() {
-            let (&[p, q], &[a, b]) = program.row(row) else { continue };
-            for (j, a, z, b) in [(p, a, q, b), (q, b, p, a)] {
-                if program.integral[j] || !program.integral[z] || domain.is_fixed(z) {
-                    continue;
-                }
-                // a x + b z within limits: x = limit / a - (b / a) z is a bound.
-                let limits = [program.row_lower[row], program.row_upper[row]];
-                for (limit, upper) in [(limits[0], a < 0.0), (limits[1], a > 0.0)] {
-                    let sign = if upper { -1.0 } else { 1.0 };
-                    let (constant, slope) = (limit / a, -b / a);
-                    let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
-                    let from = From { sign, constant, slope, binary: z, value };
-                    offer(&mut self.variable[j], from);
-                    offer(&mut self.sides[j][usize::from(upper)], from);
+            let (columns, values) = program.row(row);
+            if columns.len() > CUTS.bound_entries {
+                continue;
+            }
+            let limits = [program.row_lower[row], program.row_upper[row]];
+            for (p, &j) in columns.iter().enumerate().filter(|(_, j)| !program.integral[**j]) {
+                for (q, &z) in columns.iter().enumerate() {
+                    if !program.integral[z] || domain.is_fixed(z) {
+                        continue;
+                    }
+                    let others = others(domain, columns, values, [p, q]);
+                    // a x + b z within limits: x = limit / a - (b / a) z is a bound.
+                    let (a, slope) = (values[p], -values[q] / values[p]);
+                    for (limit, upper) in
+                        [(limits[0] - others[1], a < 0.0), (limits[1] - others[0], a > 0.0)]
+                    {
+                        let sign = if upper { -1.0 } else { 1.0 };
+                        let constant = limit / a;
+                        let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
+                        let from = From { sign, constant, slope, binary: z, value };
+                        offer(&mut self.variable[j], from);
+                        offer(&mut self.sides[j][usize::from(upper)], from);
+                    }
                 }
             }
         }
@@ -163,6 +175,20 @@ impl<'a> SeparatedPoint<'a> {
         let activity = self.activities[row];
         [activity - self.program.row_lower[row], self.program.row_upper[row] - activity]
     }
+}
+
+/// The range of the terms of a row but for two of them, rounded outward.
+fn others(domain: &Domain, columns: &[usize], values: &[f64], besides: [usize; 2]) -> [f64; 2] {
+    let (mut range, mut size) = ([0.0; 2], 0.0);
+    for (k, (&j, a)) in columns.iter().zip(values).enumerate() {
+        if !besides.contains(&k) {
+            let ends = term_ends(*a, domain.bounds(j));
+            (range[0], range[1]) = (range[0] + ends[0], range[1] + ends[1]);
+            size += ends[0].abs().max(ends[1].abs());
+        }
+    }
+    let rounding = if size.is_finite() { f64::EPSILON * columns.len() as f64 * size } else { 0.0 };
+    [range[0] - rounding, range[1] + rounding]
 }
 
 fn is_fit(program: &Program, row: usize) -> bool {
