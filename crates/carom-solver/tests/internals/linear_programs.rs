@@ -144,7 +144,7 @@ fn solve(
 /// limits as columns hold there with equality.
 fn best_vertex(program: &Reduced) -> Option<f64> {
     let n = program.columns.len();
-    let mut planes: Vec<(Vec<f64>, f64)> = Vec::new();
+    let mut planes: Vec<Plane> = Vec::new();
     for j in 0..n {
         let unit: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k == j))).collect();
         planes.push((unit.clone(), program.lower[j]));
@@ -181,13 +181,16 @@ fn best_vertex(program: &Reduced) -> Option<f64> {
     best
 }
 
+/// A normal, and the value of its product with the points of the plane.
+type Plane = (Vec<f64>, f64);
+
 /// Calls `f` with all choices of so many planes.
 fn choose(
-    planes: &[(Vec<f64>, f64)],
+    planes: &[Plane],
     count: usize,
     from: usize,
-    chosen: &mut Vec<(Vec<f64>, f64)>,
-    f: &mut dyn FnMut(&[(Vec<f64>, f64)]),
+    chosen: &mut Vec<Plane>,
+    f: &mut dyn FnMut(&[Plane]),
 ) {
     if chosen.len() == count {
         return f(chosen);
@@ -200,7 +203,7 @@ fn choose(
 }
 
 /// The common point of planes, if there is just one.
-fn intersection(planes: &[(Vec<f64>, f64)]) -> Option<Vec<f64>> {
+fn intersection(planes: &[Plane]) -> Option<Vec<f64>> {
     let n = planes.len();
     let mut a: Vec<Vec<f64>> =
         planes.iter().map(|(row, v)| row.iter().copied().chain([*v]).collect()).collect();
