@@ -29,6 +29,9 @@ pub mod missions {}
 #[doc = include_str!("../docs/my_search_does_not_finish.md")]
 pub mod my_search_does_not_finish {}
 
+#[doc = include_str!("../docs/help.md")]
+pub mod help {}
+
 #[doc = include_str!("../docs/a_file_and_a_solver.md")]
 pub mod a_file_and_a_solver {}
 

@@ -359,7 +359,7 @@ fn a_missing_program_keeps_the_error_of_the_system() {
     assert_eq!(system_error(&error).kind(), std::io::ErrorKind::NotFound);
     let whole = format!("{error:#}");
     assert!(whole.starts_with(&format!("{error}: ")) && whole.len() > error.to_string().len());
-    assert_eq!(format!("{error:?}"), whole);
+    assert_eq!(format!("{error:?}"), format!("{whole} [operating-system]"));
     assert_eq!(error, error.clone());
 }
 

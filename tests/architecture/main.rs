@@ -1,8 +1,10 @@
 //! The floors within the crates: who may import whom, which circles of files there may be, who may
-//! name the relaxation's library, how long a file may be, and that a name stands for one thing.
+//! name the relaxation's library, how long a file may be, and that a name stands for one thing,
+//! and that each message has its section of help.
 //! Between crates, Cargo sees to it. See `docs/architecture.md`.
 
 mod circles;
+mod help;
 mod names;
 mod public;
 

@@ -54,7 +54,7 @@ fn notes(count: impl FnOnce(&mut Statistics)) -> Vec<String> {
 fn a_method_that_gives_up_is_named() {
     let text = "the first method gave up on 150 of 200 relaxations, which were solved twice; measure \
                 variables in units that make their values about 1, or set `Options::relaxation` to the \
-                second method";
+                second method [method-gives-up]";
     let given_up = |times, first, second| {
         notes(|counts| {
             counts.relaxation_counts.given_up = times;
@@ -70,7 +70,7 @@ fn a_method_that_gives_up_is_named() {
 #[test]
 fn nodes_that_are_split_though_they_are_whole_are_named() {
     let text = "3000 of 3737 nodes were split although their integers were whole, so the search proves \
-                digits; allow a larger gap, or leave out cuts";
+                digits; allow a larger gap, or leave out cuts [whole-splits]";
     let splits = |whole, all| notes(|counts| (counts.whole_splits, counts.split) = (whole, all));
     assert_eq!(splits(3000, 3737), [text]);
     assert!(splits(100, 400).is_empty());

@@ -81,7 +81,7 @@ fn a_range_below_the_tolerance_is_noted() -> Result<(), Error> {
     let solution = BranchAndBound::default().solve(&model)?;
     assert_eq!(solution.notes(), [Note::BelowTolerance { variables: 1 }]);
     let text = "the whole range of 1 variable is below the tolerance; measure them from one of their \
-                bounds, or in smaller units";
+                bounds, or in smaller units [below-tolerance]";
     assert_eq!(solution.notes()[0].to_string(), text);
     Ok(())
 }

@@ -67,6 +67,9 @@ is a log that ends too early, and `failed` one that cannot be written.
 Files to which nothing can be written are refused before the model is read. If writing fails later,
 the answer is printed, and the exit status is 1.
 
+A word in brackets after a message, such as [no-bound], and the status are sections of the page
+\"Help\" of the documentation (docs/help.md): why one sees that, and what to do.
+
 Ctrl-C ends the search, the explanation or the proof; the best point and the bound are printed, and
 what was asked for is written. A second Ctrl-C, or one while the model is read, ends the program at
 once.

@@ -9,7 +9,7 @@ use carom::prelude::Model;
 
 use crate::answer;
 use crate::input::{self, STANDARD_INPUT};
-use crate::warnings;
+use crate::{coded, warnings};
 
 /// A format of model files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +75,7 @@ pub(crate) fn read(
     let text = input::text(path)?;
     let format = asked.or_else(|| of_extension(path)).unwrap_or_else(|| of_contents(&text));
     let name = if path == STANDARD_INPUT { "standard input" } else { path };
-    let read = parse(format, &text).map_err(|error| format!("{name}: {error}"))?;
+    let read = parse(format, &text).map_err(|error| format!("{name}: {}", coded(&*error)))?;
     Ok((read.0, warnings::lines(name, &read.1), format == Format::Lp))
 }
 

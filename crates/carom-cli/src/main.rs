@@ -68,7 +68,7 @@ fn main() -> ExitCode {
         Ok(Ended { is_interrupted: true, .. }) => INTERRUPTED.into(),
         Ok(_) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{NAME}: {error}");
+            eprintln!("{NAME}: {}", coded(&*error));
             ExitCode::FAILURE
         }
     }
@@ -88,6 +88,14 @@ impl Ended {
     fn fail(&mut self, error: &dyn Display) {
         eprintln!("{NAME}: {error}");
         self.has_failed = true;
+    }
+}
+
+/// An error, and its section of the page "Help" in brackets, if it is one of the library.
+pub(crate) fn coded(error: &(dyn Error + 'static)) -> String {
+    match error.downcast_ref::<carom::Error>() {
+        Some(own) => format!("{own} [{}]", own.code()),
+        None => error.to_string(),
     }
 }
 
@@ -176,7 +184,7 @@ fn run(arguments: Arguments) -> Result<Ended, Box<dyn Error>> {
             domains.iter().for_each(|line| println!("{line}"));
             ended.is_interrupted |= signals.came();
         }
-        Some(Err(error)) => ended.fail(&error),
+        Some(Err(error)) => ended.fail(&coded(&error)),
         None => {}
     }
     if let Some(proof) = solution.proof() {

@@ -128,7 +128,7 @@ fn a_flipped_sign_a_gap_and_an_overlap_are_named() {
     assert!((witness.states()[0] - 1.95).abs() < 1e-4 && (margin - 0.01).abs() < 1e-5);
     assert_eq!(
         flaws[0].to_string().split(';').next_back().unwrap(),
-        " check the guards, or allow dead ends by `expect`"
+        " check the guards, or allow dead ends by `expect` [gap]"
     );
 }
 
@@ -180,7 +180,7 @@ fn states_without_a_way_to_stay_are_named() {
     let text = |at: &str| {
         format!(
             "no input keeps the state in its domain at {at}; widen the domain, exclude such states by \
-             a limit, or allow dead ends by `expect`"
+             a limit, or allow dead ends by `expect` [dead-end]"
         )
     };
     let ends = ["x = 10.000000, v = 1.000000", "x = 0.000000, v = -1.000000"].map(text);

@@ -4,6 +4,7 @@
 //! [`Solution`](crate::solution::Solution).
 
 pub(crate) mod checks;
+mod code;
 mod condition;
 mod dead_end;
 mod kind;
@@ -34,7 +35,8 @@ pub use terminal::TerminalError;
 /// to do. [`source`](StdError::source) is the error underneath, if there is one: of the operating
 /// system, of reading a number, of a solver outside the crate.
 ///
-/// `{}` prints the text alone, `{:#}` and `{:?}` append the sources, separated by colons.
+/// `{}` prints the text alone, and `{:#}` appends the sources, separated by colons. `{:?}` appends
+/// the [`code`](Self::code) to that, by which the guide's page "Help" is searched.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -181,9 +183,9 @@ impl fmt::Display for Error {
     }
 }
 
-/// The text and the sources: what `main` prints, and what a failed `unwrap` prints.
+/// The text, the sources and the code: what `main` prints, and what a failed `unwrap` prints.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{self:#}")
+        write!(f, "{self:#} [{}]", self.code())
     }
 }

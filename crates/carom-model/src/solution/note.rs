@@ -15,7 +15,8 @@ const WIDE_GAP: f64 = 0.05;
 /// A remark about a search, for people: why it has not ended or takes long, and what to change.
 ///
 /// [`Solution::notes`] makes them, [`Log::finish`](crate::solver::Log::finish) prints them, and
-/// the guide's page "My search does not finish" explains them.
+/// the guide's page "My search does not finish" explains them. `{}` ends with the
+/// [code](Self::code) in brackets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
@@ -107,6 +108,20 @@ impl Solution {
     }
 }
 
+impl Note {
+    /// The section of the guide's page "Help" about it, such as `wide-gap`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Note::FarFromZero => "far-from-zero",
+            Note::NoPoint { .. } => "no-point",
+            Note::WideGap { .. } => "wide-gap",
+            Note::MethodGivesUp { .. } => "method-gives-up",
+            Note::WholeSplits { .. } => "whole-splits",
+            Note::BelowTolerance { .. } => "below-tolerance",
+        }
+    }
+}
+
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -144,6 +159,7 @@ impl fmt::Display for Note {
                  or in smaller units",
                 counted(*variables, "variable")
             ),
-        }
+        }?;
+        write!(f, " [{}]", self.code())
     }
 }

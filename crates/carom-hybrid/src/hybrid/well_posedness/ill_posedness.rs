@@ -42,7 +42,7 @@ impl fmt::Display for WitnessPoint {
 /// Something in the statement of a hybrid system that is probably a slip, found by
 /// [`HybridSystem::well_posedness`](crate::hybrid::HybridSystem::well_posedness).
 ///
-/// `{}` says in words what is wrong and where.
+/// `{}` says in words what is wrong and where, and ends with the [code](Self::code) in brackets.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -89,6 +89,18 @@ pub enum IllPosedness {
     },
 }
 
+impl IllPosedness {
+    /// The section of the guide's page "Help" about it, such as `gap`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            IllPosedness::Gap { .. } => "gap",
+            IllPosedness::Overlap { .. } => "overlap",
+            IllPosedness::NeverTaken { .. } => "never-taken",
+            IllPosedness::Stuck { .. } => "dead-end",
+        }
+    }
+}
+
 impl fmt::Display for IllPosedness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -97,17 +109,17 @@ impl fmt::Display for IllPosedness {
                 if let Some(mode) = mode {
                     write!(f, " in the mode `{mode}`")?;
                 }
-                write!(f, " at {witness}; check the guards, or allow dead ends by `expect`")
+                write!(f, " at {witness}; check the guards, or allow dead ends by `expect`")?;
             }
             IllPosedness::Overlap { choice, transitions: [a, b], witness, .. } => write!(
                 f,
                 "overlap in `{choice}`: `{a}` and `{b}` are both possible at {witness}; check the \
                  guards, or allow overlaps by `expect`"
-            ),
+            )?,
             IllPosedness::NeverTaken { choice, transition } => write!(
                 f,
                 "`{transition}` of `{choice}` is never possible; check its guards and its next state"
-            ),
+            )?,
             IllPosedness::Stuck { modes, witness, .. } => {
                 write!(f, "no input keeps the state in its domain at {witness}")?;
                 for (choice, mode) in modes {
@@ -116,8 +128,9 @@ impl fmt::Display for IllPosedness {
                 write!(
                     f,
                     "; widen the domain, exclude such states by a limit, or allow dead ends by `expect`"
-                )
+                )?;
             }
         }
+        write!(f, " [{}]", self.code())
     }
 }
