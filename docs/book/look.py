@@ -5,7 +5,7 @@
 
 On every page of the book, narrow and dark, and on some of them or those that are named also wide and light (with --all,
 all of them in all ways): nothing is wider than the window at 320 pixels, axe finds nothing to complain of, all files come from the
-site, formulas are typeset, and a search finds what is there. Needs chromium and chromedriver; installs Selenium into the target folder.
+site, formulas are typeset, code is not cut without a sign of it, and a search finds what is there. Needs chromium and chromedriver; installs Selenium into the target folder.
 """
 
 import argparse
@@ -86,6 +86,10 @@ def faults(driver, address, page, width):
         "return wide > innerWidth ? wide : 0")
     if wide:
         found.append(f"{wide} pixels wide")
+    cut = driver.execute_script(
+        "return [...document.querySelectorAll('pre > code')].filter(code => code.scrollWidth > code.clientWidth + 2"
+        " && !code.parentElement.classList.contains('cut')).map(code => code.textContent.trim().slice(0, 40))")
+    found += [f"cuts the code {code!r}" for code in cut]
     elsewhere = driver.execute_script(
         "return performance.getEntriesByType('resource').map(r => r.name).filter(name => !/^(data|blob):/.test(name)"
         " && !name.startsWith(arguments[0]))", address)

@@ -153,6 +153,8 @@ class Pages:
             return self.near(own, self.names[path]) + heading
         source = re.match(r"(?:crates/([\w-]+)/)?src/(.*)", path)
         if source:
+            if not self.has_reference():
+                return self.near(own, "api/carom/index.html")
             crate = (source[1] or "carom").replace("-", "_")
             return self.near(own, f"api/src/{crate}/{source[2]}.html")
         raise SystemExit(f"{file}: no page of the site for {link}")
@@ -160,8 +162,13 @@ class Pages:
     def near(self, own, target):
         return os.path.relpath(target, os.path.dirname(own) or ".")
 
+    def has_reference(self):
+        return (self.api / "carom/all.html").exists()
+
     def item(self, path):
         """The page of an item of the crate, by its path."""
+        if not self.has_reference():
+            return "api/carom/index.html"
         parts = path.removeprefix("crate::").split("::")
         folder = "/".join(parts)
         if (self.api / "carom" / folder / "index.html").exists():

@@ -7,3 +7,9 @@ addEventListener("message", ({ data, source }) => {
 document.getElementById("mdbook-sidebar-toggle")?.addEventListener("click", () => {
   document.getElementById("mdbook-sidebar-toggle-anchor").click();
 });
+// Code that goes on at the right fades there, until it is scrolled to its end.
+for (const code of document.querySelectorAll("pre > code")) {
+  const mark = () => code.parentElement.classList.toggle("cut", code.scrollWidth - code.clientWidth - code.scrollLeft > 2);
+  code.addEventListener("scroll", mark, { passive: true });
+  new ResizeObserver(mark).observe(code);
+}
