@@ -59,9 +59,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mitigated.largest, mitigated.bound
     );
     if let (Some(plan), Some(path)) = (&mitigated.plan, std::env::args().nth(1)) {
+        let hit = plan.hits.iter().map(|hit| hit.speed).fold(0.0, f64::max);
         let title = format!(
-            "A crash that cannot be avoided\n12 m/s, 6 m before a building: it counts as {:.2} m/s, and nothing \
-             less is possible, proved.",
+            "A crash that cannot be avoided\n12 m/s, 6 m before a building. The hit at {hit:.2} m/s counts as {:.2}, \
+             as much as at the worse end of its step.\nNothing less is possible, proved.",
             mitigated.largest
         );
         std::fs::write(path, plan.picture(&scene(late)?)?.with_title(title).to_svg())?;

@@ -4,7 +4,7 @@
 //! `cargo run --release --example gusts [-- PICTURE.svg]`
 
 use carom::hybrid::{Feedback, HybridRun};
-use carom::picture::{COLOURS, Chart};
+use carom::picture::{AVOIDED, Chart, GOAL_COLOUR, SOLID, WITH_COLLISION};
 use carom::prelude::*;
 
 const STEPS: usize = 14;
@@ -153,15 +153,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut charts = Vec::new();
         for (k, (name, (arrived, paths))) in flown.into_iter().enumerate() {
             let share = 100.0 * arrived as f64 / WORLDS as f64;
-            let label = format!("{name}: {share:.1} % arrive; y (m)");
-            let mut chart = Chart::new("x (m)", label).with_equal_axes().with_size(760.0, 330.0);
+            let across = if k == 2 { "x (m)" } else { "" };
+            let mut chart = Chart::new(across, "y (m)").with_equal_axes().with_size(760.0, 330.0);
             chart = chart.with_ranges((0.0..=2.7).into(), (0.0..=1.6).into());
-            chart.rectangles(COLOURS[6], [[[1.0, 0.6], [1.3, 1.6]], [[2.5, 0.0], [2.7, 1.6]]]);
+            chart = chart.with_heading(format!("{name}: {share:.1} % arrive"));
+            chart.rectangles(AVOIDED, [[[1.0, 0.6], [1.3, 1.6]]]);
+            chart.rectangles(SOLID, [[[2.5, 0.0], [2.7, 1.6]]]);
+            chart.label("block", "black", [1.02, 1.3]);
+            chart.label("wall", "black", [2.6, 1.3]);
             let [(left, right), (low, high), ..] = GOAL;
             let goal = [[left, low], [right, low], [right, high], [left, high]];
-            chart.area("", COLOURS[2], 0.3, goal);
+            chart.area("", GOAL_COLOUR, 0.3, goal);
+            chart.label("goal", GOAL_COLOUR, [0.5 * (left + right), high]);
             for path in paths {
-                chart.line_of_width(0.6, "", COLOURS[k], path);
+                chart.line_of_width(0.6, "", WITH_COLLISION[0], path);
             }
             chart.start("start", "black", [0.3, 0.3]);
             charts.push(chart);

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 use carom::graph_of_sets::GraphOfSets;
 use carom::model::norm;
-use carom::picture::{COLOURS, Chart};
+use carom::picture::{Chart, GOAL_COLOUR, SOLID, WITHOUT_COLLISION};
 use carom::prelude::*;
 use interrupts::{INTERRUPTED, Signals};
 
@@ -100,18 +100,18 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     println!("{} edges left, {} nodes, {:.2?}", path.edges_left, path.nodes, began.elapsed());
     let status = if signals.came() { INTERRUPTED.into() } else { ExitCode::SUCCESS };
     let Some(picture) = arguments.next() else { return Ok(status) };
-    let mut chart = Chart::new("y (units of length)", "x (units of length)")
-        .with_size(760.0, 900.0)
+    let mut chart = Chart::new("x (units of length)", "y (units of length)")
+        .with_size(560.0, 720.0)
         .with_equal_axes();
     for &[x, y, radius] in &islands {
-        chart.discs("island", COLOURS[2], 0.25, radius, [[y, x]]);
+        chart.discs("", SOLID, 0.6, radius, [[x, y]]);
     }
-    let stops: Vec<[f64; 2]> = path.stops.iter().map(|s| [s.point[1], s.point[0]]).collect();
-    chart.line("flight", COLOURS[0], stops.iter().copied());
-    chart.dots("landing", COLOURS[0], 4.0, stops.iter().copied());
+    let stops: Vec<[f64; 2]> = path.stops.iter().map(|s| [s.point[0], s.point[1]]).collect();
+    chart.line("flight", WITHOUT_COLLISION[0], stops.iter().copied());
+    chart.dots("landing", WITHOUT_COLLISION[0], 4.0, stops.iter().copied());
     if let [first, .., last] = stops[..] {
         chart.start("start", "black", first);
-        chart.goal("goal", "black", last);
+        chart.goal("goal", GOAL_COLOUR, last);
     }
     let title = format!(
         "A flight over {} islands\n{} landings, time {:.3}, proved to be the shortest.",

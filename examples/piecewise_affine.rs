@@ -9,7 +9,7 @@
 use std::f64::consts::FRAC_PI_3;
 
 use carom::interval::Interval;
-use carom::picture::{COLOURS, Chart};
+use carom::picture::{COLOURS, Chart, GOAL_COLOUR};
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -80,7 +80,7 @@ fn draw(states: &[Vec<f64>], path: &str) -> Result<(), Box<dyn std::error::Error
             chart.label(format!("step {step}"), "black", at);
         }
     }
-    chart.goal("goal: the origin", COLOURS[2], [0.0, 0.0]);
+    chart.goal("goal: the origin", GOAL_COLOUR, [0.0, 0.0]);
     let last = states.last().map_or(0.0, |state| state[0].hypot(state[1]));
     let title = format!(
         "A rotation that changes its sense, under a receding horizon\n{} steps, then {last:.4} from \

@@ -5,7 +5,7 @@
 //! Each plan looks 20 steps ahead, and its first input is applied. The state is then disturbed a
 //! little, 40 times. FILE gets a picture (SVG).
 
-use carom::picture::{COLOURS, Chart};
+use carom::picture::{COLOURS, Chart, SOLID, WITH_COLLISION};
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -39,7 +39,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let end = step * run.moves.len() as f64;
         let angles = || run.states.iter().map(|state| state[0]).enumerate();
         let wall = [[0.0, gap], [end, gap], [end, 3.0 * gap], [0.0, 3.0 * gap]];
-        charts[0].area("in the elastic wall", COLOURS[4], 0.2, wall);
+        charts[0].area("", SOLID, 0.4, wall);
+        charts[0].label("in the elastic wall", COLOURS[6], [0.02 * end, 1.5 * gap]);
         charts[0] = charts[0].clone().with_ranges((0.0..=end).into(), (-0.01..=0.22).into());
         charts[0].start("start", "black", [0.0, 0.0]);
         let most = angles()
@@ -48,8 +49,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         charts[0].label(format!("turns around at {:.2} rad", most[1]), COLOURS[0], most);
         let hit = angles().find(|(_, x)| *x >= gap).map_or(0, |(t, _)| t);
         let (at, rate) = ([step * hit as f64, run.states[hit][0]], run.states[hit][1]);
-        charts[0].dots("", COLOURS[1], 4.5, [at]);
-        charts[0].label(format!("touches the wall at {rate:.2} rad/s"), COLOURS[1], at);
+        charts[0].dots("", WITH_COLLISION[0], 4.5, [at]);
+        charts[0].label(format!("touches the wall at {rate:.2} rad/s"), WITH_COLLISION[0], at);
         charts[1].line_of_width(1.0, "", COLOURS[6], [[0.0, 0.0], [end, 0.0]]);
         charts[2].line_of_width(1.0, "", COLOURS[6], [[0.0, 0.0], [end, 0.0]]);
         let title = "A pendulum next to an elastic wall, planned again after every step\nThe rate is \

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use carom::collision_tolerant::{Impact, Plan, Trajectory};
 use carom::interval::Interval;
-use carom::picture::{COLOURS, Chart};
+use carom::picture::{COLOURS, Chart, SOLID, WITH_COLLISION, WITHOUT_COLLISION};
 use carom::prelude::*;
 
 use super::cases::{Case, PAPER_RESTITUTIONS, SolvedCase};
@@ -117,11 +117,13 @@ fn figure(curves: &[Curve<'_>], first: f64) -> [Chart; 3] {
         .with_ranges(time, Interval::new(0.0, count));
     let wall = [first, time.upper].map(|t| [t, 0.0]);
     let below = [time.upper, first].map(|t| [t, -far]);
-    position.area("", COLOURS[6], 0.25, wall.into_iter().chain(below));
+    position.area("", SOLID, 0.5, wall.into_iter().chain(below));
     position.label("wall", COLOURS[6], [0.97 * time.upper + 0.03 * first, 0.0]);
     let mut speeds_said: Vec<String> = Vec::new();
+    let (mut with, mut without) = (WITH_COLLISION.iter().cycle(), WITHOUT_COLLISION.iter().cycle());
     for (k, (label, trajectory)) in curves.iter().enumerate() {
-        let colour = COLOURS[k % COLOURS.len()];
+        let next = if trajectory.impacts.is_empty() { without.next() } else { with.next() };
+        let colour = *next.unwrap_or(&"black");
         let shown = |points: Vec<[f64; 2]>| points.into_iter().filter(move |[t, _]| seen(*t));
         let places = with_impacts(trajectory, &trajectory.position, |_| [0.0; 2]);
         position.line(label, colour, shown(places));

@@ -7,7 +7,7 @@ use carom::collision_tolerant::{Plan, Trajectory};
 use carom::hybrid::ShortestHorizon;
 use carom::hybrid::reach::{ReachSet, Tube};
 use carom::interval::Interval;
-use carom::picture::{COLOURS, Chart};
+use carom::picture::{Chart, GOAL_COLOUR, REACHED, TO_GO, WITH_COLLISION};
 
 /// The restitution whose tube is drawn: the plan hits the wall and bounces off it.
 pub(crate) const RESTITUTION: f64 = 0.5;
@@ -21,10 +21,8 @@ const VIEW: [[f64; 2]; 2] = [[-0.4, 13.0], [-12.0, 8.0]];
 /// The size of the plane, in pixels.
 const SIZE: [f64; 2] = [800.0, 560.0];
 
-const FORWARD: &str = COLOURS[0];
-const BACKWARD: &str = COLOURS[4];
 const PLAN: &str = "black";
-const IMPACT: &str = COLOURS[1];
+const IMPACT: &str = WITH_COLLISION[0];
 
 /// Writes the picture into a folder, if there is a tube and a plan.
 pub(crate) fn write(
@@ -53,8 +51,8 @@ fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn
         trajectory.position.iter().zip(&trajectory.velocity).map(|(x, v)| [*x, *v]).collect();
     let samples: Vec<usize> = (0..=tube.steps()).step_by(EVERY).collect();
     let kinds = [
-        (FORWARD, "reached from the start".to_owned(), true),
-        (BACKWARD, "leads to the goal in time".to_owned(), false),
+        (REACHED, "reached from the start".to_owned(), true),
+        (TO_GO, "leads to the goal in time".to_owned(), false),
     ];
     for (colour, label, forward) in kinds {
         for (&sample, &state) in samples.iter().filter_map(|t| Some((t, states.get(*t)?))) {
@@ -84,7 +82,7 @@ fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn
     }
     if let (Some(start), Some(end)) = (states.first(), states.last()) {
         chart.start("start", PLAN, *start);
-        chart.goal("goal", PLAN, *end);
+        chart.goal("goal", GOAL_COLOUR, *end);
     }
     std::fs::write(path, Chart::to_svg(&[chart], &title))?;
     Ok(())

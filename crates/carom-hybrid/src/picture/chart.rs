@@ -46,8 +46,9 @@ pub(super) struct ChartLabel {
 /// pixel. Names are beside the curves where there is room, and in a legend below otherwise. The
 /// picture is light on light pages and dark on dark ones.
 ///
-/// Colours are those of SVG. Those of [`COLOURS`](super::COLOURS), `black` and `white` are others
-/// on dark pages. Names that are not empty are shown once.
+/// Colours are those of SVG. Those of [`COLOURS`](super::COLOURS), [`SOLID`](super::SOLID),
+/// [`AVOIDED`](super::AVOIDED), `black` and `white` are others on dark pages. Names that are not
+/// empty are shown once.
 ///
 /// ```
 /// use carom::picture::{COLOURS, Chart};
@@ -61,6 +62,7 @@ pub(super) struct ChartLabel {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
+    pub(super) heading: String,
     pub(super) labels: [String; 2],
     pub(super) size: [f64; 2],
     pub(super) ranges: [Option<Interval>; 2],
@@ -79,6 +81,7 @@ impl Chart {
     /// * `x`, `y`: what is along the axes, with units. An axis without a label has no ticks.
     pub fn new(x: impl Into<String>, y: impl Into<String>) -> Chart {
         Chart {
+            heading: String::new(),
             labels: [x.into(), y.into()],
             size: [720.0, 240.0],
             ranges: [None, None],
@@ -88,6 +91,13 @@ impl Chart {
             notes: Vec::new(),
             movers: Vec::new(),
         }
+    }
+
+    /// Sets a line above the plane, for what one of several charts shows.
+    #[must_use]
+    pub fn with_heading(mut self, heading: impl Into<String>) -> Chart {
+        self.heading = heading.into();
+        self
     }
 
     /// Sets what is along the axes, with units.

@@ -53,6 +53,12 @@ pub(crate) fn to_svg(
     }
     let (mut placed, mut rooms, mut texts) = (Vec::new(), Vec::new(), String::new());
     for (number, (chart, frame)) in charts.iter().zip(frames).enumerate() {
+        if !chart.heading.is_empty() {
+            top += ABOVE + LINE;
+            let (y, text) = (px(top + 4.0), escaped(&chart.heading));
+            let _ =
+                writeln!(body, "<text x=\"{LEFT}\" y=\"{y}\" font-weight=\"600\">{text}</text>");
+        }
         let frame = Frame { corner: [LEFT, top + ABOVE], ..frame };
         top += ABOVE + frame.size[1] + if chart.labels[0].is_empty() { 0.0 } else { BELOW };
         rooms.push(chart.draw(&mut body, &mut texts, &frame, number));
@@ -83,7 +89,11 @@ fn described(charts: &[Chart]) -> String {
         let axes: Vec<&str> = axes.map(String::as_str).rev().collect();
         let names =
             if names.is_empty() { String::new() } else { format!(": {}", names.join(", ")) };
-        parts.push(format!("{}{names}.", axes.join(" over ")));
+        let heading = match chart.heading.is_empty() {
+            true => String::new(),
+            false => format!("{}. ", chart.heading),
+        };
+        parts.push(format!("{heading}{}{names}.", axes.join(" over ")));
     }
     parts.join(" ")
 }

@@ -2,12 +2,8 @@
 
 use std::fmt::Write;
 
-use super::COLOURS;
 use super::marks::escaped;
-
-/// The obstacles that bodies bounce off, and those that they avoid.
-pub(crate) const SOLID: &str = "solid";
-pub(crate) const AVOIDED: &str = "avoided";
+use super::{AVOIDED, COLOURS, SOLID};
 
 /// Axes, and what is said about the picture.
 pub(super) const MUTED: &str = "muted";

@@ -7,16 +7,13 @@ use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::hybrid::rows::HybridRun;
 use crate::interval::Interval;
-use crate::picture::{COLOURS, Chart};
+use crate::picture::{Chart, GOAL_COLOUR, REACHED, TO_GO};
 
 /// Size of the plane, in pixels.
 const SIZE: [f64; 2] = [760.0, 520.0];
 
 /// Approximate number of samples whose sets are drawn.
 const SAMPLES: usize = 12;
-
-const FORWARD: &str = COLOURS[0];
-const BACKWARD: &str = COLOURS[4];
 
 impl Tube {
     /// An SVG picture of the [chart](Tube::chart), with the number of steps as its title.
@@ -72,11 +69,11 @@ impl Tube {
         for &sample in &samples {
             for (colour, name, sets) in [
                 (
-                    FORWARD,
+                    REACHED,
                     "reached from the start",
                     self.reached(sample).collect::<Vec<&ReachSet>>(),
                 ),
-                (BACKWARD, "leads to the goal", self.to_go(sample).collect()),
+                (TO_GO, "leads to the goal", self.to_go(sample).collect()),
             ] {
                 for set in sets {
                     outlines.push((colour, name, set.outline(first, second)?));
@@ -99,7 +96,7 @@ impl Tube {
                 samples.iter().filter_map(|&sample| states.get(sample)).copied(),
             );
             chart.start("start", "black", *start);
-            chart.goal("end", "black", *end);
+            chart.goal("end", GOAL_COLOUR, *end);
         }
         label_transitions(&mut chart, &states, run);
         Ok(chart)

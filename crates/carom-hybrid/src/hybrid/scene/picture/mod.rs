@@ -18,7 +18,7 @@ use super::axes::AXES;
 use super::plan::ScenePlan;
 use super::statement::Scene;
 use crate::error::Error;
-use crate::picture::{COLOURS, Chart, Stopwatch, to_svg};
+use crate::picture::{Chart, Stopwatch, to_svg};
 
 /// How long a moving picture rests at its end before it begins again, in s.
 const PAUSE: f64 = 1.2;
@@ -88,9 +88,10 @@ impl ScenePicture {
         let mut chart = Chart::new("time (s)", "")
             .with_size(view::SIZE, BAR * count + 8.0)
             .with_ranges((0.0..=longest / LONGEST).into(), (0.0..=count).into());
-        for (p, (name, plan)) in self.plans.iter().enumerate() {
+        let motions = self.motions();
+        let firsts = motions.iter().step_by(self.scene.bodies.len().max(1));
+        for (p, ((name, plan), (_, colour))) in self.plans.iter().zip(firsts).enumerate() {
             let (end, low) = (plan.duration(), count - 1.0 - p as f64);
-            let colour = COLOURS[(p * self.scene.bodies.len()) % COLOURS.len()];
             let corners =
                 [[0.0, low + 0.15], [end, low + 0.15], [end, low + 0.85], [0.0, low + 0.85]];
             chart.area("", colour, 0.5, corners);

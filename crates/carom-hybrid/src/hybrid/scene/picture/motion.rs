@@ -3,6 +3,7 @@
 use crate::hybrid::scene::body::{Body, Shape};
 use crate::hybrid::scene::geometry::length;
 use crate::hybrid::scene::plan::{BodyPath, SceneHit, ScenePlan};
+use crate::interval::Interval;
 use crate::picture::{COLOURS, Mover, Outline};
 
 /// How many pieces a parabola of a step is drawn by.
@@ -10,6 +11,15 @@ const PIECES: usize = 8;
 
 /// The radius of a point that moves, in pixels.
 const DOT: f64 = 7.0;
+
+/// Where a body should end.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Goal {
+    /// In one place, whatever its velocity is, or in a region that is no rectangle.
+    Place,
+    /// Within ranges along the axes, in m.
+    Extended(Vec<Interval>),
+}
 
 /// A body in a plan.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +35,18 @@ impl<'a> Motion<'a> {
         let name = &self.path.name;
         let axes = self.path.position[0].len();
         self.plan.hits.iter().filter(move |hit| hit.body == *name && hit.place.len() == axes)
+    }
+
+    /// Its goal, without what that says of velocities.
+    pub(super) fn goal(&self) -> Option<Goal> {
+        let region = self.body.goal.as_ref()?;
+        let ranges: Vec<Interval> =
+            region.ranges.iter().take(self.path.position[0].len()).copied().collect();
+        let is_rectangle = region.halfspaces.is_empty() && region.norms.is_empty();
+        let is_wide = ranges.iter().any(|range| range.lower < range.upper);
+        let is_limited = ranges.iter().any(|range| range.width().is_finite());
+        let is_drawn = is_rectangle && is_wide && is_limited;
+        Some(if is_drawn { Goal::Extended(ranges) } else { Goal::Place })
     }
 
     /// The samples, hits, and the parabolas between them.

@@ -1,20 +1,22 @@
 //! Paths of bodies, with what happens along them.
 
-use super::motion::{Motion, rectangle};
+use super::motion::{Goal, Motion, rectangle};
 use super::obstacles;
 use super::plans::ScenePicture;
 use super::view::{MARGIN, SIZE, Track, View};
-use super::words::{self, short};
+use super::words::{self, PathEnd, short};
 use crate::hybrid::scene::body::Shape;
 use crate::hybrid::scene::geometry::length;
-use crate::picture::{Chart, spacing};
+use crate::interval::Interval;
+use crate::picture::{Chart, GOAL_COLOUR, spacing};
 
 /// The height of a picture over time, in pixels, and the most that one in the plane may have.
 const OVER_TIME: f64 = 320.0;
 const TALL: f64 = 520.0;
 
-/// At about how many times bodies are shown.
+/// At about how many times bodies are shown, in one plan and in plans that race.
 const TIMES: f64 = 11.0;
+const RACE_TIMES: f64 = 6.0;
 
 /// The length of the arrow of the largest impulse, as a part of the picture.
 const ARROW: f64 = 0.09;
@@ -32,7 +34,9 @@ pub(super) fn in_plane(picture: &ScenePicture, axes: [&str; 2]) -> Chart {
         .with_ranges((view.low[0]..=view.high[0]).into(), (view.low[1]..=view.high[1]).into());
     obstacles::in_plane(&mut chart, picture, &view);
     let size = (view.high[0] - view.low[0]).max(view.high[1] - view.low[1]);
-    let every = spacing(picture.duration(), TIMES);
+    goals(&mut chart, picture, [0, 1].map(|i| (view.low[i]..=view.high[i]).into()));
+    let times = if picture.plans.len() > 1 { RACE_TIMES } else { TIMES };
+    let every = spacing(picture.duration(), times);
     let mut ends: Vec<(Vec<f64>, String)> = Vec::new();
     for (number, (motion, colour)) in picture.motions().into_iter().enumerate() {
         let name = words::beside(picture, number);
@@ -61,8 +65,9 @@ pub(super) fn in_plane(picture: &ScenePicture, axes: [&str; 2]) -> Chart {
         }
         hits(&mut chart, &motion, colour, size, |_, place| [place[0], place[1]]);
         // Plans that race have the same ends.
-        for (is_goal, text) in words::ends(&motion) {
-            let place = motion.path.position[if is_goal { motion.plan.steps() } else { 0 }].clone();
+        for (end, text) in words::ends(&motion) {
+            let sample = if end == PathEnd::Start { 0 } else { motion.plan.steps() };
+            let place = motion.path.position[sample].clone();
             let known = ends.iter().any(|(own, word)| {
                 distance(own, &place) < APART * size
                     && word.split(',').next() == text.split(',').next()
@@ -71,11 +76,14 @@ pub(super) fn in_plane(picture: &ScenePicture, axes: [&str; 2]) -> Chart {
                 continue;
             }
             let text = words::of(picture, &motion, &text);
-            let (colour, at) =
-                (if picture.plans.len() > 1 { "black" } else { colour }, [place[0], place[1]]);
-            if is_goal {
-                chart.goal(text.as_str(), colour, at);
+            let at = [place[0], place[1]];
+            if end == PathEnd::Goal {
+                chart.goal(text.as_str(), GOAL_COLOUR, at);
+            } else if end == PathEnd::Open {
+                chart.dots("", colour, 4.5, [at]);
+                chart.label(text.as_str(), colour, at);
             } else {
+                let colour = if picture.plans.len() > 1 { "black" } else { colour };
                 let v = &motion.path.velocity[0];
                 let speed = motion.speed(0);
                 if speed > 1e-9 * picture.unit {
@@ -88,6 +96,24 @@ pub(super) fn in_plane(picture: &ScenePicture, axes: [&str; 2]) -> Chart {
         }
     }
     chart
+}
+
+/// Goals that have an extent, once for each body, as far as they are visible.
+fn goals(chart: &mut Chart, picture: &ScenePicture, visible: [Interval; 2]) {
+    for (motion, _) in picture.motions().into_iter().take(picture.scene.bodies.len()) {
+        let Some(Goal::Extended(ranges)) = motion.goal() else { continue };
+        let [x, y] = [0, 1].map(|i| {
+            let (own, seen) = (ranges[i], visible[i]);
+            [own.lower.max(seen.lower), own.upper.min(seen.upper)]
+        });
+        if x[0] > x[1] || y[0] > y[1] {
+            continue;
+        }
+        let corners = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+        chart.area("", GOAL_COLOUR, 0.2, corners);
+        let text = words::of(picture, &motion, "goal");
+        chart.label(text, GOAL_COLOUR, [0.5 * (x[0] + x[1]), y[1]]);
+    }
 }
 
 /// Paths along a track, over time.
@@ -114,14 +140,18 @@ pub(super) fn over_time(picture: &ScenePicture, track: &Track) -> Chart {
         let name = words::beside(picture, number);
         chart.line(name, colour, places.iter().map(|(time, x)| [*time, x[axis]]));
         hits(&mut chart, &motion, colour, 0.0, |time, place| [time, place[axis]]);
-        for (is_goal, text) in words::ends(&motion) {
-            let sample = if is_goal { motion.plan.steps() } else { 0 };
+        for (end, text) in words::ends(&motion) {
+            let sample = if end == PathEnd::Start { 0 } else { motion.plan.steps() };
             let time = sample as f64 * motion.plan.time_step;
             let (text, at) =
                 (words::of(picture, &motion, &text), [time, motion.path.position[sample][axis]]);
-            match is_goal {
-                true => chart.goal(text, colour, at),
-                false => chart.start(text, colour, at),
+            match end {
+                PathEnd::Start => chart.start(text, colour, at),
+                PathEnd::Goal => chart.goal(text, GOAL_COLOUR, at),
+                PathEnd::Open => {
+                    chart.dots("", colour, 4.5, [at]);
+                    chart.label(text, colour, at);
+                }
             }
         }
     }

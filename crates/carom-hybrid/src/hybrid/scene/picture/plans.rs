@@ -5,7 +5,7 @@ use crate::error::{Error, check_length};
 use crate::hybrid::scene::plan::ScenePlan;
 use crate::hybrid::scene::statement::Scene;
 use crate::hybrid::scene::units::SceneUnits;
-use crate::picture::COLOURS;
+use crate::picture::{WITH_COLLISION, WITHOUT_COLLISION};
 use crate::setters::setters;
 
 /// A picture of a plan of a scene, or of several plans that race, from
@@ -78,16 +78,18 @@ impl ScenePicture {
         self.plans.iter().map(|(_, plan)| plan.duration()).fold(0.0, f64::max)
     }
 
-    /// All bodies of all plans, with their colours.
+    /// All bodies of all plans, with their colours: those of plans with collisions, or without.
     pub(super) fn motions(&self) -> Vec<(Motion<'_>, &'static str)> {
-        let bodies = self.scene.bodies.len();
-        let all = self.plans.iter().enumerate().flat_map(move |(p, (_, plan))| {
-            self.scene.bodies.iter().zip(&plan.bodies).enumerate().map(move |(b, (body, path))| {
-                let colour = COLOURS[(p * bodies + b) % COLOURS.len()];
-                (Motion { plan, body, path }, colour)
-            })
-        });
-        all.collect()
+        let (mut with, mut without) =
+            (WITH_COLLISION.iter().cycle(), WITHOUT_COLLISION.iter().cycle());
+        let mut all = Vec::new();
+        for (_, plan) in &self.plans {
+            for (body, path) in self.scene.bodies.iter().zip(&plan.bodies) {
+                let next = if plan.hits.is_empty() { without.next() } else { with.next() };
+                all.push((Motion { plan, body, path }, *next.unwrap_or(&"black")));
+            }
+        }
+        all
     }
 }
 

@@ -36,6 +36,10 @@ fn seen(picture: &ScenePicture, order: &[usize; 3], frame: &[Side]) -> ScenePict
         if let Shape::Box(half) = &mut body.shape {
             place(half);
         }
+        if let Some(ranges) = body.goal.as_mut().and_then(|goal| goal.ranges.get_mut(..3)) {
+            let own = order.map(|i| ranges[i]);
+            ranges.copy_from_slice(&own);
+        }
     }
     for plan in view.plans.iter_mut().map(|(_, plan)| plan) {
         for path in &mut plan.bodies {

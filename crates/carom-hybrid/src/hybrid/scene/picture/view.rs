@@ -1,9 +1,11 @@
 //! The visible part of a scene.
 
+use super::motion::Goal;
 use super::plans::ScenePicture;
 use crate::hybrid::scene::geometry::{Side, corners, dot};
 use crate::hybrid::scene::solid::Solid;
 use crate::hybrid::scene::statement::Scene;
+use crate::interval::Interval;
 
 /// The longer side of the drawing, in pixels.
 pub(super) const SIZE: f64 = 640.0;
@@ -103,7 +105,16 @@ impl View {
         }
         let size = (high[0] - low[0]).max(high[1] - low[1]).max(0.1 * picture.unit);
         let near = [0, 1].map(|axis| (low[axis] - NEARBY * size, high[axis] + NEARBY * size));
-        for corner in nearby(&picture.scene, picture.plans[0].1.steps()) {
+        let motions = picture.motions();
+        let goals = motions.iter().filter_map(|(motion, _)| match motion.goal()? {
+            Goal::Extended(ranges) => Some(ranges),
+            Goal::Place => None,
+        });
+        let ends = |ranges: Vec<Interval>| {
+            [ranges.iter().map(|r| r.lower).collect(), ranges.iter().map(|r| r.upper).collect()]
+        };
+        let corners = nearby(&picture.scene, picture.plans[0].1.steps());
+        for corner in corners.into_iter().chain(goals.flat_map(ends)) {
             for axis in 0..2 {
                 let value = corner[axis];
                 if value >= near[axis].0 && value <= near[axis].1 {

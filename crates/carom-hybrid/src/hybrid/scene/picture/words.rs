@@ -1,6 +1,6 @@
 //! The sentences and names in a picture.
 
-use super::motion::Motion;
+use super::motion::{Goal, Motion};
 use super::plans::ScenePicture;
 use crate::picture::plain;
 
@@ -42,15 +42,25 @@ fn moving(speed: f64) -> String {
     if speed < AT_REST { "at rest".to_owned() } else { format!("{} m/s", short(speed)) }
 }
 
-/// The start and, where there is one, the goal, with the speeds there.
-pub(super) fn ends(motion: &Motion<'_>) -> Vec<(bool, String)> {
-    let mut ends = vec![(false, format!("start, {}", moving(motion.speed(0))))];
+/// An end of a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum PathEnd {
+    Start,
+    /// A goal that is one place.
+    Goal,
+    /// Anywhere, or somewhere in a goal that has an extent.
+    Open,
+}
+
+/// Both ends, with the speeds there.
+pub(super) fn ends(motion: &Motion<'_>) -> [(PathEnd, String); 2] {
+    let start = format!("start, {}", moving(motion.speed(0)));
     let last = moving(motion.speed(motion.plan.steps()));
-    match &motion.body.goal {
-        Some(_) => ends.push((true, format!("goal, {last}"))),
-        None => ends.push((true, format!("end, {last}"))),
-    }
-    ends
+    let end = match motion.goal() {
+        Some(Goal::Place) => (PathEnd::Goal, format!("goal, {last}")),
+        Some(Goal::Extended(_)) | None => (PathEnd::Open, format!("end, {last}")),
+    };
+    [(PathEnd::Start, start), end]
 }
 
 /// How long the plans take.
