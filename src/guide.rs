@@ -38,6 +38,11 @@ pub mod a_file_and_a_solver {}
 #[doc = include_str!("../docs/cluster.md")]
 pub mod cluster {}
 
+#[doc = "[proof]: crate::guide::proofs"]
+#[doc = "[program]: crate::guide::a_file_and_a_solver"]
+#[doc = include_str!("../docs/python.md")]
+pub mod python {}
+
 #[doc = "[`HybridSystem`]: crate::hybrid::HybridSystem"]
 #[doc = include_str!("../docs/reach_sets.md")]
 pub mod reach_sets {}

@@ -21,6 +21,7 @@ GUIDES = [
     ("A search that does not finish", "docs/my_search_does_not_finish.md", ["solver", "explain"]),
     ("A file and a solver", "docs/a_file_and_a_solver.md", ["model"]),
     ("Help: what a message means", "docs/help.md", ["error"]),
+    ("From Python", "docs/python.md", []),
     ("On a cluster", "docs/cluster.md", ["sweep"]),
     ("How horizons are refuted", "docs/reach_sets.md", ["hybrid::reach"]),
     ("Plans that hold", "docs/robust_plans.md", ["hybrid"]),

@@ -1,0 +1,33 @@
+//! The extension module `carom._carom`: programs from arrays, solved by [`carom`].
+//!
+//! Python's side (`python/carom`) checks what users give and speaks in numpy arrays. This side gets
+//! numbers as bytes, so that it depends on no version of numpy and copies each array once.
+//!
+//! * `numbers` - bytes as numbers, and back
+//! * `arrays` - the arrays of a program; `build` - their model
+//! * `settings` - what a solve is told; `session` - a solve on a thread of its own, and the wait for it
+//! * `answer` - what came of it; `explain` - why there is no point
+//! * `program` - a program that is solved; `prepared` - one that is solved again and again
+//! * `errors` - errors as exceptions
+
+mod answer;
+mod arrays;
+mod build;
+mod errors;
+mod explain;
+mod numbers;
+mod prepared;
+mod program;
+mod session;
+mod settings;
+
+/// The module that Python imports.
+#[pyo3::pymodule]
+mod _carom {
+    #[pymodule_export]
+    use crate::answer::Answer;
+    #[pymodule_export]
+    use crate::prepared::Prepared;
+    #[pymodule_export]
+    use crate::program::Program;
+}
