@@ -9,10 +9,10 @@ import carom
 import numpy as np
 
 random = np.random.default_rng(1)
-columns, rows, times = 100, 20, 1000
+columns, rows, times = 100, 10, 1000
 A = np.where(random.random((rows, columns)) < 0.2, random.random((rows, columns)), 0.0)
 need = A.sum(axis=1) * 0.4
-integrality = (np.arange(columns) < 10).astype(int)
+integrality = (np.arange(columns) < 5).astype(int)
 prepared = carom.Prepared(
     q=random.random(columns) + 0.5, A=A, l=need, lb=0, ub=1, integrality=integrality, ranges={"l": (0, need + 1)}
 )

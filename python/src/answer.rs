@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use carom::solution::{PrimalStatus, Solution, StartStatus, Termination};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyByteArray, PyDict};
 
 use crate::build::Layout;
 use crate::numbers::bytes;
@@ -19,7 +19,7 @@ pub(crate) struct Answer {
 }
 
 /// The multipliers of the rows and of the columns, as bytes.
-type Duals<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>);
+type Duals<'py> = (Bound<'py, PyByteArray>, Bound<'py, PyByteArray>);
 
 impl Answer {
     pub(crate) fn new(solved: Solved, layout: &Arc<Layout>) -> Self {
@@ -59,7 +59,7 @@ impl Answer {
     }
 
     /// The best point, as bytes.
-    fn x<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+    fn x<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyByteArray>> {
         let values = self.solution.point()?.as_slice();
         Some(bytes(py, values.get(..self.layout.variables.len()).unwrap_or(values)))
     }

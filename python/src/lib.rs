@@ -24,6 +24,9 @@ mod settings;
 /// The module that Python imports.
 #[pyo3::pymodule]
 mod _carom {
+    /// The version of the package.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::answer::Answer;
     #[pymodule_export]

@@ -2,7 +2,7 @@
 //! takes.
 
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyByteArray, PyBytes};
 
 /// Numbers of 8 bytes each.
 const SIZE: usize = 8;
@@ -38,8 +38,9 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Places {
     }
 }
 
-/// Numbers as bytes.
-pub(crate) fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyBytes> {
-    let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_ne_bytes()).collect();
-    PyBytes::new(py, &bytes)
+/// Numbers as bytes that numpy can write to, without a -0.
+pub(crate) fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyByteArray> {
+    let mut bytes = Vec::with_capacity(SIZE * numbers.len());
+    numbers.iter().for_each(|number| bytes.extend((number + 0.0).to_ne_bytes()));
+    PyByteArray::new(py, &bytes)
 }

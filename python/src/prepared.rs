@@ -146,8 +146,12 @@ impl Prepared {
         for (k, given) in [l, u, lb, ub].into_iter().enumerate() {
             let Some(Floats(values)) = given else { continue };
             for (i, (value, known)) in values.iter().zip(&numbers[k]).enumerate() {
+                let word = WORDS[k];
+                if value.is_nan() {
+                    let text = format!("`{word}[{i}]` is NaN; give a number");
+                    return Err(PyValueError::new_err(text));
+                }
                 if self.places[k][i].is_none() && value != known {
-                    let word = WORDS[k];
                     return Err(PyValueError::new_err(format!(
                         "`{word}[{i}]` is {value} and was prepared as {known}; give `{word}` a \
                          range in which this number may change"

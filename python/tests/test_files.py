@@ -20,7 +20,7 @@ def test_a_program_is_written_and_read(tmp_path, name, kind):
 
 def test_files_say_what_is_wrong(tmp_path):
     path = tmp_path / "a.lp"
-    path.write_text("minimize x + subject")
+    path.write_text("minimize x subject to x >= end")
     with pytest.raises(ValueError, match="line 1"):
         carom.read(path)
     with pytest.raises(FileNotFoundError):

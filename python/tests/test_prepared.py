@@ -16,10 +16,11 @@ def test_answers_are_those_of_enumeration(seed, quadratic):
         "l": (program["l"] - 3, program["l"] + 3), "u": (program["u"] - 3, program["u"] + 3),
         "lb": (program["lb"], program["lb"] + 2), "ub": (program["ub"] - 2, program["ub"]),
     }
-    prepared = carom.Prepared(**program, ranges=ranges)
+    prepared, equations = carom.Prepared(**program, ranges=ranges), program["l"] == program["u"]
     for solve in range(12):
         now = {name: np.round(random.uniform(*ranges[name])) for name in names}
         now["u"], now["ub"] = np.maximum(now["l"], now["u"]), np.maximum(now["lb"], now["ub"])
+        now["u"] = np.where(equations, now["l"], now["u"])
         if solve % 4 == 3:
             now["q"] = random.integers(-5, 6, len(program["q"])).astype(float)
             now["offset"] = float(solve)

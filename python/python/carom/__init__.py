@@ -11,6 +11,7 @@ Every answer is checked against the program as it was given, by code that shares
 bound is proved; `proof="file"` writes that proof for another program to check.
 """
 
+from ._carom import VERSION as __version__
 from ._model import Duals, Explanation, Model, Result, read, solve
 from ._prepared import Prepared
 from ._settings import Incumbent

@@ -70,7 +70,7 @@ class Result:
         """The best point, shape (variables,), with whole integers; `None` if none was found. It was checked
         against the program by code that shares nothing with the search."""
         if self._x is None and self._answer.has_point:
-            self._x = np.frombuffer(self._answer.x()).copy()
+            self._x = np.frombuffer(self._answer.x())
         return self._x
 
     @property
@@ -117,7 +117,7 @@ class Result:
         if self._duals is None:
             found = self._answer.duals()
             if found is not None:
-                rows, bounds = (np.frombuffer(part).copy() for part in found)
+                rows, bounds = (np.frombuffer(part) for part in found)
                 self._duals = Duals(rows, bounds)
         return self._duals
 
@@ -282,7 +282,7 @@ def solve(
     Ctrl-C ends the search, keeps the best point and gives the status `interrupted`.
 
     >>> import carom
-    >>> result = carom.solve(q=[-5, -4, -3], A=[[2, 3, 1], [4, 1, 2]], u=[5, 11], lb=0, ub=10, integrality=[1, 1, 0])
+    >>> result = carom.solve(q=[-5, -4, -3], A=[[2, 3, 1], [4, 1, 2]], u=[5, 11], lb=0, ub=10, integrality=[1, 1, 1])
     >>> result.status, result.objective, result.x.tolist()
     ('optimal', -15.0, [0.0, 0.0, 5.0])
     """

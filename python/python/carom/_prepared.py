@@ -45,8 +45,8 @@ class Prepared:
     ) -> None:
         arrays = _arrays.program(P, q, A, l, u, lb, ub, integrality, cones, offset, names)
         self._given = (P, A, integrality, cones, names)
-        self._now = {name: arrays[name] for name in (*SIDES, "q", "offset")}
-        self._size = len(arrays["q"])
+        self._now = {**{name: arrays[name].tobytes() for name in (*SIDES, "q")}, "offset": arrays["offset"]}
+        self._sizes = {name: len(arrays[name]) for name in (*SIDES, "q")}
         checked = {name: None for name in SIDES}
         for name, range_of in (ranges or {}).items():
             if name not in SIDES:
@@ -86,26 +86,25 @@ class Prepared:
         given: "dict[str, Any]" = {"l": l, "u": u, "lb": lb, "ub": ub, "q": q, "offset": offset}
         taken, passed = now, given
         if l is not None or u is not None or lb is not None or ub is not None or q is not None or offset is not None:
-            taken, passed = dict(now), dict(given)
-            for name, value in given.items():
-                if value is None:
-                    continue
-                if name == "offset":
-                    taken[name] = passed[name] = float(value)
-                    continue
-                array = _arrays.vector(name, value, len(now[name]), 0.0)
-                if name == "q":
-                    _arrays.finite(name, array)
-                elif np.isnan(array).any():
-                    raise ValueError(f"`{name}[{int(np.flatnonzero(np.isnan(array))[0])}]` is NaN; give a number")
-                # An array of the caller's may change.
-                taken[name] = array.copy()
-                passed[name] = array.tobytes()
-        answer = self._prepared.solve(passed, settings(options, self._size))
+            passed = {name: value if value is None else self._bytes(name, value) for name, value in given.items()}
+            taken = {name: now[name] if value is None else value for name, value in passed.items()}
+        answer = self._prepared.solve(passed, settings(options, self._sizes["q"]))
         self._now = taken
         return Result(answer, lambda: self._model(taken))
 
+    def _bytes(self, name: str, value: Any) -> Any:
+        """A number or an array as the extension takes it; an array of the caller's may change later."""
+        if name == "offset":
+            return float(_arrays.finite(name, _arrays.vector(name, value, 1, 0.0))[0])
+        size = self._sizes[name]
+        # What loops do costs least.
+        if type(value) is np.ndarray and value.dtype == np.float64 and value.shape == (size,) and name != "q":
+            return value.tobytes()
+        array = _arrays.vector(name, value, size, 0.0)
+        return (_arrays.finite(name, array) if name == "q" else array).tobytes()
+
     def _model(self, numbers: "dict[str, Any]") -> Model:
         P, A, integrality, cones, names = self._given
-        sides = {name: numbers[name] for name in (*SIDES, "q") if A is not None or name not in ("l", "u")}
-        return Model(P=P, A=A, integrality=integrality, cones=cones, offset=numbers["offset"], names=names, **sides)
+        known = {name: value if name == "offset" else np.frombuffer(value) for name, value in numbers.items()}
+        sides = {name: known[name] for name in (*SIDES, "q") if A is not None or name not in ("l", "u")}
+        return Model(P=P, A=A, integrality=integrality, cones=cones, offset=known["offset"], names=names, **sides)

@@ -21,8 +21,8 @@ class Incumbent:
 
     __slots__ = ("x", "objective", "bound", "gap", "nodes", "seconds")
 
-    def __init__(self, x: bytes, objective: float, bound: float, gap: float, nodes: int, seconds: float) -> None:
-        self.x = np.frombuffer(x).copy()
+    def __init__(self, x: bytearray, objective: float, bound: float, gap: float, nodes: int, seconds: float) -> None:
+        self.x = np.frombuffer(x)
         self.objective, self.bound, self.gap = objective, bound, gap
         self.nodes, self.seconds = nodes, seconds
 

@@ -114,9 +114,7 @@ class Pyomo(SolverBase):
 
     def version(self) -> "tuple[int, ...]":
         """The version of this package."""
-        from importlib.metadata import version
-
-        return tuple(int(part) for part in version("carom").split("."))
+        return tuple(int(part) for part in _carom.VERSION.split("."))
 
     def solve(self, model: Any, **kwds: Any) -> Results:
         """Solves a model and loads the best point, unless `load_solutions` is off."""
