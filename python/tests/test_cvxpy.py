@@ -1,5 +1,6 @@
 """carom under CVXPY: CVXPY's own tests of solvers, random problems beside HiGHS and SCIP, and what users see."""
 
+import itertools
 import warnings
 
 import carom
@@ -136,6 +137,31 @@ def test_parameters_change_from_solve_to_solve():
         points = ((a, b) for a in range(6) for b in range(6 - a))
         best = min((a - value[0]) ** 2 + (b - value[1]) ** 2 for a, b in points)
         assert problem.value == pytest.approx(best, abs=1e-5)
+
+
+def test_a_problem_that_comes_again_is_prepared():
+    random = np.random.default_rng(4)
+    x, start, prices = cp.Variable(3, integer=True), cp.Parameter(2), cp.Parameter(3)
+    lower = cp.Parameter(3)
+    A = np.array([[2.0, 1.0, -1.0], [1.0, 3.0, 2.0]])
+    problem = cp.Problem(cp.Minimize(prices @ x + cp.sum_squares(x)), [A @ x >= start, x >= lower, x <= 3])
+    solver = carom.CVXPY()
+    prices.value = np.ones(3)
+    for solve in range(14):
+        start.value = np.round(random.normal(size=2) * (1.0 + solve), 1)
+        lower.value = random.integers(-3, 1, 3).astype(float)
+        if solve % 5 == 4:
+            prices.value = np.round(random.normal(size=3), 1)
+        problem.solve(solver=solver, enforce_dpp=True)
+        points = itertools.product(*(range(int(low), 4) for low in lower.value))
+        costs = (prices.value @ x + np.sum(np.square(x)) for x in points if (A @ x >= start.value - 1e-9).all())
+        best = min(costs, default=None)
+        assert problem.status == ("infeasible" if best is None else "optimal")
+        if best is not None:
+            assert problem.value == pytest.approx(best, abs=1e-5)
+    assert problem._solver_cache["CAROM"]._prepared is not None
+    problem.solve(solver=solver, warm_start=False)
+    assert problem.status == ("infeasible" if best is None else "optimal")
 
 
 def test_bounds_that_cross_are_infeasible():

@@ -20,6 +20,8 @@ from scipy import sparse
 from . import _arrays, _carom
 from ._cone_duals import cone_duals
 from ._model import Model, Result
+from ._repeated import Repeated
+from ._settings import settings
 
 STATUSES = {"optimal": s.OPTIMAL, "infeasible": s.INFEASIBLE, "unbounded": s.UNBOUNDED, "stalled": s.OPTIMAL_INACCURATE}
 
@@ -32,7 +34,8 @@ class CVXPY(ConicSolver):
         problem.solve(solver=carom.CVXPY(threads=2), time_limit=60, gap=1e-4, proof="plan.proof")
 
     With `warm_start` (CVXPY's default) the search begins with the integers that the variables have, from a solve
-    before or from `variable.value = ...`. At a limit, and after Ctrl-C, the variables have the best point, with
+    before or from `variable.value = ...`. A problem with integers whose parameters change limits, bounds and costs
+    alone is prepared when it comes again, as by `carom.Prepared`, for the numbers seen and as far beyond them. At a limit, and after Ctrl-C, the variables have the best point, with
     the status `user_limit`; `SolverError` is raised if there is none.
 
     `problem.solver_stats.extra_stats` is a dictionary: `status`, `bound` and `gap` as CVXPY gave the objective to
@@ -82,11 +85,10 @@ class CVXPY(ConicSolver):
         arrays = arrays_of(data)
         if (arrays["lb"] > arrays["ub"]).any():
             return {"result": None, "duals": None}
-        model = Model._of(_carom.Program.of(_arrays.to_bytes(arrays)))
         start = data["init_value"]
         if warm_start and arrays["integrality"].any() and np.isfinite(start).any():
             options.setdefault("start", start)
-        result = model.solve(**options)
+        result = solved(arrays, options, self.name(), solver_cache if warm_start else None)
         if result.x is None and result.status not in ("infeasible", "unbounded"):
             raise SolverError(f"carom found no point before it stopped ({result.status}); the bound is {result.bound}")
         return {"result": result, "duals": duals_of(arrays, result)}
@@ -144,6 +146,20 @@ def arrays_of(data: "dict[str, Any]") -> "dict[str, Any]":
         arrays["h"] = _arrays.finite("b", np.ascontiguousarray(b[rows:], dtype=np.float64))
         arrays["sizes"] = np.array(dims.soc, dtype=np.int64)
     return arrays
+
+
+def solved(arrays: "dict[str, Any]", options: "dict[str, Any]", name: str, cache: Optional[dict]) -> Result:
+    """Solves a program; one that comes again with other numbers is prepared."""
+
+    def model() -> Model:
+        return Model._of(_carom.Program.of(_arrays.to_bytes(arrays)))
+
+    known = None if cache is None else cache.get(name)
+    if known is not None and known.takes(arrays):
+        return Result(known.solve(arrays, settings(options, len(arrays["q"]))), model)
+    if cache is not None:
+        cache[name] = Repeated(arrays)
+    return model().solve(**options)
 
 
 def duals_of(arrays: "dict[str, Any]", result: Result) -> Optional[np.ndarray]:
