@@ -6,7 +6,7 @@
 //! multiple of integral ones.
 //!
 //! Rows of a curved program keep their columns longer, because bounds of states and inputs say more
-//! to propagation than sums of many terms.
+//! to propagation than sums of many terms; so do columns that a whole one bounds.
 
 use super::substitute::{is_stable, substitute};
 use super::working_program::WorkingProgram;
@@ -22,24 +22,33 @@ struct Limits {
     rows: usize,
     /// The largest number of entries that one substitution may add to the matrix.
     fill: isize,
-    integers: bool,
 }
 
-const CURVED: Limits = Limits { terms: 6, rows: 4, fill: 0, integers: false };
-const LINEAR: Limits = Limits { terms: 8, rows: 10, fill: 10, integers: true };
+const ANY: Limits = Limits { terms: 6, rows: 4, fill: 0 };
+const LINEAR: Limits = Limits { terms: 8, rows: 10, fill: 10 };
+
+impl Limits {
+    fn allow(self, work: &WorkingProgram, column: usize, row: usize) -> bool {
+        work.rows[row].len() <= self.terms
+            && work.uses[column].len() <= self.rows
+            && fill(work, column, row) <= self.fill
+    }
+}
 
 pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
-    let limits = if work.is_linear { LINEAR } else { CURVED };
-    if !work.is_equality(row) || !(2..=limits.terms).contains(&work.rows[row].len()) {
+    let most = if work.is_linear { LINEAR } else { ANY };
+    if !work.is_equality(row) || !(2..=most.terms).contains(&work.rows[row].len()) {
         return 0;
     }
     let candidates = work.rows[row].iter().map(|&(j, _)| j);
     let chosen = candidates
         .filter(|&j| {
-            (!work.integral[j] || limits.integers && follows_integers(work, j, row))
-                && work.is_straight(j)
-                && work.uses[j].len() <= limits.rows
-                && fill(work, j, row) <= limits.fill
+            work.is_straight(j)
+                && (!work.integral[j] && ANY.allow(work, j, row)
+                    || work.is_linear
+                        && (!work.integral[j] || follows_integers(work, j, row))
+                        && LINEAR.allow(work, j, row)
+                        && !has_variable_bound(work, j))
                 && is_stable(work, j, row)
                 && is_implied_free(work, j)
         })
@@ -47,6 +56,15 @@ pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
     let Some(column) = chosen else { return 0 };
     substitute(work, column, row, false);
     1
+}
+
+/// Whether a row bounds a continuous column by a whole one, which cuts start from.
+fn has_variable_bound(work: &WorkingProgram, column: usize) -> bool {
+    let is_bound = |row: &usize| {
+        let entries = &work.rows[*row];
+        entries.len() == 2 && entries.iter().any(|&(j, _)| j != column && work.integral[j])
+    };
+    !work.integral[column] && work.uses[column].iter().any(is_bound)
 }
 
 /// Whether a column is whole where the others of an equality are.
