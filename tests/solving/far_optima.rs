@@ -120,7 +120,8 @@ fn an_optimum_beyond_the_radius_of_proofs_says_so() {
     let solution = solved(&model, true);
     log.finish(&solution);
     let hint = "the best points have variables without bounds that are farther than 1e9 from 0, where \
-                bounds are not proved; give all variables finite bounds, or measure them in larger units";
+                bounds are not proved; give all variables finite bounds, or measure them in larger units \
+                [far-from-zero]";
     assert_eq!(solution.termination(), Termination::Stalled);
     assert_eq!(solution.notes(), [Note::FarFromZero]);
     assert_eq!(Note::FarFromZero.to_string(), hint);

@@ -58,9 +58,10 @@ impl<'a> SeparatedPoint<'a> {
     /// A row bounds a continuous column by a whole one, whatever its other terms are.
     fn find_variable_bounds(&mut self) {
         let SeparatedPoint { program, domain, x, .. } = *self;
+        let many = usize::from(program.column_count() >= CUTS.many_columns);
         for row in 0..program.row_count() {
             let (columns, values) = program.row(row);
-            if columns.len() > CUTS.bound_entries {
+            if columns.len() > CUTS.bound_entries[many] {
                 continue;
             }
             let limits = [program.row_lower[row], program.row_upper[row]];
