@@ -50,7 +50,7 @@ def enumerated(program):
     return min((objective(program, x) for x in points if is_feasible(program, x)), default=None)
 
 
-def market_split(rows=4, seed=1):
+def market_split(rows=5, seed=1):
     """A program that nobody solves soon, with points that are easy to find."""
     random = np.random.default_rng(seed)
     columns = 10 * (rows - 1)

@@ -56,7 +56,7 @@ def test_an_interrupt_ends_the_search_and_keeps_the_best_point():
     timer.start()
     began = time.monotonic()
     result = carom.solve(**market_split(), time_limit=60)
-    assert result.status == "interrupted" and result.x is not None
+    assert result.status == "interrupted" and result.x is not None, (result, time.monotonic() - began)
     assert time.monotonic() - began < 10
     timer.join()
 
