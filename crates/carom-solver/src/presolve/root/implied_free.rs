@@ -13,7 +13,7 @@ use super::working_program::WorkingProgram;
 use crate::presolve::coefficients::is_whole;
 use crate::presolve::parameters::IMPLIED;
 
-/// What is replaced.
+/// The size of an equality and a column that one replaces by the other.
 #[derive(Debug, Clone, Copy)]
 struct Limits {
     /// The largest number of terms of an equality that replaces a column.
@@ -24,7 +24,9 @@ struct Limits {
     fill: isize,
 }
 
+/// In any program.
 const ANY: Limits = Limits { terms: 6, rows: 4, fill: 0 };
+/// In a linear program.
 const LINEAR: Limits = Limits { terms: 8, rows: 10, fill: 10 };
 
 impl Limits {

@@ -65,9 +65,10 @@ pub(crate) fn strengthen(
         root.point = Some(point.with_bound(bound));
         return None;
     }
+    let domain = &root.domain;
     let mut rounds = CutRounds {
         program,
-        domain: root.domain.clone(),
+        domain,
         best,
         curved,
         cuts: Vec::new(),
@@ -94,7 +95,7 @@ pub(crate) fn strengthen(
 /// The state of the rounds that cut off the relaxed point.
 struct CutRounds<'a> {
     program: &'a Program,
-    domain: Domain,
+    domain: &'a Domain,
     /// The value of the best point that the pilot search has found.
     best: Option<f64>,
     /// 1 for a curved objective, 0 for a linear one.
@@ -180,7 +181,7 @@ impl CutRounds<'_> {
         let warm = before.warm.as_ref().filter(|_| before.is_vertex);
         let mut relax = |cuts: &[Cut]| {
             let program = with_cuts(self.program, cuts)?;
-            let point = RootPoint::new(&program, &self.domain, cascade, options, token, warm)?;
+            let point = RootPoint::new(&program, self.domain, cascade, options, token, warm)?;
             Some((program, point))
         };
         let some = !found.is_empty();
@@ -234,9 +235,9 @@ impl CutRounds<'_> {
         // Most programs with a curved objective gain nothing; a first round over single rows shows
         // it.
         let rows = if self.looks_at_single_rows(round) { 1 } else { MOST_ROWS };
-        let mut cuts = mixed_integer_rounding_cuts(program, &self.domain, x, rows, token);
-        cuts.extend(gomory_cuts(program, &self.domain, x, &point.inverse, token));
-        cuts.extend(polymatroid_cuts(program, &self.domain, x, token));
+        let mut cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
+        cuts.extend(gomory_cuts(program, self.domain, x, &point.inverse, token));
+        cuts.extend(polymatroid_cuts(program, self.domain, x, token));
         select(cuts, &[], x)
     }
 
@@ -251,7 +252,7 @@ impl CutRounds<'_> {
         if self.sets == Sets::Idle || self.looks_at_single_rows(round) {
             return Vec::new();
         }
-        select(cut_set_cuts(self.program, &self.domain, x, token), found, x)
+        select(cut_set_cuts(self.program, self.domain, x, token), found, x)
     }
 
     /// Drops the cuts that were not active for more than some rounds.

@@ -49,10 +49,9 @@ pub(super) struct CutParameters {
     pub(super) set_entries: usize,
     /// Least value of the binary of an arc that is contracted.
     pub(super) open_arc: f64,
-    /// Most entries of a row that bounds a continuous column by a whole one: in programs of fewer
-    /// columns than the next number, and in others, whose cuts are rows of a tableau.
+    /// Most entries of a row that bounds a continuous column by a whole one: in a small program, and
+    /// in a large one.
     pub(super) bound_entries: [usize; 2],
-    pub(super) many_columns: usize,
     /// Most entries of an aggregate of rows.
     pub(super) aggregate_entries: usize,
     /// Most entries of a row of a tableau that is rounded.
@@ -104,7 +103,6 @@ pub(super) const CUTS: CutParameters = CutParameters {
     set_entries: 1000,
     open_arc: 1e-6,
     bound_entries: [2, 12],
-    many_columns: 1000,
     aggregate_entries: 300,
     tableau_entries: 1000,
     cancelled: 1e-11,

@@ -2,9 +2,11 @@
 
 use super::cut::reach;
 use super::parameters::CUTS;
-use crate::activity::term_ends;
+use crate::activity;
+use crate::interval::Interval;
 use crate::presolve::Domain;
 use crate::program::Program;
+use crate::relaxation::LARGE_PROGRAM;
 
 /// A column measured from a bound: `t = sign * (x - constant - slope * x_binary)`.
 #[derive(Debug, Clone, Copy)]
@@ -58,10 +60,10 @@ impl<'a> SeparatedPoint<'a> {
     /// A row bounds a continuous column by a whole one, whatever its other terms are.
     fn find_variable_bounds(&mut self) {
         let SeparatedPoint { program, domain, x, .. } = *self;
-        let many = usize::from(program.column_count() >= CUTS.many_columns);
+        let is_large = usize::from(program.column_count() >= LARGE_PROGRAM);
         for row in 0..program.row_count() {
             let (columns, values) = program.row(row);
-            if columns.len() > CUTS.bound_entries[many] {
+            if columns.len() > CUTS.bound_entries[is_large] {
                 continue;
             }
             let limits = [program.row_lower[row], program.row_upper[row]];
@@ -70,11 +72,15 @@ impl<'a> SeparatedPoint<'a> {
                     if !program.integral[z] || domain.is_fixed(z) {
                         continue;
                     }
-                    let others = others(domain, columns, values, [p, q]);
+                    let others = (0..columns.len()).filter(|k| *k != p && *k != q).map(|k| {
+                        let [lower, upper] = domain.bounds(columns[k]);
+                        (values[k], Interval { lower, upper })
+                    });
+                    let others = activity::range(0.0, others);
                     // a x + b z within limits: x = limit / a - (b / a) z is a bound.
                     let (a, slope) = (values[p], -values[q] / values[p]);
                     for (limit, upper) in
-                        [(limits[0] - others[1], a < 0.0), (limits[1] - others[0], a > 0.0)]
+                        [(limits[0] - others.upper, a < 0.0), (limits[1] - others.lower, a > 0.0)]
                     {
                         let sign = if upper { -1.0 } else { 1.0 };
                         let constant = limit / a;
@@ -176,20 +182,6 @@ impl<'a> SeparatedPoint<'a> {
         let activity = self.activities[row];
         [activity - self.program.row_lower[row], self.program.row_upper[row] - activity]
     }
-}
-
-/// The range of the terms of a row but for two of them, rounded outward.
-fn others(domain: &Domain, columns: &[usize], values: &[f64], besides: [usize; 2]) -> [f64; 2] {
-    let (mut range, mut size) = ([0.0; 2], 0.0);
-    for (k, (&j, a)) in columns.iter().zip(values).enumerate() {
-        if !besides.contains(&k) {
-            let ends = term_ends(*a, domain.bounds(j));
-            (range[0], range[1]) = (range[0] + ends[0], range[1] + ends[1]);
-            size += ends[0].abs().max(ends[1].abs());
-        }
-    }
-    let rounding = if size.is_finite() { f64::EPSILON * columns.len() as f64 * size } else { 0.0 };
-    [range[0] - rounding, range[1] + rounding]
 }
 
 fn is_fit(program: &Program, row: usize) -> bool {
