@@ -46,7 +46,7 @@ pub(crate) use polish::polish_leaf;
 pub(crate) use polish_cones::polish_cones;
 pub use record::Record;
 pub use simplex::DualSimplex;
-pub(crate) use simplex::{LARGE_PROGRAM, inverse_rows};
+pub(crate) use simplex::inverse_rows;
 pub(crate) use verdict::{RelaxationQuestion, RelaxationVerdict};
 pub use warm_state::WarmState;
 

@@ -4,7 +4,7 @@
 pub(super) const COLUMNS_PER_COST: usize = 50;
 
 /// The number of columns from which a program is large.
-pub(crate) const LARGE_PROGRAM: usize = 1000;
+pub(super) const LARGE_PROGRAM: usize = 1000;
 
 /// The largest violation of a bound, scaled and relative to the bound.
 pub(super) const PRIMAL_TOLERANCE: f64 = 1e-9;

@@ -49,9 +49,6 @@ pub(super) struct CutParameters {
     pub(super) set_entries: usize,
     /// Least value of the binary of an arc that is contracted.
     pub(super) open_arc: f64,
-    /// Most entries of a row that bounds a continuous column by a whole one: in a small program, and
-    /// in a large one.
-    pub(super) bound_entries: [usize; 2],
     /// Most entries of an aggregate of rows.
     pub(super) aggregate_entries: usize,
     /// Most entries of a row of a tableau that is rounded.
@@ -102,7 +99,6 @@ pub(super) const CUTS: CutParameters = CutParameters {
     limit_margin: 1e-9,
     set_entries: 1000,
     open_arc: 1e-6,
-    bound_entries: [2, 12],
     aggregate_entries: 300,
     tableau_entries: 1000,
     cancelled: 1e-11,

@@ -1,12 +1,8 @@
 //! The point to cut off, with the data that every aggregate needs.
 
 use super::cut::reach;
-use super::parameters::CUTS;
-use crate::activity;
-use crate::interval::Interval;
 use crate::presolve::Domain;
 use crate::program::Program;
-use crate::relaxation::LARGE_PROGRAM;
 
 /// A column measured from a bound: `t = sign * (x - constant - slope * x_binary)`.
 #[derive(Debug, Clone, Copy)]
@@ -57,38 +53,23 @@ impl<'a> SeparatedPoint<'a> {
         point
     }
 
-    /// A row bounds a continuous column by a whole one, whatever its other terms are.
     fn find_variable_bounds(&mut self) {
         let SeparatedPoint { program, domain, x, .. } = *self;
-        let is_large = usize::from(program.column_count() >= LARGE_PROGRAM);
         for row in 0..program.row_count() {
-            let (columns, values) = program.row(row);
-            if columns.len() > CUTS.bound_entries[is_large] {
-                continue;
-            }
-            let limits = [program.row_lower[row], program.row_upper[row]];
-            for (p, &j) in columns.iter().enumerate().filter(|(_, j)| !program.integral[**j]) {
-                for (q, &z) in columns.iter().enumerate() {
-                    if !program.integral[z] || domain.is_fixed(z) {
-                        continue;
-                    }
-                    let others = (0..columns.len()).filter(|k| *k != p && *k != q).map(|k| {
-                        let [lower, upper] = domain.bounds(columns[k]);
-                        (values[k], Interval { lower, upper })
-                    });
-                    let others = activity::range(0.0, others);
-                    // a x + b z within limits: x = limit / a - (b / a) z is a bound.
-                    let (a, slope) = (values[p], -values[q] / values[p]);
-                    for (limit, upper) in
-                        [(limits[0] - others.upper, a < 0.0), (limits[1] - others.lower, a > 0.0)]
-                    {
-                        let sign = if upper { -1.0 } else { 1.0 };
-                        let constant = limit / a;
-                        let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
-                        let from = From { sign, constant, slope, binary: z, value };
-                        offer(&mut self.variable[j], from);
-                        offer(&mut self.sides[j][usize::from(upper)], from);
-                    }
+            let (&[p, q], &[a, b]) = program.row(row) else { continue };
+            for (j, a, z, b) in [(p, a, q, b), (q, b, p, a)] {
+                if program.integral[j] || !program.integral[z] || domain.is_fixed(z) {
+                    continue;
+                }
+                // a x + b z within limits: x = limit / a - (b / a) z is a bound.
+                let limits = [program.row_lower[row], program.row_upper[row]];
+                for (limit, upper) in [(limits[0], a < 0.0), (limits[1], a > 0.0)] {
+                    let sign = if upper { -1.0 } else { 1.0 };
+                    let (constant, slope) = (limit / a, -b / a);
+                    let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
+                    let from = From { sign, constant, slope, binary: z, value };
+                    offer(&mut self.variable[j], from);
+                    offer(&mut self.sides[j][usize::from(upper)], from);
                 }
             }
         }
