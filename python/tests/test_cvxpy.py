@@ -87,8 +87,9 @@ def test_semidefinite_and_exponential_cones_are_refused():
 
 def hard():
     program = market_split()
-    x, slack = cp.Variable(30, boolean=True), cp.Variable(8, nonneg=True)
-    sides = program["A"][:, :30] @ x + program["A"][:, 30:] @ slack
+    whole = program["integrality"].astype(bool)
+    x, slack = cp.Variable(whole.sum(), boolean=True), cp.Variable((~whole).sum(), nonneg=True)
+    sides = program["A"][:, whole] @ x + program["A"][:, ~whole] @ slack
     return cp.Problem(cp.Minimize(cp.sum(slack)), [sides == program["l"]])
 
 
@@ -107,7 +108,7 @@ def test_limits_keep_the_best_values():
 def test_values_are_starts():
     problem = hard()
     x = problem.variables()[0] if problem.variables()[0].attributes["boolean"] else problem.variables()[1]
-    x.value = np.zeros(30)
+    x.value = np.zeros(x.size)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         problem.solve(solver=carom.CVXPY(node_limit=5))
