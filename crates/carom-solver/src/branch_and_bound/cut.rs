@@ -6,7 +6,8 @@ use super::start::start_point;
 use crate::program::Program;
 use crate::search::cuts::strengthen;
 use crate::search::{
-    PilotResult, Root, SearchResult, SolveTask, Start, StartPoint, search, with_perspective,
+    PilotResult, Root, RootCuts, SearchResult, SolveTask, Start, StartPoint, search,
+    with_perspective,
 };
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::{BranchingRule, Control, Event, Heuristics, Progress};
@@ -20,6 +21,8 @@ pub(super) struct CutOutcome {
     values: Option<[f64; 2]>,
     /// Whether the root has cuts that the pilot search has not seen.
     has_cuts: bool,
+    /// Its cuts, if a proof wants to know them.
+    pub(super) cuts: Option<Box<RootCuts>>,
     pilot: Pilot,
 }
 
@@ -49,7 +52,7 @@ pub(super) fn cut(
     let program = bent.as_ref().map_or(task.program, |bent| &bent.program);
     let (task, sign) = (SolveTask { program, ..task }, program.sign);
     let mut pilot = Pilot::default();
-    let cut = strengthen(program, root, options, token, &mut cascade, &mut |root| {
+    let mut cut = strengthen(program, root, options, token, &mut cascade, &mut |root| {
         if let Some(bound) = root.relaxed_bound() {
             let mut progress = Progress::new(0, 0, 1, None, sign * bound, token.elapsed());
             progress.iterations = root.relaxed_iterations();
@@ -58,6 +61,8 @@ pub(super) fn cut(
         }
         pilot.search(SolveTask { root: Some(root), ..task }, start)
     });
+    let wanted = cut.as_mut().filter(|_| options.proof_path().is_some());
+    let cuts = wanted.map(|cut| Box::new(RootCuts::new(program, root, cut)));
     if bent.is_some() || cut.is_some() {
         root.carry_over(cut.as_ref().map_or(program, |cut| &cut.program), token);
     }
@@ -68,6 +73,7 @@ pub(super) fn cut(
     CutOutcome {
         values: first.zip(last).map(|(first, last)| [first, last]),
         has_cuts: cut.is_some(),
+        cuts,
         program: cut.or(bent).map(|strengthened| strengthened.program),
         pilot,
     }

@@ -87,11 +87,8 @@ impl Solve<'_> {
         figures.iterations = counts.iterations;
         figures.constant = sign * program.constant;
         control.report(&Event::Proving(figures));
-        let guide = Guide::new(
-            std::mem::take(&mut found.splits),
-            solved.columns.take(),
-            program.column_count(),
-        );
+        let (splits, cuts) = (std::mem::take(&mut found.splits), found.root_cuts.take());
+        let guide = Guide::new(splits, solved.origins.take(), program.column_count(), cuts);
         let token = StopToken::new(self.options.time_limit, control.interrupt());
         let names = lowered.names.as_ref().map_or([&[][..]; 2], |[a, b]| [&a[..], &b[..]]);
         let point = solved.lowered_point.as_deref();

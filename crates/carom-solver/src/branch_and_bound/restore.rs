@@ -48,12 +48,12 @@ pub(super) fn restore(
     let value = point.as_ref().map(|x| program.objective(&presolved.lowered_point(x)));
     charge(solve, presolved.rounding(), value, &mut found);
     let own = presolved.presolved.as_ref().filter(|_| solve.options.proof_path().is_some());
-    let columns = own.map(|own| own.postsolve.columns().to_vec());
+    let origins = own.map(|own| own.postsolve.origins());
     let lowered_point = point.as_deref().map(|x| match own {
         Some(_) => presolved.lowered_point(x),
         None => x.to_vec(),
     });
-    Ok(SolveResult { found, derivatives, point, lowered_point, proof: None, columns })
+    Ok(SolveResult { found, derivatives, point, lowered_point, proof: None, origins })
 }
 
 /// Lowers the bound by the part of the objective that presolve may have lost to rounding, unless

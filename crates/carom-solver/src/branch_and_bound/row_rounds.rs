@@ -291,7 +291,7 @@ impl RowRounds<'_> {
 
     /// The answer.
     fn conclude(&mut self, round: Round) -> SolveResult {
-        let SolveResult { mut found, derivatives, columns, mut lowered_point, .. } = round.solved;
+        let SolveResult { mut found, derivatives, origins, mut lowered_point, .. } = round.solved;
         let is_own = self.best.as_ref().map(|(_, values)| values) == found.points.first();
         if round.new > 0 || !is_own {
             lowered_point = None;
@@ -317,7 +317,7 @@ impl RowRounds<'_> {
             found.bound = self.bound;
         }
         found.statistics = self.statistics;
-        SolveResult { derivatives, columns, lowered_point, ..SolveResult::without_point(found) }
+        SolveResult { derivatives, origins, lowered_point, ..SolveResult::without_point(found) }
     }
 
     /// Writes the proof of the answer, with the rows that were found as rows of its program.

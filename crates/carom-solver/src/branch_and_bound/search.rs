@@ -67,7 +67,8 @@ pub(super) fn search_once(
     }
     let task = SolveTask { program: &program, exact: Some(exact), ..task };
     let cuts = options.cuts && !options.parts().keep_leaves && !known.skips_cuts;
-    let cut = if cuts { cut(task, &mut root, known.start, control) } else { CutOutcome::default() };
+    let mut cut =
+        if cuts { cut(task, &mut root, known.start, control) } else { CutOutcome::default() };
     let program = cut.program.as_ref().unwrap_or(task.program);
     let task = SolveTask { program, root: Some(&root), ..task };
     let mut found = search(task, control, cut.start(known.start).as_ref());
@@ -80,6 +81,7 @@ pub(super) fn search_once(
         found.bound = found.bound.max(bound_before);
     }
     found.cone_cuts = cone_cuts;
+    found.root_cuts = cut.cuts.take();
     let value = |x: &Vec<f64>| program.objective(x);
     let best = found.points.first().map_or(f64::INFINITY, value);
     let is_judged = cuts && found.statistics.contradictions == 0;

@@ -6,6 +6,7 @@ use super::refusals::Refusals;
 use super::row_judge::RowJudge;
 use super::tighten::Tightened;
 use crate::model::Model;
+use crate::presolve::root::Origins;
 use crate::relaxation::{CascadePool, ConeCut};
 use crate::search::{SearchResult, Start};
 use crate::solution::ProofReport;
@@ -52,9 +53,9 @@ pub(super) struct SolveResult {
     pub(super) lowered_point: Option<Vec<f64>>,
     /// The proof that was written.
     pub(super) proof: Option<ProofReport>,
-    /// The column of the lowered program behind each one of the presolved program, if there was
-    /// presolve.
-    pub(super) columns: Option<Vec<usize>>,
+    /// Where the presolved program comes from in the lowered one, if a proof is asked for and there
+    /// was presolve.
+    pub(super) origins: Option<Origins>,
 }
 
 impl SolveResult {
@@ -66,7 +67,7 @@ impl SolveResult {
             point: None,
             lowered_point: None,
             proof: None,
-            columns: None,
+            origins: None,
         }
     }
 }

@@ -100,6 +100,13 @@ impl Program {
         (&self.rows.symbolic().col_idx()[range.clone()], &self.rows.val()[range])
     }
 
+    /// The terms of a row, without zeros.
+    pub(crate) fn row_terms(&self, row: usize) -> Vec<(usize, f64)> {
+        let (columns, values) = self.row(row);
+        let terms = columns.iter().copied().zip(values.iter().copied());
+        terms.filter(|(_, a)| *a != 0.0).collect()
+    }
+
     /// Whether a column is in a cone, so that more than its rows and its cost speak of it.
     #[inline]
     pub fn is_in_cone(&self, column: usize) -> bool {

@@ -105,6 +105,16 @@ impl AggregatedRow {
         self.terms.get(column).map_or(0.0, Rounded::value)
     }
 
+    /// The columns of the sum.
+    pub(super) fn columns(&self) -> &[usize] {
+        &self.touched
+    }
+
+    /// The limit, rounded.
+    pub(super) fn limit(&self) -> f64 {
+        self.limit.value()
+    }
+
     /// The columns that keep the sum from being a contradiction because they have no bound on one
     /// side, and how far their coefficients are beyond 0, with rounding.
     pub(super) fn missing(&self, bounds: &dyn Fn(usize) -> [f64; 2]) -> Vec<(usize, f64)> {

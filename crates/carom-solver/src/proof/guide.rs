@@ -4,14 +4,17 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::tree::ProofPart;
-use crate::search::{Decision, SavedSplit};
+use crate::presolve::root::Origins;
+use crate::search::{Decision, RootCuts, SavedSplit};
 
 /// The tree of a search, as a hint where to split.
 #[derive(Debug, Default)]
 pub(crate) struct Guide {
     pub(super) splits: BTreeMap<u32, SavedSplit>,
-    /// The column of the lowered program behind each column of the search.
-    pub(super) columns: Option<Vec<usize>>,
+    /// Where the program of the search comes from in the lowered one.
+    pub(super) origins: Option<Origins>,
+    /// The cuts of its root.
+    pub(super) cuts: Option<Box<RootCuts>>,
     /// Number of columns of the lowered program; the search may have had more.
     pub(super) count: usize,
     /// Whether the search was one of the lowered program as it is.
@@ -20,10 +23,16 @@ pub(crate) struct Guide {
 
 impl Guide {
     /// The splits of a search.
-    pub(crate) fn new(splits: Vec<SavedSplit>, columns: Option<Vec<usize>>, count: usize) -> Self {
+    pub(crate) fn new(
+        splits: Vec<SavedSplit>,
+        origins: Option<Origins>,
+        count: usize,
+        cuts: Option<Box<RootCuts>>,
+    ) -> Self {
         Guide {
             splits: splits.into_iter().map(|saved| (saved.id(), saved)).collect(),
-            columns,
+            origins,
+            cuts,
             count,
             is_plain: false,
         }
@@ -49,8 +58,8 @@ impl Guide {
         place: usize,
     ) -> Option<(Option<Decision>, Option<u32>)> {
         let (decision, child) = saved.decision(place)?;
-        let column = match &self.columns {
-            Some(columns) => columns.get(decision.column).copied(),
+        let column = match &self.origins {
+            Some(origins) => origins.columns.get(decision.column).copied(),
             None => Some(decision.column),
         };
         let column = column.filter(|column| *column < self.count);

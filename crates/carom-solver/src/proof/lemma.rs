@@ -5,14 +5,14 @@
 
 use super::claim::Claim;
 use super::facts::is_whole;
-use super::relaxed::Relaxed;
+use super::relaxed::{FactRefutation, Relaxed};
 use super::simple_sums::ObjectiveFact;
 use super::split_places::is_counted;
 use super::tightened::LOOSENING;
 use super::tree::{FRACTIONAL, Limit, ProofPart, ProofWriter};
 use crate::program::Program;
 use crate::search::Decision;
-use crate::search::cuts::WholeForm;
+use crate::search::cuts::{CutSide, WholeForm};
 
 /// Most splits of the proof of a lemma.
 const LEMMA_SPLITS: u32 = 4;
@@ -26,8 +26,10 @@ pub(super) struct Lemma {
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) is_upper: bool,
     pub(super) limit: f64,
-    /// Where to split first.
+    /// Where to split first. The rows of its sides are facts.
     pub(super) form: Option<WholeForm>,
+    /// The facts that it follows from, if they are known.
+    pub(super) sources: Option<Vec<usize>>,
 }
 
 impl Lemma {
@@ -35,7 +37,7 @@ impl Lemma {
     pub(super) fn bound(column: usize, is_upper: bool, limit: f64, is_integral: bool) -> Self {
         let spare = if is_integral { 0.0 } else { LOOSENING * limit.abs().max(1.0) };
         let limit = if is_upper { limit + spare } else { limit - spare };
-        Lemma { terms: vec![(column, 1.0)], is_upper, limit, form: None }
+        Lemma { terms: vec![(column, 1.0)], is_upper, limit, form: None, sources: None }
     }
 
     pub(super) fn limits(&self) -> [f64; 2] {
@@ -117,7 +119,7 @@ impl ProofWriter<'_, '_> {
 
     /// Closes the context of a lemma's negation: by the two sides of its form, if it has one.
     fn close_lemma(&mut self, lemma: &Lemma) -> Result<(), Limit> {
-        let Some(WholeForm { terms, value }) = &lemma.form else {
+        let Some(WholeForm { terms, value, sides }) = &lemma.form else {
             return self.close(ProofPart::Lemma);
         };
         let is_integral = |&(j, a): &(usize, f64)| self.relaxer.program.integral[j] && is_whole(a);
@@ -128,7 +130,11 @@ impl ProofWriter<'_, '_> {
         let (mark, first) = (self.bounds.mark(), self.facts.len());
         let rows = self.relaxer.fact_of_row.len();
         let begun = self.relaxer.program.clone();
-        for limits in [[f64::NEG_INFINITY, *value], [value + 1.0, f64::INFINITY]] {
+        let limits = [[f64::NEG_INFINITY, *value], [value + 1.0, f64::INFINITY]];
+        for (limits, side) in limits.into_iter().zip(sides) {
+            if self.close_side(lemma, side, limits) {
+                continue;
+            }
             // What the negation says is derived again on each side.
             self.bounds.enqueue(first as u32 - 1);
             self.assume(terms, limits)?;
@@ -141,23 +147,49 @@ impl ProofWriter<'_, '_> {
         Ok(())
     }
 
+    /// Closes a side of a form by the sum that the rounding is, if rounding in the sum allows it.
+    /// Returns whether it does.
+    fn close_side(&mut self, lemma: &Lemma, side: &CutSide, limits: [f64; 2]) -> bool {
+        let Some(form) = &lemma.form else { return false };
+        let (mark, first) = (self.bounds.mark(), self.facts.len());
+        self.facts.push(form.terms.iter().copied(), limits);
+        let mut found = FactRefutation::default();
+        found
+            .facts
+            .extend([(first - 1, if lemma.is_upper { 1.0 } else { -1.0 }), (first, side.form)]);
+        found.facts.extend(&side.rows);
+        let is_closed = self.relaxer.check(&self.facts, &self.bounds, &mut found).is_some();
+        if is_closed {
+            self.write(found);
+        }
+        self.bounds.undo_to(mark);
+        self.facts.truncate(first);
+        is_closed
+    }
+
     /// The rows around a lemma, without an objective, and their facts.
     fn around(&self, lemma: &Lemma) -> Option<(Program, Vec<usize>)> {
         let all = &self.relaxer.program;
         let mut own = all.clone();
         own.make_feasibility_problem();
-        if all.row_count() <= MOST_NEAR_ROWS {
-            return Some((own, self.relaxer.fact_of_row.clone()));
-        }
-        let rows = if lemma.form.is_some() { behind(all, lemma) } else { near(all, lemma) };
-        let limits: Vec<[f64; 2]> =
-            rows.iter().map(|&row| [all.row_lower[row], all.row_upper[row]]).collect();
-        let terms = rows.iter().enumerate().flat_map(|(k, &row)| {
-            let (columns, values) = all.row(row);
-            columns.iter().zip(values).map(move |(&j, &a)| (k, j, a))
-        });
+        let facts: Vec<usize> = match &lemma.sources {
+            Some(facts) => facts.clone(),
+            None if all.row_count() <= MOST_NEAR_ROWS => {
+                return Some((own, self.relaxer.fact_of_row.clone()));
+            }
+            None => {
+                let is_cut = lemma.form.is_some();
+                let rows = if is_cut { behind(all, lemma) } else { near(all, lemma) };
+                rows.into_iter().map(|row| self.relaxer.fact_of_row[row]).collect()
+            }
+        };
+        let limits: Vec<[f64; 2]> = facts.iter().map(|&fact| self.facts.limits(fact)).collect();
+        let terms = facts
+            .iter()
+            .enumerate()
+            .flat_map(|(k, &fact)| self.facts.terms(fact).map(move |(j, a)| (k, j, a)));
         own.replace_rows(terms, &limits)?;
-        Some((own, rows.iter().map(|&row| self.relaxer.fact_of_row[row]).collect()))
+        Some((own, facts))
     }
 
     /// The split of a context within the proof of a lemma; `None` if the context is closed.

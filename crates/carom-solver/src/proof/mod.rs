@@ -11,12 +11,13 @@
 //! * `aggregated_row` - weighted sums of facts with bounds on their rounding
 //! * `convexity` - the proof that the objective is convex
 //! * `relaxed`, `cones` - multipliers of relaxations as sums of facts
+//! * `reduced_costs` - bounds from multipliers that leave a point
 //! * `tightened` - rows with smaller big-Ms, as lemmas
 //! * `conjugate_gradients` - equations that need few digits
 //! * `root`, `curvature_bounds` - what holds everywhere
 //! * `case_bounds` - bounds that hold in all cases of a disjunction
 //! * `lemma` - rows with proofs of a few splits
-//! * `strengthened` - smaller big-Ms, bounds and cuts of the root, as lemmas
+//! * `strengthened`, `presolved_cuts` - smaller big-Ms, bounds and cuts of the root, as lemmas
 //! * `declarations`, `implied_integers` - columns that may be taken as whole, or as 0
 //! * `block_lemmas` - independent blocks one by one
 //! * `switched`, `zero_products` - products that make squares tighter, and are 0 at every point
@@ -43,6 +44,8 @@ mod implied_integers;
 mod lemma;
 mod log;
 mod pivoted_solution;
+mod presolved_cuts;
+mod reduced_costs;
 mod relaxed;
 mod repaired_sums;
 mod root;
@@ -169,6 +172,8 @@ impl ProofRequest<'_> {
             tight_sum: AggregatedRow::default(),
             is_inside: None,
             cones_of,
+            keeps_multipliers: false,
+            multipliers: None,
             deficits: Vec::new(),
             objective: Vec::new(),
         };
@@ -183,9 +188,10 @@ impl ProofRequest<'_> {
             lemma_splits: 0,
             lemma_fact: 0,
             lemma_cases: Vec::new(),
+            guide: Rc::new(guide),
             gaps: 0,
         };
-        let result = writer.run(Rc::new(guide), point);
+        let result = writer.run(point);
         let gaps = writer.gaps;
         cascades.give_back(writer.relaxer.cascade);
         if result.is_err() {

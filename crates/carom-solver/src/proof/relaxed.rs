@@ -70,6 +70,9 @@ pub(super) struct Relaxer<'a> {
     pub(super) cones_of: Vec<Vec<usize>>,
     /// Whether lemmas are proved: what they leave may be small.
     pub(super) wants_vertex: bool,
+    /// Whether the multipliers of relaxations that leave a point are kept, and the last ones.
+    pub(super) keeps_multipliers: bool,
+    pub(super) multipliers: Option<FactRefutation>,
     /// By column, what the proof of convexity lacks.
     pub(super) deficits: Vec<f64>,
     /// The linear part of the objective and its constant, without rounding.
@@ -209,6 +212,10 @@ impl Relaxer<'_> {
             RelaxationVerdict::Relaxed { bound, x, y, .. } => {
                 let point = reduced.lift(x);
                 let mut relaxed = None;
+                if self.keeps_multipliers && *bound <= cutoff {
+                    let found = self.gather(facts, (&reduced, &before), bounds, y);
+                    self.multipliers = Some(found);
+                }
                 if *bound > cutoff {
                     let mut found = self.gather(facts, (&reduced, &before), bounds, y);
                     found.cones = self.cone_rows(&reduced, &cuts, y);

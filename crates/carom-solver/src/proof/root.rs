@@ -1,12 +1,11 @@
 //! Facts that hold everywhere: the objective below the claim, convexity, heads of cones.
 
+use super::bounds::Clash;
 use std::rc::Rc;
 
-use super::bounds::Clash;
 use super::claim::Claim;
 use super::cones::ConeRow;
 use super::convexity::ConvexityProof;
-use super::guide::Guide;
 use super::simple_sums::ObjectiveFact;
 use super::tree::{Limit, Probing, ProofPart, ProofWriter};
 use crate::interval::add_up;
@@ -18,7 +17,7 @@ impl ProofWriter<'_, '_> {
     /// # Arguments
     ///
     /// * `point`: the best point that is known.
-    pub(super) fn run(&mut self, guide: Rc<Guide>, point: Option<&[f64]>) -> Result<(), Limit> {
+    pub(super) fn run(&mut self, point: Option<&[f64]>) -> Result<(), Limit> {
         self.declare()?;
         let is_empty = |j: &usize| {
             let [lower, upper] = self.bounds.of(*j);
@@ -44,7 +43,7 @@ impl ProofWriter<'_, '_> {
             return Ok(());
         }
         let order: Vec<usize> = self.relaxer.program.integers.iter().rev().copied().collect();
-        let begin = Probing::new(order, ProofPart::Node(guide, 0), None);
+        let begin = Probing::new(order, ProofPart::Node(self.guide.clone(), 0), None);
         self.close_strengthened(ProofPart::Probing(Box::new(begin)))
     }
 
@@ -52,9 +51,17 @@ impl ProofWriter<'_, '_> {
     /// search, and else behind the lemmas of its root.
     pub(super) fn close_strengthened(&mut self, part: ProofPart) -> Result<(), Limit> {
         let has_integers = !self.relaxer.program.integers.is_empty();
-        let is_closed =
-            has_integers && (self.closes_at_once(part.clone())? || self.strengthen()?);
-        if is_closed { Ok(()) } else { self.close(part) }
+        if !has_integers {
+            return self.close(part);
+        }
+        if self.closes_at_once(part.clone())? || self.strengthen()? {
+            return Ok(());
+        }
+        // The search had another relaxation.
+        self.relaxer.keeps_multipliers = true;
+        let guide = self.relaxer.search(&self.bounds)?;
+        let part = if guide.splits.is_empty() { part } else { ProofPart::Node(Rc::new(guide), 0) };
+        self.close(part)
     }
 
     /// States what is known of a quadratic objective: a tighter form of it, that it is convex, and

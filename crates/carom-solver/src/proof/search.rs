@@ -9,7 +9,7 @@ use crate::search::{SolveTask, search};
 use crate::solver::{Control, Heuristics};
 
 /// Most nodes of a search for splits.
-const MOST_NODES: u64 = 2000;
+const MOST_NODES: u64 = 20000;
 
 impl Relaxer<'_> {
     /// Searches a context as it is, without what would make its relaxation tighter. Returns the
@@ -30,6 +30,6 @@ impl Relaxer<'_> {
         if self.token.is_over() {
             return Err(Limit);
         }
-        Ok(Guide { is_plain: true, ..Guide::new(found.splits, None, usize::MAX) })
+        Ok(Guide { is_plain: true, ..Guide::new(found.splits, None, usize::MAX, None) })
     }
 }

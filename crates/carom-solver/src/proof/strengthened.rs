@@ -1,15 +1,13 @@
-//! The root of a search as lemmas: smaller big-Ms, tighter bounds, cuts.
+//! The root of a search as lemmas: smaller big-Ms, tighter bounds.
 //!
 //! They are found on the lowered program as a search finds them, and none of that is trusted: each
 //! is proved by a contradiction with a few splits, or left out.
 
-use super::claim::Claim;
 use super::lemma::Lemma;
 use super::tree::{Limit, ProofPart, ProofWriter};
 use crate::presolve::{tighten_big_ms, tighten_rows};
 use crate::program::{Addition, Program};
-use crate::search::cuts::strengthen;
-use crate::search::{PilotResult, Root, Strengthened};
+use crate::search::Root;
 
 /// Splits besides those of the search after which a proof begins again with lemmas.
 const FEW_OWN_SPLITS: u64 = 30;
@@ -28,7 +26,7 @@ const MOST_UNPROVED: u32 = 25;
 const BOUND_GAIN: f64 = 1e-2;
 
 /// The end of a try to prove a lemma.
-enum Tried {
+pub(super) enum Tried {
     Unproved,
     /// It is a fact.
     Proved(usize),
@@ -75,8 +73,8 @@ impl ProofWriter<'_, '_> {
                 break;
             }
         }
-        let mut root = Root::new(&self.bounded(), token, options.parts().probing);
-        if self.prove_bounds(&|j| root.bounds(j))? || self.add_cuts(&mut root)? {
+        let root = Root::new(&self.bounded(), token, options.parts().probing);
+        if self.prove_bounds(&|j| root.bounds(j))? || self.add_cuts()? {
             return Ok(true);
         }
         self.relaxer.within = self.relaxer.program.clone();
@@ -88,27 +86,12 @@ impl ProofWriter<'_, '_> {
         Ok(false)
     }
 
-    /// Proves the cuts of a search's root. Returns whether that closes the program.
-    fn add_cuts(&mut self, root: &mut Root) -> Result<bool, Limit> {
-        let Claim::Bound(bound) = self.relaxer.claim else { return Ok(false) };
-        let (options, token) = (self.relaxer.options, self.relaxer.token);
-        let begun = self.bounded();
-        let mut cascade = self.relaxer.cascades.take();
-        let mut known = |_: &Root| {
-            let (value, bound) = (Some(bound), f64::NEG_INFINITY);
-            Some(PilotResult { value, bound, is_closed: false })
-        };
-        let cut = strengthen(&begun, root, options, token, &mut cascade, &mut known);
-        self.relaxer.cascades.give_back(cascade);
-        cut.map_or(Ok(false), |cut| self.prove_cuts(&cut))
-    }
-
     /// Tries a lemma, and derives what it says of all columns.
     ///
     /// # Arguments
     ///
     /// * `unproved`: lemmas in a row without a proof.
-    fn try_lemma(&mut self, lemma: &Lemma, unproved: &mut u32) -> Result<Tried, Limit> {
+    pub(super) fn try_lemma(&mut self, lemma: &Lemma, unproved: &mut u32) -> Result<Tried, Limit> {
         if *unproved >= MOST_UNPROVED {
             return Ok(Tried::Unproved);
         }
@@ -130,10 +113,13 @@ impl ProofWriter<'_, '_> {
     }
 
     /// Proves bounds of columns.
-    fn prove_bounds(&mut self, found: &dyn Fn(usize) -> Option<[f64; 2]>) -> Result<bool, Limit> {
+    pub(super) fn prove_bounds(
+        &mut self,
+        found: &dyn Fn(usize) -> Option<[f64; 2]>,
+    ) -> Result<bool, Limit> {
         let mut unproved = 0;
         for j in 0..self.relaxer.program.column_count() {
-            let Some(limits) = found(j) else { break };
+            let Some(limits) = found(j) else { continue };
             for (is_upper, limit) in [(false, limits[0]), (true, limits[1])] {
                 if !self.is_gain(j, is_upper, limit) {
                     continue;
@@ -164,9 +150,9 @@ impl ProofWriter<'_, '_> {
         let facts = self.relaxer.fact_of_row.clone();
         let (mut rows, mut unproved): (Vec<(usize, Addition)>, u32) = (Vec::new(), 0);
         for (row, &fact) in facts.iter().enumerate() {
-            let terms = terms_of(tight, row);
+            let terms = tight.row_terms(row);
             let limits = [tight.row_lower[row], tight.row_upper[row]];
-            let old = (terms_of(&before, row), [before.row_lower[row], before.row_upper[row]]);
+            let old = (before.row_terms(row), [before.row_lower[row], before.row_upper[row]]);
             let is_same = old.0 == terms;
             let mut is_replaced = false;
             for (side, is_upper) in [(0, false), (1, true)] {
@@ -175,7 +161,7 @@ impl ProofWriter<'_, '_> {
                     continue;
                 }
                 let (terms, limit, form) = (terms.clone(), limits[side], None);
-                let mut lemma = Lemma { terms, is_upper, limit, form };
+                let mut lemma = Lemma { terms, is_upper, limit, form, sources: None };
                 let spare = self.spare(&lemma);
                 lemma.limit += if is_upper { spare } else { -spare };
                 self.lemma_cases = switches(&old.0, &lemma.terms);
@@ -205,49 +191,10 @@ impl ProofWriter<'_, '_> {
         self.relaxer.fact_of_row = rows.iter().map(|(fact, _)| *fact).collect();
         Ok(false)
     }
-
-    /// Proves cuts, of which those of the strengthened program become rows.
-    fn prove_cuts(&mut self, cut: &Strengthened) -> Result<bool, Limit> {
-        let before = self.relaxer.program.clone();
-        let (mut kept, mut unproved) = (Vec::new(), 0);
-        for own in &cut.cuts {
-            let (terms, form) = (own.terms.clone(), own.form.clone());
-            let lemma = Lemma { terms, is_upper: true, limit: own.limit, form };
-            let fact = match self.try_lemma(&lemma, &mut unproved)? {
-                Tried::Closed => return Ok(true),
-                Tried::Unproved => continue,
-                Tried::Proved(fact) => fact,
-            };
-            let limits = lemma.limits();
-            let row = (lemma.terms, limits);
-            self.relaxer.program.append(&[], std::slice::from_ref(&row)).ok_or(Limit)?;
-            self.relaxer.fact_of_row.push(fact);
-            kept.push((fact, row));
-        }
-        // Rows that no point of the last round has made use of would be in the way.
-        self.relaxer.program = before;
-        let rows = self.relaxer.program.row_count();
-        self.relaxer.fact_of_row.truncate(rows);
-        let last: Vec<_> =
-            (rows..cut.program.row_count()).map(|k| terms_of(&cut.program, k)).collect();
-        let is_last = |row: &Addition| last.contains(&row.0);
-        kept.retain(|(_, row)| is_last(row));
-        self.relaxer.fact_of_row.extend(kept.iter().map(|(fact, _)| *fact));
-        let kept: Vec<Addition> = kept.into_iter().map(|(_, row)| row).collect();
-        self.relaxer.program.append(&[], &kept).ok_or(Limit)?;
-        Ok(false)
-    }
 }
 
 /// The columns whose coefficients differ.
 fn switches(before: &[(usize, f64)], after: &[(usize, f64)]) -> Vec<usize> {
     let is_changed = |term: &&(usize, f64)| !after.contains(term);
     before.iter().filter(is_changed).map(|(j, _)| *j).take(MOST_CHANGED_BINARIES).collect()
-}
-
-/// The terms of a row, without zeros.
-fn terms_of(program: &Program, row: usize) -> Vec<(usize, f64)> {
-    let (columns, values) = program.row(row);
-    let terms = columns.iter().copied().zip(values.iter().copied());
-    terms.filter(|(_, a)| *a != 0.0).collect()
 }

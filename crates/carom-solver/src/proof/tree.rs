@@ -71,6 +71,8 @@ impl Probing {
 #[derive(Debug)]
 struct Open {
     mark: usize,
+    /// How many facts hold on both sides of the split.
+    facts: usize,
     decision: Decision,
     part: ProofPart,
 }
@@ -97,6 +99,8 @@ pub(super) struct ProofWriter<'a, 'b> {
     pub(super) lemma_fact: usize,
     /// The binaries that the proof of a lemma splits first.
     pub(super) lemma_cases: Vec<usize>,
+    /// The splits and cuts of the search.
+    pub(super) guide: Rc<Guide>,
     /// Contexts that no sum of facts has closed.
     pub(super) gaps: u64,
 }
@@ -104,7 +108,7 @@ pub(super) struct ProofWriter<'a, 'b> {
 impl ProofWriter<'_, '_> {
     /// Closes the present context along the tree of a search.
     pub(super) fn close(&mut self, part: ProofPart) -> Result<(), Limit> {
-        let ground = self.bounds.mark();
+        let (ground, known) = (self.bounds.mark(), self.facts.len());
         let (mut open, mut next) = (Vec::new(), Some(part));
         let mut conflict = self.bounds.propagate(&self.facts).err();
         loop {
@@ -128,17 +132,20 @@ impl ProofWriter<'_, '_> {
                     true => (decision, near, far),
                     false => (opposite(decision), far, near),
                 };
-                open.push(Open { mark, decision: opposite(first), part: then });
+                let facts = self.facts.len();
+                open.push(Open { mark, facts, decision: opposite(first), part: then });
                 conflict = self.enter(first);
                 next = Some(part);
                 continue;
             }
-            let Some(Open { mark, decision, part }) = open.pop() else { break };
+            let Some(Open { mark, facts, decision, part }) = open.pop() else { break };
             self.bounds.undo_to(mark);
+            self.facts.truncate(facts);
             conflict = self.enter(decision);
             next = Some(part);
         }
         self.bounds.undo_to(ground);
+        self.facts.truncate(known);
         Ok(())
     }
 
@@ -187,6 +194,9 @@ impl ProofWriter<'_, '_> {
                     return Ok(split.map(|split| (split, ProofPart::Lemma, ProofPart::Lemma)));
                 }
                 ProofPart::Node(guide, node) if guide.saved_split(node).is_some() => {
+                    if guide.is_plain && self.relaxer.keeps_multipliers && self.is_refuted()? {
+                        return Ok(None);
+                    }
                     ProofPart::Splits(guide, node, 0)
                 }
                 ProofPart::Node(guide, _) => ProofPart::End(guide),
@@ -224,6 +234,18 @@ impl ProofWriter<'_, '_> {
         }
     }
 
+    /// Whether the relaxation of the context closes it, at once or by bounds from its multipliers.
+    fn is_refuted(&mut self) -> Result<bool, Limit> {
+        match self.relaxer.relax(&self.facts, &self.bounds, [false, true]) {
+            Relaxed::Refuted(refutation) => {
+                self.write(refutation);
+                Ok(true)
+            }
+            Relaxed::Stopped => Err(Limit),
+            Relaxed::Open(_) => Ok(self.fix_by_reduced_costs()),
+        }
+    }
+
     /// Closes the context by its relaxation, or goes on with a probing of its columns.
     fn close_or_probe(&mut self, part: ProofPart) -> Result<Option<ProofPart>, Limit> {
         let point = match self.relaxer.relax(&self.facts, &self.bounds, [false, true]) {
@@ -234,6 +256,9 @@ impl ProofWriter<'_, '_> {
             Relaxed::Stopped => return Err(Limit),
             Relaxed::Open(point) => point,
         };
+        if self.fix_by_reduced_costs() {
+            return Ok(None);
+        }
         let order = self.probing_order(point.as_deref());
         Ok(Some(ProofPart::Probing(Box::new(Probing::new(order, part, point)))))
     }

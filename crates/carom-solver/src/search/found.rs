@@ -2,6 +2,7 @@
 
 use super::comparison::Contradiction;
 use super::node::{Decision, Path};
+use super::root_point::RootCuts;
 use super::saved_tree::{SavedDuals, SavedSplit};
 use super::start::Completion;
 use crate::relaxation::ConeCut;
@@ -37,6 +38,8 @@ pub struct SearchResult {
     /// The part of the gap between the relaxed root and the best point that cuts and tighter costs
     /// have closed, if they were tried.
     pub(crate) strengthened: Option<f64>,
+    /// The cuts of the root, if a proof wants to know them.
+    pub(crate) root_cuts: Option<Box<RootCuts>>,
     /// The cuts of cones that the program began with.
     pub(crate) cone_cuts: Vec<ConeCut>,
     /// The outcome of completing the integers of a start, if that was tried.
@@ -84,6 +87,7 @@ impl SearchResult {
             duals: Vec::new(),
             splits: Vec::new(),
             strengthened: None,
+            root_cuts: None,
             cone_cuts: Vec::new(),
             completion: None,
         }

@@ -104,7 +104,7 @@ pub(crate) use outer_approximation::{ConeApproximation, approximate_cones};
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use perspective::{lifting_slopes, with_perspective};
 pub(crate) use root::Root;
-pub(crate) use root_point::{PilotResult, Strengthened};
+pub(crate) use root_point::{PilotResult, RootCuts};
 pub(crate) use saved_tree::{SavedDuals, SavedSplit, SavedTree};
 pub(crate) use start::Completion;
 pub use start::{Start, StartPoint};

@@ -2,6 +2,7 @@
 //! and for the search, which need not relax the same root again.
 
 use super::cuts::Cut;
+use super::root::Root;
 use crate::presolve::{Domain, Reduced, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{
@@ -44,6 +45,33 @@ pub(crate) struct Strengthened {
     /// The cuts of all rounds, in their order: each follows from rows, bounds and those before it.
     /// The program has some of them.
     pub(crate) cuts: Vec<Cut>,
+}
+
+/// The cuts of a root, for the proof of a search.
+#[derive(Debug, Clone)]
+pub(crate) struct RootCuts {
+    /// The program before it was cut, and the bounds of its root.
+    pub(crate) program: Program,
+    pub(crate) bounds: Vec<[f64; 2]>,
+    /// The cuts of all rounds, in their order.
+    pub(crate) found: Vec<Cut>,
+    /// The terms of those that became rows.
+    pub(crate) last: Vec<Vec<(usize, f64)>>,
+}
+
+impl RootCuts {
+    pub(crate) fn new(begun: &Program, root: &Root, cut: &mut Strengthened) -> Self {
+        let all = 0..begun.column_count();
+        let last = begun.row_count()..cut.program.row_count();
+        RootCuts {
+            program: begun.clone(),
+            bounds: all
+                .map(|j| root.bounds(j).unwrap_or([begun.lower[j], begun.upper[j]]))
+                .collect(),
+            found: std::mem::take(&mut cut.cuts),
+            last: last.map(|row| cut.program.row_terms(row)).collect(),
+        }
+    }
 }
 
 /// The result of a pilot search: a search of one node, which tells whether cuts are wanted.

@@ -430,6 +430,7 @@ impl<'a> Tree<'a> {
             duals: state.duals,
             splits: state.splits,
             strengthened: None,
+            root_cuts: None,
             cone_cuts: Vec::new(),
             completion: state.completion,
         }

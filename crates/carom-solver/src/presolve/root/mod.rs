@@ -52,8 +52,8 @@ mod working_program;
 
 pub use blocks::{ProgramBlock, blocks};
 pub(crate) use lineality::shifts;
-pub(crate) use postsolve::Postsolve;
 pub use postsolve::Presolved;
+pub(crate) use postsolve::{Origins, Postsolve};
 
 use crate::error::Error;
 use crate::presolve::{tighten_conditional_cones, tighten_switched_cones};

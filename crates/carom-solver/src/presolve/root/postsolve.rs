@@ -22,6 +22,11 @@ pub(super) trait Undo: Debug + Send + Sync {
     /// Derives values of other columns from known values of columns that the reduction took out.
     fn carry(&self, _known: &mut BTreeMap<usize, f64>) {}
 
+    /// The column that an equality has replaced, and the row of that.
+    fn replaced(&self) -> Option<(usize, usize)> {
+        None
+    }
+
     /// Gives multipliers to the rows, and reduced costs to the columns, that the reduction changed
     /// or took out. Values are those of the program before this reduction, not yet of the original.
     fn dual(&self, all: &mut Restored);
@@ -96,6 +101,27 @@ pub struct Postsolve {
     pub(super) own_row_count: usize,
 }
 
+/// Where columns and rows of a presolved program come from.
+#[derive(Debug, Clone)]
+pub(crate) struct Origins {
+    /// By column and by row, those of the original.
+    pub(crate) columns: Vec<usize>,
+    pub(crate) rows: Vec<usize>,
+    /// By column that an equality has replaced, the row of that.
+    pub(crate) equations: BTreeMap<usize, usize>,
+}
+
+impl Origins {
+    /// Those of a program that is its own original.
+    pub(crate) fn of(program: &Program) -> Self {
+        Origins {
+            columns: (0..program.column_count()).collect(),
+            rows: (0..program.row_count()).collect(),
+            equations: BTreeMap::new(),
+        }
+    }
+}
+
 impl Postsolve {
     /// The original column of each presolved one.
     pub fn columns(&self) -> &[usize] {
@@ -105,6 +131,15 @@ impl Postsolve {
     /// The original row of each presolved one.
     pub fn rows(&self) -> &[usize] {
         &self.rows
+    }
+
+    /// Where columns and rows come from.
+    pub(crate) fn origins(&self) -> Origins {
+        Origins {
+            columns: self.columns.clone(),
+            rows: self.rows.clone(),
+            equations: self.undos.iter().filter_map(|undo| undo.replaced()).collect(),
+        }
     }
 
     /// The original's point; missing values count as 0, and values too many are ignored.

@@ -201,6 +201,10 @@ impl Undo for Substituted {
         }
     }
 
+    fn replaced(&self) -> Option<(usize, usize)> {
+        Some((self.old.column, self.row))
+    }
+
     /// The multiplier of the equality makes the reduced cost of its column what the kept row says,
     /// or 0. An equality over integral columns needs none, because their reduced costs may have any
     /// sign.

@@ -12,6 +12,18 @@ use crate::tolerance::largest_magnitude;
 pub(crate) struct WholeForm {
     pub(crate) terms: Vec<(usize, f64)>,
     pub(crate) value: f64,
+    /// Where it is at most `value`, and where it is at least the next whole number: the sum from
+    /// which the cut follows.
+    pub(crate) sides: [CutSide; 2],
+}
+
+/// Multipliers of the form and of rows. Their sum with the negated cut leaves nothing that bounds
+/// of columns allow. A positive multiplier takes the lower limit of its row, a negative one the
+/// upper limit.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct CutSide {
+    pub(crate) form: f64,
+    pub(crate) rows: Vec<(usize, f64)>,
 }
 
 /// A row `terms <= limit` that every whole point of a program satisfies.

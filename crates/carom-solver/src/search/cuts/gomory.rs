@@ -80,6 +80,7 @@ impl RowSum {
             sum.right += factor * self.row.right;
             sum.noise += factor.abs() * self.row.noise;
             sum.size += factor.abs() * self.row.size;
+            sum.rows.push((row, factor));
         }
         self.used.sort_unstable();
         for key in self.used.drain(..) {

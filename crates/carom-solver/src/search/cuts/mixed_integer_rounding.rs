@@ -126,6 +126,8 @@ impl Aggregate {
         self.right = if sign > 0.0 { upper } else { -lower };
         let reaches = columns.iter().zip(values).map(|(&j, a)| a.abs() * point.reach(j));
         self.size = reaches.fold(self.right.abs(), f64::max);
+        self.rows.clear();
+        self.rows.push((row, 1.0));
         true
     }
 
@@ -158,6 +160,7 @@ impl Aggregate {
         self.right += factor * other.right;
         self.noise += factor.abs() * other.noise;
         self.size += factor.abs() * other.size;
+        self.rows.extend(other.rows.iter().map(|&(row, a)| (row, factor * a)));
     }
 }
 

@@ -10,11 +10,12 @@ mod gomory;
 mod mixed_integer_rounding;
 mod parameters;
 mod polymatroid;
+mod rounded_cut;
 mod rounding;
 mod separated_point;
 
 pub use cut::Cut;
-pub(crate) use cut::WholeForm;
+pub(crate) use cut::{CutSide, WholeForm};
 pub use cut_sets::cut_set_cuts;
 pub use gomory::gomory_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
@@ -73,6 +74,7 @@ pub(crate) fn strengthen(
         curved,
         cuts: Vec::new(),
         found: Vec::new(),
+        places: Vec::new(),
         keeps_found: options.proof_path().is_some(),
         ages: Vec::new(),
         sets: Sets::Untried,
@@ -101,8 +103,11 @@ struct CutRounds<'a> {
     /// 1 for a curved objective, 0 for a linear one.
     curved: usize,
     cuts: Vec<Cut>,
-    /// The cuts of all rounds, if a proof wants to know them.
+    /// The cuts of all rounds, if a proof wants to know them. The rows of their forms count on
+    /// behind those of the program with these cuts.
     found: Vec<Cut>,
+    /// By cut, its place among those.
+    places: Vec<usize>,
     keeps_found: bool,
     /// By cut, the rounds since it was active.
     ages: Vec<u32>,
@@ -169,6 +174,7 @@ impl CutRounds<'_> {
         let program = more.as_ref().unwrap_or(self.program);
         let mut found = self.separate(program, before, round, token);
         let mut sets = self.separate_sets(&before.x, &found, round, token);
+        found.iter_mut().for_each(|cut| self.name_rows(cut));
         if self.sets == Sets::Help {
             found.append(&mut sets);
         }
@@ -185,11 +191,7 @@ impl CutRounds<'_> {
             Some((program, point))
         };
         let some = !found.is_empty();
-        self.ages.extend(found.iter().map(|_| 0));
-        if self.keeps_found {
-            self.found.extend(found.iter().cloned());
-        }
-        self.cuts.extend(found);
+        self.add(found);
         let mut best = if some { relax(&self.cuts) } else { None };
         if !sets.is_empty() {
             let value = best.as_ref().map_or(before.value, |(_, point)| point.value);
@@ -201,9 +203,7 @@ impl CutRounds<'_> {
             });
             self.sets = if both.is_some() { Sets::Help } else { Sets::Idle };
             if both.is_some() {
-                self.ages.extend(sets.iter().map(|_| 0));
-                self.found.extend(sets.iter().filter(|_| self.keeps_found).cloned());
-                self.cuts = all;
+                self.add(sets);
                 best = both;
             }
         }
@@ -263,7 +263,32 @@ impl CutRounds<'_> {
         }
         let mut ages = self.ages.iter();
         self.cuts.retain(|_| ages.next().is_some_and(|age| *age <= most));
+        let mut ages = self.ages.iter();
+        self.places.retain(|_| ages.next().is_some_and(|age| *age <= most));
         self.ages.retain(|age| *age <= most);
+    }
+
+    fn add(&mut self, cuts: Vec<Cut>) {
+        for cut in cuts {
+            self.ages.push(0);
+            self.places.push(self.found.len());
+            if self.keeps_found {
+                self.found.push(cut.clone());
+            }
+            self.cuts.push(cut);
+        }
+    }
+
+    /// Has the form of a cut name the cuts that it is made of by their places among all that were
+    /// found.
+    fn name_rows(&self, cut: &mut Cut) {
+        let rows = self.program.row_count();
+        let sides = cut.form.iter_mut().flat_map(|form| &mut form.sides);
+        for (row, _) in sides.flat_map(|side| &mut side.rows) {
+            if let Some(place) = row.checked_sub(rows).and_then(|k| self.places.get(k)) {
+                *row = rows + place;
+            }
+        }
     }
 }
 

@@ -9,43 +9,43 @@
 //! follows `sum F(a_j / d) t_j + sum min(c_k, 0) / (d (1 - f)) t_k <= floor(b / d)`, where `f` is
 //! the fraction of `b / d` and `F(a) = floor(a) + max(0, fraction(a) - f) / (1 - f)`.
 
+use super::cut::Cut;
 use super::parameters::CUTS;
-use std::collections::BTreeMap;
-
-use super::cut::{Cut, WholeForm, reach};
+use super::rounded_cut::write;
 use super::separated_point::{From, SeparatedPoint};
-use crate::presolve::Domain;
 
 /// A whole column measured from a bound.
 #[derive(Debug, Clone, Copy)]
-struct WholeColumn {
-    column: usize,
-    coefficient: f64,
-    bounds: [f64; 2],
-    at_upper: bool,
+pub(super) struct WholeColumn {
+    pub(super) column: usize,
+    pub(super) coefficient: f64,
+    pub(super) bounds: [f64; 2],
+    pub(super) at_upper: bool,
     value: f64,
 }
 
 /// A continuous column or slack with a negative coefficient.
 #[derive(Debug, Clone, Copy)]
-struct Rest {
-    key: usize,
-    coefficient: f64,
-    from: From,
+pub(super) struct Rest {
+    pub(super) key: usize,
+    pub(super) coefficient: f64,
+    pub(super) from: From,
 }
 
 #[derive(Default)]
-struct Base {
-    whole: Vec<WholeColumn>,
-    rest: Vec<Rest>,
+pub(super) struct Base {
+    pub(super) whole: Vec<WholeColumn>,
+    pub(super) rest: Vec<Rest>,
     /// The sum of coefficient times value over the rest, and of the squares of the coefficients.
     rest_sum: f64,
     rest_norm: f64,
-    right: f64,
+    pub(super) right: f64,
     /// The least change of the right side that is more than what limits of rows allow.
     least: f64,
     /// The sum of coefficient times value over continuous columns and slacks with positive ones.
     slack: f64,
+    /// The rows behind the variable bounds of such columns, with the multipliers that remove them.
+    pub(super) removed: Vec<(usize, f64)>,
 }
 
 /// An aggregate in measured columns, with the divisor that cuts deepest.
@@ -66,6 +66,8 @@ pub(super) struct Aggregate {
     pub(super) noise: f64,
     /// The sum over its rows of the largest magnitude of a term or side, with what has cancelled.
     pub(super) size: f64,
+    /// The rows, each with its multiplier: as an equation with a slack of the coefficient 1.
+    pub(super) rows: Vec<(usize, f64)>,
 }
 
 /// Rounds one aggregate after the other, in the same memory.
@@ -110,7 +112,7 @@ impl Rounder {
         }
         let DivisorTrial { mut base, divisor, mut depth } = best?;
         turn_around(&mut base, divisor, &mut depth);
-        let cut = (depth > 0.0).then(|| write(point, &base, divisor, aggregate.size));
+        let cut = (depth > 0.0).then(|| write(side, &base, divisor));
         self.spare.push(base);
         cut?
     }
@@ -128,7 +130,7 @@ impl Rounder {
         let trial = self.measure(side, &|j, a| Some(point.vanishing(j, a)), true)?;
         let DivisorTrial { mut base, divisor, mut depth } = trial;
         turn_around(&mut base, divisor, &mut depth);
-        let cut = (depth > 0.0).then(|| write(point, &base, divisor, aggregate.size));
+        let cut = (depth > 0.0).then(|| write(side, &base, divisor));
         self.spare.push(base);
         cut?
     }
@@ -244,11 +246,12 @@ impl Base {
     ) -> Option<()> {
         let SeparatedPoint { program, domain, x, .. } = *point;
         let n = program.column_count();
-        let Base { whole, rest, .. } = self;
+        let Base { whole, rest, removed, .. } = self;
         let (mut right, mut slack) = (sign * aggregate.right, 0.0);
         integers.clear();
         whole.clear();
         rest.clear();
+        removed.clear();
         for &(key, a) in &aggregate.terms {
             let a = sign * a;
             if key < n && program.integral[key] {
@@ -267,6 +270,9 @@ impl Base {
                 rest.push(Rest { key, coefficient: a * from.sign, from });
             } else {
                 slack += a * from.sign * from.value;
+                if from.slope != 0.0 {
+                    removed.push((from.row, a / point.coefficient(from.row, key)));
+                }
             }
         }
         integers.sort_by_key(|&(column, _)| column);
@@ -317,7 +323,7 @@ impl Base {
 }
 
 /// `F(a)` for the fraction `f` of the right side.
-fn rounded(a: f64, f: f64) -> f64 {
+pub(super) fn rounded(a: f64, f: f64) -> f64 {
     // Quotients that are whole up to rounding count as whole; the margin of the limit covers that.
     let down = floor(a + 1e-11 * a.abs().max(1.0));
     let fraction = a - down;
@@ -334,7 +340,7 @@ fn floor(a: f64) -> f64 {
     if whole > a { whole - 1.0 } else { whole }
 }
 
-fn fraction(base: &Base, divisor: f64) -> Option<f64> {
+pub(super) fn fraction(base: &Base, divisor: f64) -> Option<f64> {
     let quotient = base.right / divisor;
     let fraction = quotient - quotient.floor();
     let gentle = CUTS.right_fractions.contains(&fraction);
@@ -357,84 +363,4 @@ fn depth(base: &Base, divisor: f64) -> f64 {
     sum += scale * base.rest_sum;
     norm += scale * scale * base.rest_norm;
     (sum - (base.right / divisor).floor()) / f64::max(norm, 1e-12).sqrt()
-}
-
-/// A sum of rows in the making. Terms that cancel leave rounding; `size` is its measure.
-struct Total<'a> {
-    domain: &'a Domain,
-    terms: BTreeMap<usize, f64>,
-    limit: f64,
-    size: f64,
-}
-
-impl Total<'_> {
-    fn add(&mut self, j: usize, a: f64) {
-        *self.terms.entry(j).or_insert(0.0) += a;
-        self.size = self.size.max(a.abs() * reach(self.domain, j));
-    }
-
-    fn raise(&mut self, limit: f64) {
-        self.limit += limit;
-        self.size = self.size.max(limit.abs());
-    }
-}
-
-/// The rounding in the program's columns. `size` is that of the aggregate.
-fn write(point: &SeparatedPoint<'_>, base: &Base, divisor: f64, size: f64) -> Option<Cut> {
-    let SeparatedPoint { program, domain, x, .. } = *point;
-    let f = fraction(base, divisor)?;
-    let n = program.column_count();
-    let size = CUTS.margin_share * size / (divisor * (1.0 - f));
-    let mut total = Total { domain, terms: BTreeMap::new(), limit: 0.0, size };
-    total.raise((base.right / divisor).floor());
-    for whole in &base.whole {
-        let a = rounded(whole.coefficient / divisor, f);
-        if whole.at_upper {
-            total.add(whole.column, -a);
-            total.raise(-a * whole.bounds[1]);
-        } else {
-            total.add(whole.column, a);
-            total.raise(a * whole.bounds[0]);
-        }
-    }
-    for rest in &base.rest {
-        let (a, from) = (rest.coefficient / (divisor * (1.0 - f)), rest.from);
-        if rest.key < n {
-            total.add(rest.key, a * from.sign);
-            total.raise(a * from.sign * from.constant);
-            if from.slope != 0.0 {
-                total.add(from.binary, -a * from.sign * from.slope);
-            }
-        } else {
-            // s = upper - a'x, or a'x - lower.
-            let row = rest.key - n;
-            let sign = point.slack_sign(row);
-            let (columns, values) = program.row(row);
-            columns.iter().zip(values).for_each(|(&j, v)| total.add(j, -a * sign * v));
-            let end = if sign > 0.0 { program.row_upper[row] } else { -program.row_lower[row] };
-            total.raise(-a * end);
-        }
-    }
-    let Total { terms, limit, size, .. } = total;
-    let mut cut = Cut::new(terms, limit, size, domain, x)?;
-    cut.form = Some(whole_form(base, divisor, f));
-    Some(cut)
-}
-
-/// The form whose rounding the cut is: in measured columns, the coefficients of the aggregate over
-/// the divisor, rounded down where their fraction is less than `f`, and else up.
-fn whole_form(base: &Base, divisor: f64, f: f64) -> WholeForm {
-    let mut form = WholeForm { terms: Vec::new(), value: (base.right / divisor).floor() };
-    for whole in &base.whole {
-        let a = rounded(whole.coefficient / divisor, f).ceil();
-        match whole.at_upper {
-            true => form.value -= a * whole.bounds[1],
-            false => form.value += a * whole.bounds[0],
-        }
-        let a = if whole.at_upper { -a } else { a };
-        if a != 0.0 {
-            form.terms.push((whole.column, a));
-        }
-    }
-    form
 }

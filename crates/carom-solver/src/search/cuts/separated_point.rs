@@ -11,8 +11,17 @@ pub(super) struct From {
     pub(super) constant: f64,
     pub(super) slope: f64,
     pub(super) binary: usize,
+    /// The row of a variable bound.
+    pub(super) row: usize,
     /// `t` at the point.
     pub(super) value: f64,
+}
+
+impl From {
+    /// A bound that no binary changes.
+    fn simple(sign: f64, constant: f64, value: f64) -> Self {
+        From { sign, constant, slope: 0.0, binary: 0, row: usize::MAX, value }
+    }
 }
 
 /// A point of a program, the activities of its rows, and where its continuous columns can be
@@ -67,7 +76,7 @@ impl<'a> SeparatedPoint<'a> {
                     let sign = if upper { -1.0 } else { 1.0 };
                     let (constant, slope) = (limit / a, -b / a);
                     let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
-                    let from = From { sign, constant, slope, binary: z, value };
+                    let from = From { sign, constant, slope, binary: z, row, value };
                     offer(&mut self.variable[j], from);
                     offer(&mut self.sides[j][usize::from(upper)], from);
                 }
@@ -80,7 +89,7 @@ impl<'a> SeparatedPoint<'a> {
         for j in (0..program.column_count()).filter(|&j| !program.integral[j]) {
             for (constant, sign) in [(domain.lower(j), 1.0), (domain.upper(j), -1.0)] {
                 let value = (sign * (x[j] - constant)).max(0.0);
-                offer(&mut self.simple[j], From { sign, constant, slope: 0.0, binary: 0, value });
+                offer(&mut self.simple[j], From::simple(sign, constant, value));
             }
         }
     }
@@ -108,7 +117,7 @@ impl<'a> SeparatedPoint<'a> {
             let constant = self.domain.bounds(column)[usize::from(upper)];
             let sign = if upper { -1.0 } else { 1.0 };
             let value = (sign * (self.x[column] - constant)).max(0.0);
-            From { sign, constant, slope: 0.0, binary: 0, value }
+            From::simple(sign, constant, value)
         })
     }
 
@@ -148,10 +157,16 @@ impl<'a> SeparatedPoint<'a> {
         above.min(below)
     }
 
+    /// The coefficient of a column in the row of its variable bound.
+    pub(super) fn coefficient(&self, row: usize, column: usize) -> f64 {
+        let (columns, values) = self.program.row(row);
+        columns.iter().zip(values).find(|(j, _)| **j == column).map_or(1.0, |(_, a)| *a)
+    }
+
     /// The slack of a row as a column: it is measured from 0.
     pub(super) fn slack_from(&self, row: usize) -> From {
         let value = self.slack(row).max(0.0);
-        From { sign: 1.0, constant: 0.0, slope: 0.0, binary: 0, value }
+        From::simple(1.0, 0.0, value)
     }
 
     /// The largest magnitude of a column within its bounds and at the point.
