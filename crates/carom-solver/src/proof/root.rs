@@ -57,9 +57,13 @@ impl ProofWriter<'_, '_> {
         if self.closes_at_once(part.clone())? || self.strengthen()? {
             return Ok(());
         }
-        // The search had another relaxation.
         self.relaxer.keeps_multipliers = true;
-        let guide = self.relaxer.search(&self.bounds)?;
+        if self.closes_at_once(part.clone())? {
+            return Ok(());
+        }
+        // The search had another relaxation: its splits are those of a search of this one.
+        let most = FEWEST_NODES.max(NODES_PER_SPLIT * self.guide.splits.len() as u64);
+        let guide = self.relaxer.search(&self.bounds, most)?;
         let part = if guide.splits.is_empty() { part } else { ProofPart::Node(Rc::new(guide), 0) };
         self.close(part)
     }
@@ -142,6 +146,11 @@ impl ProofWriter<'_, '_> {
         }
     }
 }
+
+/// The limit of nodes of the search of a strengthened program: the least one, and the multiple of
+/// the first search's splits.
+const FEWEST_NODES: u64 = 2000;
+const NODES_PER_SPLIT: u64 = 4;
 
 /// The largest whole numbers that are counted in (no unit).
 const MOST_WHOLE: f64 = 1e9;

@@ -8,18 +8,19 @@ use super::tree::Limit;
 use crate::search::{SolveTask, search};
 use crate::solver::{Control, Heuristics};
 
-/// Most nodes of a search for splits.
-const MOST_NODES: u64 = 20000;
-
 impl Relaxer<'_> {
     /// Searches a context as it is, without what would make its relaxation tighter. Returns the
     /// splits; there are none if the search has closed the context by probing it, or has found
     /// nothing.
-    pub(super) fn search(&mut self, bounds: &Bounds) -> Result<Guide, Limit> {
+    ///
+    /// # Arguments
+    ///
+    /// * `most`: its limit of nodes.
+    pub(super) fn search(&mut self, bounds: &Bounds, most: u64) -> Result<Guide, Limit> {
         for j in 0..self.program.column_count() {
             [self.within.lower[j], self.within.upper[j]] = self.range(bounds, j);
         }
-        let options = self.options.nested().with_proof("").with_node_limit(MOST_NODES);
+        let options = self.options.nested().with_proof("").with_node_limit(most);
         let options = options.with_cuts(false).with_heuristics(Heuristics::none());
         let accepts = |_: &[f64]| true;
         let mut task = SolveTask::new(&self.within, &accepts, self.cascades, &options, self.token);

@@ -38,6 +38,7 @@ impl ProofWriter<'_, '_> {
     /// Closes the program if few splits besides those of the search suffice.
     pub(super) fn closes_at_once(&mut self, part: ProofPart) -> Result<bool, Limit> {
         let (mark, splits) = (self.bounds.mark(), self.splits_left);
+        let facts = self.facts.len();
         self.log.begin_trial();
         self.trial_left = Some(FEW_OWN_SPLITS);
         let closed = self.close(part);
@@ -48,6 +49,7 @@ impl ProofWriter<'_, '_> {
         }
         self.log.drop_trial();
         self.bounds.undo_to(mark);
+        self.facts.truncate(facts);
         self.splits_left = splits;
         Ok(false)
     }

@@ -24,6 +24,9 @@ const SPLITS_BETWEEN_SEARCHES: u32 = 6;
 /// The bytes from which on a trial has failed: a long proof gains by lemmas.
 const LARGEST_TRIAL: usize = 1 << 22;
 
+/// Most nodes of a search for splits.
+const MOST_NODES: u64 = 2000;
+
 /// Own splits below each other before the first search.
 const SPLITS_BEFORE_A_SEARCH: u32 = 3;
 
@@ -290,7 +293,7 @@ impl ProofWriter<'_, '_> {
             ProofPart::End(_) => SPLITS_BETWEEN_SEARCHES - SPLITS_BEFORE_A_SEARCH,
             ProofPart::Own(depth) if depth < SPLITS_BETWEEN_SEARCHES => depth,
             _ => {
-                let guide = self.relaxer.search(&self.bounds)?;
+                let guide = self.relaxer.search(&self.bounds, MOST_NODES)?;
                 self.spend_trial(1 + guide.splits.len() as u64)?;
                 return Ok(Step::Again(match guide.splits.is_empty() {
                     true => {
