@@ -56,8 +56,8 @@ pub mod search {
 
     pub mod cuts {
         pub use crate::search::cuts::{
-            Cut, MOST_ROWS, cut_set_cuts, gomory_cuts, mixed_integer_rounding_cuts,
-            polymatroid_cuts,
+            Cut, CutSide, MOST_ROWS, WholeForm, cut_set_cuts, gomory_cuts,
+            mixed_integer_rounding_cuts, polymatroid_cuts,
         };
     }
 

@@ -3,6 +3,7 @@
 mod blocks;
 mod bounded_cones;
 mod compared;
+mod cuts;
 mod damaged;
 mod declarations;
 mod lemmas;

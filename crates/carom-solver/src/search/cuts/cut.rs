@@ -9,21 +9,25 @@ use crate::tolerance::largest_magnitude;
 /// A sum of whole multiples of integral columns. No point has it strictly between `value` and
 /// `value + 1`.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct WholeForm {
-    pub(crate) terms: Vec<(usize, f64)>,
-    pub(crate) value: f64,
+pub struct WholeForm {
+    /// Columns and multiples.
+    pub terms: Vec<(usize, f64)>,
+    /// The whole number that it is at most, or beyond.
+    pub value: f64,
     /// Where it is at most `value`, and where it is at least the next whole number: the sum from
     /// which the cut follows.
-    pub(crate) sides: [CutSide; 2],
+    pub sides: [CutSide; 2],
 }
 
 /// Multipliers of the form and of rows. Their sum with the negated cut leaves nothing that bounds
 /// of columns allow. A positive multiplier takes the lower limit of its row, a negative one the
 /// upper limit.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct CutSide {
-    pub(crate) form: f64,
-    pub(crate) rows: Vec<(usize, f64)>,
+pub struct CutSide {
+    /// The multiplier of the form.
+    pub form: f64,
+    /// Rows and their multipliers.
+    pub rows: Vec<(usize, f64)>,
 }
 
 /// A row `terms <= limit` that every whole point of a program satisfies.
@@ -35,7 +39,7 @@ pub struct Cut {
     pub limit: f64,
     /// The form that was rounded: where it is at most its value, and where it is at least the next
     /// one, the cut follows from rows and bounds. `None` if it was found in another way.
-    pub(crate) form: Option<WholeForm>,
+    pub form: Option<WholeForm>,
 }
 
 impl Cut {

@@ -14,8 +14,7 @@ mod rounded_cut;
 mod rounding;
 mod separated_point;
 
-pub use cut::Cut;
-pub(crate) use cut::{CutSide, WholeForm};
+pub use cut::{Cut, CutSide, WholeForm};
 pub use cut_sets::cut_set_cuts;
 pub use gomory::gomory_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};

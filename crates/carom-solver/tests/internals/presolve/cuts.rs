@@ -9,7 +9,7 @@ use carom::solver::StopToken;
 use carom_solver::internals::presolve::{Domain, Propagator, probe_implications};
 use carom_solver::internals::program::Program;
 use carom_solver::internals::search::cuts::{
-    Cut, MOST_ROWS, gomory_cuts, mixed_integer_rounding_cuts,
+    Cut, MOST_ROWS, cut_set_cuts, gomory_cuts, mixed_integer_rounding_cuts,
 };
 use proptest::prelude::*;
 
@@ -63,6 +63,37 @@ fn cut_off<'a>(cuts: &[Cut], points: &'a [Vec<f64>]) -> Option<&'a Vec<f64>> {
     points.iter().find(|point| cuts.iter().any(|cut| cut.room(point) < -SLACK))
 }
 
+/// The largest of what the bounds allow of a sum of columns.
+fn most(domain: &Domain, sum: &[f64]) -> f64 {
+    let end = |(j, a): (usize, &f64)| (a * domain.lower(j)).max(a * domain.upper(j));
+    sum.iter().enumerate().filter(|(_, a)| **a != 0.0).map(end).sum()
+}
+
+/// A side of the form of a cut on which the sum of the negated cut, the form and its rows is no
+/// contradiction.
+fn unproved<'a>(program: &Program, domain: &Domain, cuts: &'a [Cut]) -> Option<(&'a Cut, usize)> {
+    let forms = cuts.iter().filter_map(|cut| Some((cut, cut.form.as_ref()?)));
+    forms.flat_map(|(cut, form)| [(cut, form, 0), (cut, form, 1)]).find_map(|(cut, form, k)| {
+        let side = &form.sides[k];
+        let (mut sum, mut limit) = (vec![0.0; program.column_count()], cut.limit);
+        let mut add = |terms: &mut dyn Iterator<Item = (usize, f64)>, y: f64| {
+            terms.for_each(|(j, a)| sum[j] += a * y);
+        };
+        add(&mut cut.terms.iter().copied(), 1.0);
+        add(&mut form.terms.iter().copied(), side.form);
+        limit += side.form * (form.value + k as f64);
+        let is_right = if k == 0 { side.form <= 0.0 } else { side.form >= 0.0 };
+        for &(row, y) in &side.rows {
+            let (columns, values) = program.row(row);
+            add(&mut columns.iter().copied().zip(values.iter().copied()), y);
+            limit += y * if y > 0.0 { program.row_lower[row] } else { program.row_upper[row] };
+        }
+        sum.iter_mut().filter(|a| a.abs() < 1e-9).for_each(|a| *a = 0.0);
+        let is_proved = is_right && most(domain, &sum) <= limit + SLACK;
+        (!is_proved).then_some((cut, k))
+    })
+}
+
 proptest! {
     #![proptest_config(config(300, REGRESSIONS))]
 
@@ -78,6 +109,10 @@ proptest! {
         let x = case.relaxed(&program);
         let cuts = mixed_integer_rounding_cuts(&program, &domain, &x, MOST_ROWS, &StopToken::default());
         prop_assert_eq!(cut_off(&cuts, &points), None);
+        prop_assert_eq!(unproved(&program, &domain, &cuts), None);
+        let sets = cut_set_cuts(&program, &domain, &x, &StopToken::default());
+        prop_assert_eq!(cut_off(&sets, &points), None);
+        prop_assert_eq!(unproved(&program, &domain, &sets), None);
         for cut in &cuts {
             prop_assert!(cut.room(&x) < 0.0, "the relaxed point is not cut off");
         }
@@ -93,6 +128,7 @@ proptest! {
         let next =
             mixed_integer_rounding_cuts(&more, &domain, &middle, MOST_ROWS, &StopToken::default());
         prop_assert_eq!(cut_off(&next, &points), None);
+        prop_assert_eq!(unproved(&more, &domain, &next), None);
     }
 
     // Whatever the multipliers are: a basis may be wrong.
@@ -110,6 +146,7 @@ proptest! {
         let cuts = gomory_cuts(&program, &domain, &x, &sums, &StopToken::default());
         let points = case.grid.points();
         prop_assert_eq!(cut_off(&cuts, &points), None);
+        prop_assert_eq!(unproved(&program, &domain, &cuts), None);
     }
 
     #[test]
