@@ -35,8 +35,8 @@ FILE is `-` for the standard input. It may be compressed by gzip.
                        integers that are not named are 0
   --explain            if there is no solution, print which statements contradict each other
   --proof FILE         write a proof of the bound, or that there is no point, for `carom-proof check`;
-                       it is made after the search, takes from half as long again to more than ten
-                       times as long (`lseu`: 14), and a time limit holds for each of the two
+                       it is made after the search, with which it takes from 1.3 to more than 7
+                       times as long, and a time limit holds for each of the two
   --time-limit S       stop after S seconds
   --node-limit N       stop after N nodes
   --gap G              relative gap at which to stop, 1e-6 by default

@@ -4,7 +4,8 @@
 //! The search rewrites its program and trusts what has rewritten it. A proof trusts nothing: it
 //! takes from the search where it split, and proves every end of that tree again from the rows of
 //! the lowered program, with bounds, sums of facts, tangents and splits. Where the search knew more
-//! (cuts, tighter rows), the proof splits further. So a false answer of the search has no proof.
+//! (cuts, tighter rows), the proof begins with lemmas, or splits further. So a false answer of the
+//! search has no proof.
 //!
 //! * `facts` - rows of the program, and those derived from them
 //! * `bounds` - bounds with the facts that they follow from
