@@ -246,12 +246,12 @@ fn the_literal_law_reads_like_the_paper() {
         statements(&step.model),
         "  dynamics_vehicle_x[0]: -vehicle_x[0] + vehicle_x[1] - 2 vehicle_vx[0] - 2 vehicle_ax[0] = 0
   dynamics_vehicle_vx[0]: -vehicle_vx[0] + vehicle_vx[1] - 2 vehicle_ax[0] = 0
+  contact_1.5_vehicle_vx_+_2_vehicle_ax_=_0[0]: 1.5 vehicle_vx[0] + 2 vehicle_ax[0] + 39 contact[0] <= 39
+  contact_1.5_vehicle_vx_+_2_vehicle_ax_=_0_2[0]: -1.5 vehicle_vx[0] - 2 vehicle_ax[0] + 45 contact[0] <= 45
   flight_vehicle_x_>=_1[0]: contact[0] = 0 implies -vehicle_x[0] <= -1
   flight_most_vehicle_ax[0]: contact[0] = 0 implies vehicle_ax[0] <= 3
   flight_least_vehicle_ax[0]: contact[0] = 0 implies -vehicle_ax[0] <= 3
   contact_vehicle_x_<=_1[0]: contact[0] = 1 implies vehicle_x[0] <= 1
-  contact_1.5_vehicle_vx_+_2_vehicle_ax_=_0[0]: contact[0] = 1 implies 1.5 vehicle_vx[0] + 2 vehicle_ax[0] <= 0
-  contact_1.5_vehicle_vx_+_2_vehicle_ax_=_0_2[0]: contact[0] = 1 implies -1.5 vehicle_vx[0] - 2 vehicle_ax[0] <= 0
 "
     );
 }

@@ -3,5 +3,6 @@
 mod names;
 mod properties;
 mod shapes;
+mod supports;
 mod systems;
 pub(crate) mod wall;

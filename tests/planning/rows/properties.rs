@@ -13,7 +13,11 @@ use crate::common::config;
 
 const REGRESSIONS: &str = "tests/regressions/rows.txt";
 
-fn written(plain: &Plain, steps: usize, method: Option<Method>) -> (Model, SystemVariables) {
+pub(super) fn written(
+    plain: &Plain,
+    steps: usize,
+    method: Option<Method>,
+) -> (Model, SystemVariables) {
     let mut model = Model::new("random");
     let program = plain.hybrid().write_by(&mut model, "", steps, method).unwrap();
     (model, program)
@@ -54,7 +58,7 @@ fn plain_run(plain: &Plain, run: &HybridRun) -> PlainRun {
 }
 
 /// Minimises a linear cost of the last state, all inputs and all transitions.
-fn set_cost(model: &mut Model, program: &SystemVariables, cost: &[f64]) -> Affine {
+pub(super) fn set_cost(model: &mut Model, program: &SystemVariables, cost: &[f64]) -> Affine {
     let steps = program.horizon().steps();
     let mut total = Affine::zero();
     for (k, family) in program.states().iter().enumerate() {
@@ -172,7 +176,7 @@ fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> 
 }
 
 /// The least cost over all sequences of transitions.
-fn enumerated(plain: &Plain, steps: usize, cost: &[f64]) -> Option<f64> {
+pub(super) fn enumerated(plain: &Plain, steps: usize, cost: &[f64]) -> Option<f64> {
     let mut sequences: Vec<Vec<Vec<usize>>> = vec![Vec::new()];
     for _ in 0..steps {
         let combinations = plain.combinations();

@@ -17,7 +17,7 @@ const SWEEPS: usize = 3;
 const ROUNDING: f64 = 1e-15;
 
 /// Numbers below this fraction of the terms that they are sums of are 0 (no unit).
-const NOISE: f64 = 1e-14;
+pub(super) const NOISE: f64 = 1e-14;
 
 /// An upper bound of a linear function.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -13,6 +13,10 @@ use crate::tolerance::largest_magnitude;
 /// Two lists of numbers that differ by at most this fraction are proportional (no unit).
 const PROPORTIONAL: f64 = 1e-12;
 
+/// The least factor with which a change may be stated by the next state, because the error of the
+/// state is divided by it (no unit).
+pub(super) const RATIO: f64 = 0.5;
+
 /// An output represents its group if no other change of the group is this many times larger.
 const LARGER: f64 = 4.0;
 

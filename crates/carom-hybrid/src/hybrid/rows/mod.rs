@@ -9,7 +9,9 @@
 //! | transitions as affine functions | `step`, beside this folder |
 //! | what transitions change about the next state | `rows/change.rs` |
 //! | which rows hold in every transition, which are left out | `rows/switch.rs` |
+//! | rows with an M for each transition | `rows/support.rs` |
 //! | bounds of linear functions without a solver | `rows/bound.rs` |
+//! | the same by a simplex method | `rows/largest.rs` |
 //! | the statements of a step | `rows/statements.rs` |
 //! | inputs that take some values only | `rows/levels.rs` |
 //! | rows that are constant | `rows/constant_rows.rs` |
@@ -21,6 +23,7 @@ mod bound;
 mod change;
 mod constant_rows;
 mod extreme;
+mod largest;
 mod levels;
 mod memory;
 mod modes;
@@ -28,6 +31,7 @@ mod names;
 mod program;
 mod run;
 mod statements;
+mod support;
 mod switch;
 mod write;
 

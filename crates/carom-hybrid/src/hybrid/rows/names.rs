@@ -4,9 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::switch::Label;
 
+/// Where the statement of a row holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Scope {
+    /// In the transition of the row.
+    Own,
+    /// In every transition.
+    Common,
+    /// In every transition, with a largest value of its own in each.
+    Support,
+}
+
 /// The subject of a statement of a choice: the numbers of the choice and the transition, the row,
-/// and whether it holds in every transition.
-pub(super) type Key = (usize, usize, Option<Label>, bool);
+/// and where the statement holds.
+pub(super) type Key = (usize, usize, Option<Label>, Scope);
 
 /// Gives every family of variables, or of statements, a name of its own.
 #[derive(Debug, Clone)]
@@ -52,7 +63,7 @@ impl Names {
         let family = self.family(parts);
         if let (Some(Label::Guard { .. }), Some((name, before))) = (key.2, parts.split_last()) {
             let owner: Vec<&str> = before.iter().copied().filter(|part| !part.is_empty()).collect();
-            let words = match key.3 || owner.is_empty() {
+            let words = match key.3 == Scope::Common || owner.is_empty() {
                 true => format!("the limit `{name}`"),
                 false => format!("the limit `{name}` of `{}`", owner.join(" ")),
             };

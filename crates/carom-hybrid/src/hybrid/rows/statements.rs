@@ -2,21 +2,17 @@
 
 use std::collections::BTreeSet;
 
-use super::change::{Part, quantity};
+use super::change::{Part, RATIO, quantity};
 use super::constant_rows::nontrivial;
-use super::names::Names;
+use super::names::{Names, Scope};
 use super::program::{ChoiceProgram, SystemVariables};
-use super::switch::{Label, Switch, SwitchRow};
+use super::switch::{Label, SupportRow, Switch, SwitchRow};
 use super::write::expression;
 use crate::error::Error;
 use crate::hybrid::step::{self, ConditionSet, Dynamics, Moment, StepCondition};
 use crate::hybrid::system::{Choice, SystemRow};
 use crate::interval::Interval;
 use crate::model::{Affine, Either, Literal, Method, Model, Row, Term};
-
-/// The least factor with which a change may be stated by the next state, because the error of the
-/// state is divided by it (no unit).
-const RATIO: f64 = 0.5;
 
 /// A choice at a step.
 pub(super) struct ChoiceStep<'a> {
@@ -65,7 +61,7 @@ impl ChoiceStep<'_> {
     ) -> Result<(), Error> {
         let count = self.own.len();
         for (from, row) in &self.rows.common {
-            let family = self.family(names, *from, row.label, true);
+            let family = self.family(names, *from, row.label, Scope::Common);
             let left = self.by_next(*from, row).unwrap_or_else(|| self.expression(row));
             model.add((family.as_str(), self.step), left.le(row.limit))?;
             note(background, family, describes(row.label));
@@ -82,6 +78,7 @@ impl ChoiceStep<'_> {
         if self.has_spans() {
             self.add_spans(model, names, background)?;
         }
+        self.add_supports(model, names, background)?;
         let mut terms = Vec::with_capacity(count);
         for (j, literal) in selectors.iter().enumerate() {
             let mut term = Term::default();
@@ -103,7 +100,7 @@ impl ChoiceStep<'_> {
             if let Some(method) = self.method {
                 either = either.by(method);
             }
-            let key = (self.number, usize::MAX, None, false);
+            let key = (self.number, usize::MAX, None, Scope::Own);
             let family = names.keyed(key, &[&self.choice().name]);
             model.add((family.as_str(), self.step), either)?;
             background.insert(family);
@@ -138,11 +135,31 @@ impl ChoiceStep<'_> {
                 let sum: Affine =
                     ends.map(|(j, end)| end * self.variables().taken.value(j, self.step)).sum();
                 let row = if upper { variable.le(sum) } else { variable.ge(sum) };
-                let key = (self.number, usize::MAX, Some(Label::Change { group, upper }), true);
+                let key =
+                    (self.number, usize::MAX, Some(Label::Change { group, upper }), Scope::Common);
                 let family = names.keyed(key, &[of, word, self.quantity_name(group)]);
                 model.add((family.as_str(), self.step), row)?;
                 background.insert(family);
             }
+        }
+        Ok(())
+    }
+
+    /// Adds the rows with the largest value of their left side in each transition.
+    fn add_supports(
+        &self,
+        model: &mut Model,
+        names: &mut Names,
+        background: &mut BTreeSet<String>,
+    ) -> Result<(), Error> {
+        for SupportRow { from, row, most } in &self.rows.supports {
+            let family = self.family(names, *from, row.label, Scope::Support);
+            let left = self.by_next(*from, row).unwrap_or_else(|| self.expression(row));
+            let ends = most.iter().enumerate().filter(|(_, most)| **most != 0.0);
+            let sum: Affine =
+                ends.map(|(i, most)| *most * self.variables().taken.value(i, self.step)).sum();
+            model.add((family.as_str(), self.step), (left - sum).le(0.0))?;
+            note(background, family, describes(row.label));
         }
         Ok(())
     }
@@ -160,19 +177,25 @@ impl ChoiceStep<'_> {
         }
     }
 
-    /// The family of a transition's statements; `common` if they hold in every transition.
-    fn family(&self, names: &mut Names, from: usize, label: Label, common: bool) -> String {
+    /// The family of a transition's statements.
+    fn family(&self, names: &mut Names, from: usize, label: Label, scope: Scope) -> String {
         let system = &self.program.system;
         let choice = self.choice();
         let of = if self.is_alone() { "" } else { &choice.name };
         let transition = &choice.transitions[from];
-        let mut parts = vec![of, &transition.name];
+        // A range of several transitions has the name of none.
+        let (from, mut parts) = match (scope, label) {
+            (Scope::Support, Label::Range { .. }) => (usize::MAX, vec![of]),
+            _ => (from, vec![of, &transition.name]),
+        };
         match label {
-            Label::Change { group, .. } => {
+            Label::Change { group, upper } => {
                 parts.push(self.quantity_name(group));
-                if common {
-                    parts.push("always");
-                }
+                parts.extend(match scope {
+                    Scope::Own => None,
+                    Scope::Common => Some("always"),
+                    Scope::Support => Some(if upper { "most" } else { "least" }),
+                });
             }
             Label::Guard { number, .. } => {
                 parts.extend(transition.conditions().nth(number).map(StepCondition::name));
@@ -183,10 +206,12 @@ impl ChoiceStep<'_> {
         }
         // Both halves of a change may be one statement.
         let label = match label {
-            Label::Change { group, .. } if !common => Label::Change { group, upper: false },
+            Label::Change { group, .. } if scope == Scope::Own => {
+                Label::Change { group, upper: false }
+            }
             label => label,
         };
-        names.keyed((self.number, from, Some(label), common), &parts)
+        names.keyed((self.number, from, Some(label), scope), &parts)
     }
 
     /// The rows of a transition that do not hold in every transition, and then its norms.
@@ -205,7 +230,7 @@ impl ChoiceStep<'_> {
             {
                 continue;
             }
-            let family = self.family(names, transition, row.label, false);
+            let family = self.family(names, transition, row.label, Scope::Own);
             let Label::Change { group, upper } = row.label else {
                 let left = self.by_next(transition, row).unwrap_or_else(|| self.expression(row));
                 named.push((family, left.le(row.limit).into(), describes(row.label)));
@@ -252,7 +277,7 @@ impl ChoiceStep<'_> {
                 .row(self.step, |factors, constant| stated(condition.moment, factors, constant));
             let Some(row) = nontrivial(self.program, row.into(), self.step) else { continue };
             let label = Label::Guard { number: condition.number, is_limit: norm.is_limit };
-            let key = (self.number, transition, Some(label), false);
+            let key = (self.number, transition, Some(label), Scope::Own);
             let family = names.keyed(key, &[of, &own.name, &norm.name]);
             rows.push((family, row, !norm.is_limit));
         }

@@ -7,8 +7,9 @@
 //! Half-spaces that are limits are never left out because of others and never used to leave others
 //! out, so that an explanation can drop them.
 
-use super::bound::{self, size, upper_bound};
+use super::bound::{size, upper_bound};
 use super::change::{Changes, ratio};
+use super::largest;
 use crate::hybrid::step::{AffineForm, Dynamics};
 use crate::interval::Interval;
 
@@ -35,7 +36,7 @@ impl Region {
     /// # Arguments
     ///
     /// * `domains`: of the states.
-    /// * `known`: what holds at the start of the step in any case.
+    /// * `known`: what holds at the start of the step, besides half-spaces of the transition.
     /// * `alone`: whether the choice decides on the next state alone.
     pub(super) fn new(
         dynamics: &Dynamics,
@@ -86,6 +87,23 @@ pub(super) struct SwitchRow {
     pub(super) limit: f64,
 }
 
+impl SwitchRow {
+    /// It as a form in z and w that is at most 0.
+    pub(super) fn form(&self) -> AffineForm {
+        AffineForm { factors: [&self.z[..], &self.w].concat(), constant: -self.limit }
+    }
+}
+
+/// A row of one transition that is stated in all of them.
+#[derive(Debug, Clone)]
+pub(super) struct SupportRow {
+    /// The transition of the row.
+    pub(super) from: usize,
+    pub(super) row: SwitchRow,
+    /// The largest value of the left side in each transition.
+    pub(super) most: Vec<f64>,
+}
+
 /// The rows of a choice at a step.
 #[derive(Debug, Clone)]
 pub(super) struct Switch {
@@ -95,42 +113,52 @@ pub(super) struct Switch {
     pub(super) spans: Vec<Vec<Interval>>,
     /// Rows that hold in every transition, with the transition from which they come.
     pub(super) common: Vec<(usize, SwitchRow)>,
+    /// Rows with the largest value of their left side in each transition.
+    pub(super) supports: Vec<SupportRow>,
     /// The other rows of each transition.
     pub(super) own: Vec<Vec<SwitchRow>>,
 }
 
-struct Analysis<'a> {
-    regions: &'a [Region],
+/// What is known of the transitions of a choice at a step.
+pub(super) struct Analysis<'a> {
+    pub(super) regions: &'a [Region],
     /// The values of the groups' variables, by group and transition.
-    changes: Vec<Vec<AffineForm>>,
+    pub(super) changes: Vec<Vec<AffineForm>>,
     /// The same as the rows state them: only their range, where that is a point.
     stated: Vec<Vec<AffineForm>>,
     /// Ranges of states and inputs in any transition, and then of the groups' variables.
-    domain: Vec<Interval>,
+    pub(super) domain: Vec<Interval>,
     /// Forms in these variables that are at most 0 in any transition.
     known: Vec<AffineForm>,
     width: usize,
+    /// Whether the choice decides on the next state alone.
+    pub(super) alone: bool,
 }
 
-/// The rows of a choice at a step.
-///
-/// # Arguments
-///
-/// * `ranges`: of the states and of the inputs, over all transitions.
-/// * `known`: what holds at the start of the step in any case.
-pub(super) fn switch(
+/// What is known of a step in every transition of a choice.
+pub(super) struct Setting<'a> {
+    /// The ranges of the states and of the inputs.
+    pub(super) ranges: &'a [Interval],
+    /// Forms that are at most 0 at the start of the step.
+    pub(super) known: &'a [AffineForm],
+    /// Whether the choice decides on the next state alone.
+    pub(super) alone: bool,
+}
+
+/// The rows of a choice at a step, and what is known of it.
+pub(super) fn switch<'a>(
     step: &[Dynamics],
     changes: &Changes,
-    regions: &[Region],
-    ranges: &[Interval],
-    known: &[AffineForm],
-) -> Switch {
+    regions: &'a [Region],
+    setting: &Setting<'_>,
+) -> (Switch, Analysis<'a>) {
+    let Setting { ranges, known, .. } = *setting;
     let groups = changes.groups.len();
     let maps: Vec<Vec<AffineForm>> = (0..groups).map(|g| changes.group(step, g)).collect();
     let of = |maps: &Vec<AffineForm>| -> Vec<Interval> {
         let each = maps.iter().zip(regions);
         let range = |(map, region): (&AffineForm, &Region)| {
-            bound::range(&map.factors, map.constant, &region.domain, &region.rows)
+            largest::range(map, &region.domain, &region.rows)
         };
         each.map(range).collect()
     };
@@ -162,6 +190,7 @@ pub(super) fn switch(
         domain: [ranges, &bounds].concat(),
         known: known.iter().map(wide).collect(),
         width: ranges.len(),
+        alone: setting.alone,
     };
     let mut rows: Vec<Vec<SwitchRow>> =
         step.iter().enumerate().map(|(j, own)| analysis.rows(j, own, ranges)).collect();
@@ -179,10 +208,15 @@ pub(super) fn switch(
         let given = analysis.given(j);
         rows.retain(|row| !analysis.is_implied(row, &given));
     }
-    Switch { bounds, spans, common, own: rows }
+    (Switch { bounds, spans, common, supports: Vec::new(), own: rows }, analysis)
 }
 
 impl Analysis<'_> {
+    /// Whether a change has one value in a transition, and its span states that.
+    pub(super) fn is_span(&self, group: usize, transition: usize) -> bool {
+        self.regions.len() > 2 && self.stated[group][transition].is_constant()
+    }
+
     /// Everything that a transition demands.
     fn rows(&self, transition: usize, own: &Dynamics, ranges: &[Interval]) -> Vec<SwitchRow> {
         let groups = self.changes.len();
@@ -224,7 +258,7 @@ impl Analysis<'_> {
 
     /// A row in states and inputs alone, where the changes are those of a transition; and the sum
     /// of the magnitudes of its terms.
-    fn within(
+    pub(super) fn within(
         &self,
         changes: &[Vec<AffineForm>],
         transition: usize,
@@ -286,14 +320,14 @@ impl Analysis<'_> {
 
     /// Keeps a row that holds everywhere, unless what is known implies it.
     fn state(&mut self, from: usize, row: SwitchRow, common: &mut Vec<(usize, SwitchRow)>) {
-        let factors = [&row.z[..], &row.w].concat();
-        let allowed = ROUNDING * (row.limit.abs() + size(&factors, &self.domain));
-        let found = upper_bound(&factors, -row.limit, &self.domain, &self.known, allowed);
+        let form = row.form();
+        let allowed = ROUNDING * (row.limit.abs() + size(&form.factors, &self.domain));
+        let found = upper_bound(&form.factors, form.constant, &self.domain, &self.known, allowed);
         if found.value <= allowed && found.weight <= WEIGHT {
             return;
         }
         if !is_limit(row.label) {
-            self.known.push(AffineForm { factors, constant: -row.limit });
+            self.known.push(form);
         }
         common.push((from, row));
     }

@@ -9,11 +9,12 @@ use super::modes;
 use super::names::Names;
 use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
-use super::switch::{Region, Switch, switch};
+use super::support::state_by_support;
+use super::switch::{Region, Setting, Switch, switch};
 use crate::error::Error;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::step::{self, AffineForm, ConditionMaps, Dynamics, StepCondition};
-use crate::hybrid::system::{Choice, Coordinates, HybridSystem};
+use crate::hybrid::step::{self, AffineForm, ConditionMaps, ConditionSet, Dynamics, StepCondition};
+use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Transition};
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Method, Model, Variable, VariableKind};
 
@@ -44,7 +45,33 @@ fn known(system: &HybridSystem, step: usize) -> Vec<AffineForm> {
     limits.filter_map(row).collect()
 }
 
-fn formulate(system: &HybridSystem, choice: &Choice, count: usize) -> Formulation {
+/// Half-spaces around the norms that a condition of the system, or of a transition, limits: each
+/// entry is within the bound.
+fn around_norms<'a>(
+    conditions: impl Iterator<Item = StepCondition<'a>>,
+    predicted: &[AffineForm],
+    width: usize,
+    step: usize,
+) -> Vec<AffineForm> {
+    let maps = conditions
+        .filter(|own| matches!(own.set, ConditionSet::Norm(_)) && !own.is_limit())
+        .filter_map(|own| own.maps(predicted, width, step));
+    let sides = |maps| match maps {
+        ConditionMaps::HalfSpace(_) => Vec::new(),
+        ConditionMaps::Norm { entries, bound } => {
+            let sides = |e: &AffineForm| [e.minus(&bound), e.scaled(-1.0).minus(&bound)];
+            entries.iter().flat_map(sides).collect()
+        }
+    };
+    maps.flat_map(sides).collect()
+}
+
+fn formulate(
+    system: &HybridSystem,
+    choice: &Choice,
+    count: usize,
+    method: Option<Method>,
+) -> Formulation {
     let outputs = step::output_names(&choice.transitions);
     let domains: Vec<Interval> = system.states.iter().map(|(_, domain)| *domain).collect();
     let alone = system.choices.len() == 1;
@@ -61,15 +88,25 @@ fn formulate(system: &HybridSystem, choice: &Choice, count: usize) -> Formulatio
             step::dynamics(system, transition, &outputs, inputs.collect(), t)
         };
         let own: Vec<Dynamics> = choice.transitions.iter().map(dynamics).collect();
-        let region = |own: &Dynamics| Region::new(own, &domains, &known, alone);
-        let regions: Vec<Region> = own.iter().map(region).collect();
+        let width = domains.len() + ranges.len();
+        let norms = around_norms(system.conditions(), &[], width, t);
+        let region = |(transition, own): (&Transition, &Dynamics)| {
+            let flow = step::flow(&transition.flow);
+            let norms_of = around_norms(transition.conditions(), &flow, width, t);
+            Region::new(own, &domains, &[&known[..], &norms, &norms_of].concat(), alone)
+        };
+        let regions: Vec<Region> = choice.transitions.iter().zip(&own).map(region).collect();
         steps.push((own, regions, [&domains[..], &ranges].concat(), known));
     }
     let all: Vec<&[Dynamics]> = steps.iter().map(|(own, ..)| &own[..]).collect();
     let last: &[Region] = steps.last().map_or(&[], |(_, regions, ..)| regions);
     let changes = Changes::new(&choice.transitions, &all, last);
     let steps = steps.into_iter().map(|(own, regions, ranges, known)| {
-        let rows = switch(&own, &changes, &regions, &ranges, &known);
+        let setting = Setting { ranges: &ranges, known: &known, alone };
+        let (mut rows, analysis) = switch(&own, &changes, &regions, &setting);
+        if method.is_none() {
+            state_by_support(&mut rows, &analysis, &own, &changes);
+        }
         (own, rows)
     });
     Formulation { steps: steps.collect(), changes }
@@ -91,7 +128,7 @@ pub(super) fn write(
 ) -> Result<SystemVariables, Error> {
     let count = system.settles().min(horizon.steps() - 1) + 1;
     let formulations: Vec<Formulation> =
-        system.choices.iter().map(|own| formulate(system, own, count)).collect();
+        system.choices.iter().map(|own| formulate(system, own, count, method)).collect();
     let before = counts(model);
     let (mut program, background, words) = model.all_or_nothing(|model| {
         let mut names = Names::new(prefix);
