@@ -17,8 +17,9 @@ use crate::hybrid::step::{AffineForm, Dynamics};
 use crate::interval::Interval;
 use crate::tolerance;
 
-/// A row is stated by its support function if that lowers one M to this share or less (no unit).
-const SHARE: f64 = 0.5;
+/// A row is stated by its support function if that lowers one M to this share or less (no unit). Of
+/// two transitions, presolve tightens the single M, too.
+const SHARES: [f64; 2] = [0.5, 0.95];
 
 /// The rounding of an M from ranges, relative to it (no unit).
 const ROUNDING: f64 = 1e-12;
@@ -31,6 +32,7 @@ pub(super) fn state_by_support(
     changes: &Changes,
 ) {
     let found = &mut switch.supports;
+    let share = SHARES[usize::from(step.len() > 2)];
     for (j, rows) in switch.own.iter_mut().enumerate() {
         rows.retain(|row| {
             let is_stated_here = match row.label {
@@ -42,18 +44,17 @@ pub(super) fn state_by_support(
             if !is_stated_here {
                 return true;
             }
-            let Some(row) = analysis.without_fixed(row) else { return true };
-            if let Some(known) = found.iter().find_map(|known| known.takes(&row, j)) {
+            if let Some(known) = found.iter().find_map(|known| known.takes(row, j)) {
                 return !known;
             }
-            let big_m = big_m(analysis, &step[j], changes, &row);
-            let most = in_each(analysis, j, &row, row.limit + big_m);
-            let is_tighter = |h: &f64| h - row.limit <= SHARE * big_m;
+            let big_m = big_m(analysis, &step[j], changes, row);
+            let most = in_each(analysis, j, row, row.limit + big_m);
+            let is_tighter = |h: &f64| h - row.limit <= share * big_m;
             let mut others = most.iter().enumerate().filter(|(i, _)| *i != j).map(|(_, h)| h);
             let is_bounded = most.iter().all(|h| *h < tolerance::INFINITE);
             let is_stated = is_bounded && others.any(is_tighter);
             if is_stated {
-                found.push(SupportRow { from: j, row, most });
+                found.push(SupportRow { from: j, row: row.clone(), most });
             }
             !is_stated
         });
@@ -62,21 +63,6 @@ pub(super) fn state_by_support(
 
 fn is_range(row: &SwitchRow) -> bool {
     matches!(row.label, Label::Range { .. })
-}
-
-impl Analysis<'_> {
-    /// A row with the values of what is fixed at this step, so that guards on one quantity have one
-    /// direction; `None` if nothing else is left of it.
-    fn without_fixed(&self, row: &SwitchRow) -> Option<SwitchRow> {
-        let mut own = row.clone();
-        for (factor, range) in own.z.iter_mut().zip(&self.domain).filter(|(a, _)| **a != 0.0) {
-            if range.width() == 0.0 {
-                let rest = Interval::point(own.limit) + -(*range * *factor);
-                (*factor, own.limit) = (0.0, rest.upper);
-            }
-        }
-        own.z.iter().chain(&own.w).any(|&a| a != 0.0).then_some(own)
-    }
 }
 
 impl SupportRow {
