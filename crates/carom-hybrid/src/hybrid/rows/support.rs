@@ -1,9 +1,9 @@
 //! Rows with the largest value of their left side in each transition.
 //!
 //! A row `d'(z, w) <= b` of one transition is stated as `d'(z, w) <= Σ h_i t_i`: h_i is the support
-//! function of transition i's own polytope in the direction d, and t_i its binary, of which one is
-//! 1. The limit b of the row itself is among them. That is a big-M for each of the other
-//! transitions (Trespalacios and Grossmann, Improved Big-M reformulation for generalized
+//! function of transition i's own polytope in the direction d, and t_i its binary. Exactly one of
+//! these is on, and where it is that of the row, `h_i <= b`. So there is a big-M for each of the
+//! other transitions (Trespalacios and Grossmann, Improved Big-M reformulation for generalized
 //! disjunctive programs, Computers & Chemical Engineering 76, 2015), and rows of several
 //! transitions in one direction are one row.
 //!
