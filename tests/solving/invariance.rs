@@ -2,14 +2,16 @@
 //!
 //! Random small programs (binaries, integers, continuous and free variables, indicators of both
 //! polarities, linear and convex quadratic costs) are solved, rewritten and solved again. No
-//! knowledge of the optimum is needed: order of variables and rows, units of rows and of the
-//! objective, origins of variables, and minimising or maximising must not show in status and
-//! optimum; less freedom never gives a smaller minimum; threads change nothing but the time; one
-//! thread is deterministic; what is undone leaves no trace.
+//! knowledge of the optimum is needed: order of variables and rows, their units and that of the
+//! objective, complements of variables, signs of rows, origins of variables, and minimising or
+//! maximising must not show in status and optimum; less freedom never gives a smaller minimum;
+//! threads change nothing but the time; one thread is deterministic; what is undone leaves no
+//! trace.
 
 use crate::common::case::{Case, Line};
 use crate::common::config;
 use crate::common::generate::{Shape, case};
+use crate::common::other_words::{complemented, in_units, negated, rows};
 use crate::common::quadratic_program::dot;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -50,11 +52,6 @@ fn near(a: f64, b: f64) -> bool {
 
 fn same(a: (Termination, f64), b: (Termination, f64)) -> bool {
     a.0 == b.0 && near(a.1, b.1)
-}
-
-/// All rows of a case, those of indicators included.
-fn rows(case: &mut Case) -> impl Iterator<Item = &mut Line> {
-    case.lines.iter_mut().chain(case.switches.iter_mut().map(|switch| &mut switch.line))
 }
 
 fn programs() -> impl Strategy<Value = Case> {
@@ -139,6 +136,26 @@ proptest! {
         rows(&mut other).zip(&factors).for_each(|(line, factor)| line.scale *= factor);
         let (a, b) = (answer(&case), answer(&other));
         prop_assert!(same(a, b), "{a:?}, scaled {b:?}\n{}\n{}", case.build().0, other.build().0);
+    }
+
+    #[test]
+    fn the_units_of_variables_and_rows(
+        case in programs(),
+        powers in prop::collection::vec(-16i32..=16, 3 * MOST),
+    ) {
+        let other = in_units(&case, &powers[..MOST], &powers[MOST..]);
+        let (a, b) = (answer(&case), answer(&other));
+        prop_assert!(same(a, b), "{a:?}, in units {b:?}\n{}\n{}", case.build().0, other.build().0);
+    }
+
+    #[test]
+    fn complements_and_signs(
+        case in programs(),
+        which in prop::collection::vec(any::<bool>(), 3 * MOST),
+    ) {
+        let other = negated(&complemented(&case, &which[..MOST]), &which[MOST..]);
+        let (a, b) = (answer(&case), answer(&other));
+        prop_assert!(same(a, b), "{a:?}, turned {b:?}\n{}\n{}", case.build().0, other.build().0);
     }
 
     #[test]

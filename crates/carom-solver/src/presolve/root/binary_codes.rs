@@ -8,9 +8,12 @@
 //! If `z_1 + ... + z_k = 1` and binaries say in which half of the columns the 1 is (`sum of z over
 //! S <= b` and `sum of the others <= 1 - b`), then each `b` is the sum over its `S`. If no two
 //! columns have the same code, each `z` is whole wherever the `b` are. Branching on a `b` excludes
-//! little, and rules for "exactly one of these" do not apply to it.
+//! little, and rules for "exactly one of these" do not apply to it. Columns may be in
+//! other units, and the row may have `1 - z` in the place of a `z`.
 
+use super::complements::complement;
 use super::postsolve::{Restored, Undo};
+use super::units::{is_power, scale_column};
 use super::working_program::WorkingProgram;
 
 /// The largest number of columns that a code distinguishes here; codes have 64 bits.
@@ -37,6 +40,62 @@ struct BinaryCodes {
 }
 
 pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
+    // Of two columns, the complements of both are a choice, too.
+    let by_sign = |&sign: &f64| replace_choice(work, row, sign);
+    [1.0, -1.0].iter().map(by_sign).find(|changes| *changes > 0).unwrap_or(0)
+}
+
+/// Replaces the codes of a row whose complements have coefficients of the other sign. Returns the
+/// number of changes.
+fn replace_choice(work: &mut WorkingProgram, row: usize, sign: f64) -> usize {
+    let Some(Choice { units, complements }) = choice(work, row, sign) else { return 0 };
+    let before = work.undos.len();
+    units.iter().for_each(|&(j, unit)| scale_column(work, j, 1.0 / unit));
+    complements.iter().for_each(|&j| complement(work, j));
+    let changes = replace(work, row);
+    if changes == 0 {
+        // Nothing was rounded.
+        complements.iter().for_each(|&j| complement(work, j));
+        units.iter().for_each(|&(j, unit)| scale_column(work, j, unit));
+        work.undos.truncate(before);
+    }
+    changes
+}
+
+/// "Exactly one of these" over columns in other units, and over complements.
+struct Choice {
+    /// Columns that are `unit` times a column that is 0 or 1, and their units other than 1.
+    units: Vec<(usize, f64)>,
+    /// Columns whose complements are chosen from.
+    complements: Vec<usize>,
+}
+
+/// The choice that an equality may be: `sum of x / unit = 1` with `unit - x` in the place of some
+/// `x`. Units are powers of two.
+fn choice(work: &WorkingProgram, row: usize, sign: f64) -> Option<Choice> {
+    let (entries, limit) = (&work.rows[row], work.row_lower[row]);
+    let fits = work.is_equality(row)
+        && (2..=MAX_CODED_COLUMNS).contains(&entries.len())
+        && entries.iter().all(|&(j, _)| work.lower[j] == 0.0 && !work.is_held(j));
+    if !fits {
+        return None;
+    }
+    let turned = || entries.iter().filter(|(_, a)| sign * a < 0.0);
+    let complements: Vec<usize> = turned().map(|e| e.0).collect();
+    // What each term is if its column is chosen.
+    let term = turned().next().map_or(sign * limit, |&(j, a)| a.abs() * work.upper[j]);
+    let even = turned().all(|&(j, a)| a.abs() * work.upper[j] == term);
+    let one = sign * limit == term * (1.0 - complements.len() as f64);
+    let units: Vec<(usize, f64)> = entries.iter().map(|&(j, a)| (j, term / a.abs())).collect();
+    let exact = |&(j, unit): &(usize, f64)| unit == 1.0 || !work.integral[j] && is_power(unit);
+    (even && one && units.iter().all(exact)).then(|| Choice {
+        units: units.into_iter().filter(|(_, unit)| *unit != 1.0).collect(),
+        complements,
+    })
+}
+
+/// Replaces the codes of a row of columns that are 0 or 1. Returns the number of changes.
+fn replace(work: &mut WorkingProgram, row: usize) -> usize {
     let Some((columns, coefficient)) = one_of(work, row) else { return 0 };
     let bits = bits(work, row, &columns);
     if bits.is_empty() || !are_distinct(&columns, &bits) {

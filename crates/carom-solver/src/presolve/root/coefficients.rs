@@ -31,15 +31,22 @@ pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> Result<usize, Infe
     if work.rows[row].len() < 2 {
         return Ok(0);
     }
+    // Limits of whole coefficients first: smaller ones may be whole no longer.
+    let rounded = round(work, row)?;
     let tightened = tighten(work, row);
+    Ok(usize::from(tightened) + usize::from(rounded | round(work, row)?))
+}
+
+/// Rounds the limits of a row of integers; whether they have moved.
+fn round(work: &mut WorkingProgram, row: usize) -> Result<bool, Infeasible> {
     let (limits, noise) = ([work.row_lower[row], work.row_upper[row]], work.row_noise[row]);
     let rounded = round_limits(&work.rows[row], limits, columns(work), noise);
-    let Some(([lower, upper], news)) = rounded else { return Ok(usize::from(tightened)) };
+    let Some(([lower, upper], news)) = rounded else { return Ok(false) };
     if lower > upper {
         return Err(Infeasible);
     }
     (work.row_lower[row], work.row_upper[row]) = (lower, upper);
-    Ok(usize::from(tightened) + usize::from(news))
+    Ok(news)
 }
 
 fn columns(work: &WorkingProgram) -> Columns<'_> {

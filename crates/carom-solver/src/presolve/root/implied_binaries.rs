@@ -10,6 +10,7 @@
 //! restored: programs with integers have none. So a column that stands for
 //! a conjunction, `x <= z_1` and `x <= z_2`, is a binary: rows over it say "at least one of these".
 
+use super::units::{is_power, scale_column};
 use super::working_program::WorkingProgram;
 use crate::presolve::coefficients::is_whole;
 
@@ -23,21 +24,32 @@ pub(super) fn apply(work: &mut WorkingProgram) -> usize {
 
 fn make_whole(work: &mut WorkingProgram, column: usize) -> usize {
     let open = work.lower[column] == 0.0
-        && work.upper[column] >= 1.0
         && !work.integral[column]
         && !work.is_held(column)
         && work.is_straight(column);
-    let is_binary = || work.upper[column] == 1.0 || is_at_most_one(work, column);
-    if !open || work.uses[column].is_empty() || !is_binary() {
+    if !open || work.uses[column].is_empty() {
         return 0;
     }
+    let Some(unit) = unit(work, column) else { return 0 };
     let cost = work.linear[column];
-    let whole = (cost <= 0.0 && ends_whole(work, column, true))
-        || (cost >= 0.0 && ends_whole(work, column, false));
+    let whole = (cost <= 0.0 && ends_whole(work, column, unit, true))
+        || (cost >= 0.0 && ends_whole(work, column, unit, false));
     if whole {
+        if unit != 1.0 {
+            scale_column(work, column, 1.0 / unit);
+        }
         (work.integral[column], work.upper[column]) = (true, 1.0);
     }
     usize::from(whole)
+}
+
+/// The largest value of a column that may be 0 or this: 1 or, in other units, a power of two.
+fn unit(work: &WorkingProgram, column: usize) -> Option<f64> {
+    let upper = work.upper[column];
+    if upper == 1.0 || upper > 1.0 && is_at_most_one(work, column) {
+        return Some(1.0);
+    }
+    is_power(upper).then_some(upper)
 }
 
 /// Whether a single row keeps a column from exceeding 1.
@@ -45,12 +57,14 @@ fn is_at_most_one(work: &WorkingProgram, column: usize) -> bool {
     work.uses[column].iter().any(|&row| work.implied_bounds(row, column).0[1] <= 1.0)
 }
 
-/// Whether all rows that keep a column from rising, or from falling, hold it at whole numbers.
-fn ends_whole(work: &WorkingProgram, column: usize, rises: bool) -> bool {
+/// Whether all rows that keep a column from rising, or from falling, hold it at whole multiples of
+/// its unit.
+fn ends_whole(work: &WorkingProgram, column: usize, unit: f64, rises: bool) -> bool {
     work.uses[column].iter().all(|&row| {
         let a = work.coefficient(row, column);
         let limit = if (a > 0.0) == rises { work.row_upper[row] } else { work.row_lower[row] };
         let others = || work.rows[row].iter().filter(|e| e.0 != column);
+        let a = unit * a;
         limit.is_infinite()
             || (is_whole(limit / a) && others().all(|&(j, b)| work.integral[j] && is_whole(b / a)))
     })

@@ -13,9 +13,9 @@
 //!   that forces columns stays if one of them is in a cone: a cone may turn a rounding of its head
 //!   into a large change of its tail.
 //! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves
-//!   rows and objective, and stays), binary codes, doubletons, lineality, slack columns, implied
-//!   free columns, parallel columns, open integers. The columns that go or move are in no cone, so
-//!   that the cones do not change.
+//!   rows and objective, and stays), complements, binary codes, doubletons, lineality, slack
+//!   columns, implied free columns, parallel columns, open integers. The columns that go or move are
+//!   in no cone, so that the cones do not change.
 //! * They move a column while all others stay, at no cost, until something stops it: implied
 //!   binaries, held columns, dominated columns. Columns of cones are not moved, and cones do not
 //!   stop others. What needs multipliers is left out (see `dominated_columns`).
@@ -29,6 +29,7 @@ mod activity_range;
 mod binary_codes;
 mod blocks;
 mod coefficients;
+mod complements;
 mod cones;
 mod determined_columns;
 mod dominated_columns;
@@ -75,6 +76,9 @@ pub enum PresolveRule {
     ParallelRows,
     /// Cones become shorter, bounds or rows.
     Cones,
+    /// Binaries are replaced by their complements where rows say "exactly one" or "at least one" of
+    /// these.
+    Complements,
     /// Columns of which exactly one is 1, as the code of some binaries determines, become binaries.
     BinaryCodes,
     /// Equalities over two columns replace one of them.
@@ -104,12 +108,13 @@ pub enum PresolveRule {
 
 impl PresolveRule {
     /// All rules, in the order of their application.
-    pub const ALL: [PresolveRule; 17] = [
+    pub const ALL: [PresolveRule; 18] = [
         PresolveRule::FixedColumns,
         PresolveRule::SingletonRows,
         PresolveRule::RedundantRows,
         PresolveRule::ParallelRows,
         PresolveRule::Cones,
+        PresolveRule::Complements,
         PresolveRule::BinaryCodes,
         PresolveRule::Doubletons,
         PresolveRule::Lineality,
@@ -147,6 +152,7 @@ impl PresolveRule {
             PresolveRule::RedundantRows => work.each_row(redundant_rows::apply),
             PresolveRule::ParallelRows => parallel_rows::apply(work),
             PresolveRule::Cones => cones::apply(work),
+            PresolveRule::Complements => Ok(complements::apply(work)),
             PresolveRule::BinaryCodes => {
                 work.each_row(|work, row| Ok(binary_codes::apply(work, row)))
             }

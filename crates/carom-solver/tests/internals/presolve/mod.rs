@@ -9,6 +9,7 @@ mod grid;
 mod kkt;
 mod lineality;
 mod logical_programs;
+mod other_words;
 mod polymatroid;
 mod programs;
 mod rules;

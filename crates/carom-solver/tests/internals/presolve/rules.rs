@@ -17,7 +17,7 @@ use crate::common::quadratic_program::Minimum;
 const REGRESSIONS: &str = "tests/regressions/presolve.txt";
 
 /// The optimum of a case when presolved by some rules, searched, and restored.
-fn compare(case: &Case, rules: &[PresolveRule]) -> Result<(), TestCaseError> {
+pub(super) fn compare(case: &Case, rules: &[PresolveRule]) -> Result<(), TestCaseError> {
     let (model, _) = case.build();
     let program = Program::assemble(&model).unwrap();
     let expected = optimum(case);
