@@ -1,4 +1,5 @@
-//! The same program in other words: other units, complements of variables, rows from the other side.
+//! The same program in other words: other units, complements of variables, rows from the other
+//! side.
 
 use carom::prelude::*;
 
@@ -29,14 +30,19 @@ pub(crate) fn in_units(case: &Case, powers: &[i32], of_rows: &[i32]) -> Case {
     other
 }
 
-/// The program in `lower + upper - x` in place of some bounded variables.
+/// The program with `lower + upper - x`, up to a fraction, in the place of some bounded variables.
 pub(crate) fn complemented(case: &Case, which: &[bool]) -> Case {
     let mut other = case.clone();
     for (j, column) in case.columns.iter().enumerate().filter(|&(j, _)| which[j]) {
-        let sum = column.lower + column.upper;
+        let sum = match column.kind {
+            VariableKind::Binary => 1.0,
+            VariableKind::Integer => (column.lower + column.upper).round(),
+            VariableKind::Continuous => column.lower + column.upper,
+        };
         if !(column.lower.is_finite() && column.upper.is_finite()) {
             continue;
         }
+        (other.columns[j].lower, other.columns[j].upper) = (sum - column.upper, sum - column.lower);
         other.constant += case.linear[j] * sum;
         other.linear[j] *= -1.0;
         for square in &mut other.squares {

@@ -8,7 +8,7 @@
 //! threads change nothing but the time; one thread is deterministic; what is undone leaves no
 //! trace.
 
-use crate::common::case::{Case, Line};
+use crate::common::case::Case;
 use crate::common::config;
 use crate::common::generate::{Shape, case};
 use crate::common::other_words::{complemented, in_units, negated, rows};

@@ -48,7 +48,7 @@ pub(super) fn apply(work: &mut WorkingProgram, row: usize) -> usize {
 /// Replaces the codes of a row whose complements have coefficients of the other sign. Returns the
 /// number of changes.
 fn replace_choice(work: &mut WorkingProgram, row: usize, sign: f64) -> usize {
-    let Some(Choice { units, complements }) = choice(work, row, sign) else { return 0 };
+    let Some(CodedChoice { units, complements }) = choice(work, row, sign) else { return 0 };
     let before = work.undos.len();
     units.iter().for_each(|&(j, unit)| scale_column(work, j, 1.0 / unit));
     complements.iter().for_each(|&j| complement(work, j));
@@ -63,7 +63,7 @@ fn replace_choice(work: &mut WorkingProgram, row: usize, sign: f64) -> usize {
 }
 
 /// "Exactly one of these" over columns in other units, and over complements.
-struct Choice {
+struct CodedChoice {
     /// Columns that are `unit` times a column that is 0 or 1, and their units other than 1.
     units: Vec<(usize, f64)>,
     /// Columns whose complements are chosen from.
@@ -72,7 +72,7 @@ struct Choice {
 
 /// The choice that an equality may be: `sum of x / unit = 1` with `unit - x` in the place of some
 /// `x`. Units are powers of two.
-fn choice(work: &WorkingProgram, row: usize, sign: f64) -> Option<Choice> {
+fn choice(work: &WorkingProgram, row: usize, sign: f64) -> Option<CodedChoice> {
     let (entries, limit) = (&work.rows[row], work.row_lower[row]);
     let fits = work.is_equality(row)
         && (2..=MAX_CODED_COLUMNS).contains(&entries.len())
@@ -88,7 +88,7 @@ fn choice(work: &WorkingProgram, row: usize, sign: f64) -> Option<Choice> {
     let one = sign * limit == term * (1.0 - complements.len() as f64);
     let units: Vec<(usize, f64)> = entries.iter().map(|&(j, a)| (j, term / a.abs())).collect();
     let exact = |&(j, unit): &(usize, f64)| unit == 1.0 || !work.integral[j] && is_power(unit);
-    (even && one && units.iter().all(exact)).then(|| Choice {
+    (even && one && units.iter().all(exact)).then(|| CodedChoice {
         units: units.into_iter().filter(|(_, unit)| *unit != 1.0).collect(),
         complements,
     })

@@ -14,8 +14,8 @@
 //!   into a large change of its tail.
 //! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves
 //!   rows and objective, and stays), complements, binary codes, doubletons, lineality, slack
-//!   columns, implied free columns, parallel columns, open integers. The columns that go or move are
-//!   in no cone, so that the cones do not change.
+//!   columns, implied free columns, parallel columns, open integers. The columns that go or move
+//!   are in no cone, so that the cones do not change.
 //! * They move a column while all others stay, at no cost, until something stops it: implied
 //!   binaries, held columns, dominated columns. Columns of cones are not moved, and cones do not
 //!   stop others. What needs multipliers is left out (see `dominated_columns`).

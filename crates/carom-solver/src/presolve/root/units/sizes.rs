@@ -2,8 +2,8 @@
 //!
 //! Bounds say it first, and rows that leave half of them at most. Other columns follow from rows:
 //! if all other terms of a row are known, the last one is about as large as the largest of them and
-//! the limits. The sum of all would grow along dynamics. Rounding aside, sizes of a program in other
-//! units are the same in these units, in any order of rows and columns.
+//! the limits. The sum of all would grow along dynamics. Rounding aside, sizes of a program in
+//! other units are the same in these units, in any order of rows and columns.
 
 use crate::activity::{RowActivity, implied_ends, term_ends};
 use crate::presolve::root::working_program::WorkingProgram;
@@ -40,8 +40,8 @@ fn own_size(work: &WorkingProgram, j: usize, [lower, upper]: &[f64; 2]) -> Optio
     }
 }
 
-/// The bounds of columns, as narrow as rows leave them. Missing ones are those that a row implies by
-/// bounds that are there, and no further ones.
+/// The bounds of columns, as narrow as rows leave them. Missing ones are those that a row implies
+/// by bounds that are there, and no further ones.
 fn narrowed_bounds(work: &WorkingProgram) -> Vec<[f64; 2]> {
     let mut bounds: Vec<[f64; 2]> =
         work.lower.iter().zip(&work.upper).map(|(&lower, &upper)| [lower, upper]).collect();
