@@ -58,11 +58,16 @@ impl Guide {
         place: usize,
     ) -> Option<(Option<Decision>, Option<u32>)> {
         let (decision, child) = saved.decision(place)?;
-        let column = match &self.origins {
-            Some(origins) => origins.columns.get(decision.column).copied(),
-            None => Some(decision.column),
+        let Some(origins) = &self.origins else {
+            return Some(((decision.column < self.count).then_some(decision), child));
         };
-        let column = column.filter(|column| *column < self.count);
-        Some((column.map(|column| Decision { column, ..decision }), child))
+        let place = decision.column;
+        let column = origins.columns.get(place).copied().filter(|column| *column < self.count);
+        let named = column.map(|column| {
+            let meaning = origins.meanings[place];
+            let is_upper = decision.is_upper == (meaning.factor > 0.0);
+            Decision { column, is_upper, value: meaning.value(decision.value) }
+        });
+        Some((named, child))
     }
 }

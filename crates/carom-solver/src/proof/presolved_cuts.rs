@@ -33,8 +33,16 @@ struct CutProgram<'a> {
 }
 
 impl CutProgram<'_> {
-    fn terms(&self, terms: &[(usize, f64)]) -> Vec<(usize, f64)> {
-        terms.iter().map(|&(j, a)| (self.origins.columns[j], a)).collect()
+    /// Terms in columns of the original, and the constant that they leave.
+    fn terms(&self, terms: &[(usize, f64)]) -> (Vec<(usize, f64)>, f64) {
+        let mut constant = 0.0;
+        let mut term = |&(j, a): &(usize, f64)| {
+            let (factor, own) = self.origins.meanings[j].term(a);
+            constant += own;
+            (self.origins.columns[j], factor)
+        };
+        let named = terms.iter().map(&mut term).collect();
+        (named, constant)
     }
 }
 
@@ -90,7 +98,9 @@ impl ProofWriter<'_, '_> {
     fn prove_cuts(&mut self, cuts: &RootCuts, origins: &Origins) -> Result<bool, Limit> {
         let bounds = |j: usize| {
             let place = origins.columns.binary_search(&j).ok()?;
-            cuts.bounds.get(place).copied()
+            let meaning = origins.meanings[place];
+            let [lower, upper] = cuts.bounds.get(place)?.map(|bound| meaning.value(bound));
+            Some(if meaning.factor > 0.0 { [lower, upper] } else { [upper, lower] })
         };
         if self.prove_bounds(&bounds)? {
             return Ok(true);
@@ -154,9 +164,11 @@ impl ProofWriter<'_, '_> {
             side.rows = facts;
         }
         if let Some(form) = &mut form {
-            form.terms = presolved.terms(&form.terms);
+            let (terms, constant) = presolved.terms(&form.terms);
+            (form.terms, form.value) = (terms, form.value - constant);
         }
-        Ok(Lemma { terms: presolved.terms(&cut.terms), is_upper: true, limit, form, sources: None })
+        let (terms, constant) = presolved.terms(&cut.terms);
+        Ok(Lemma { terms, is_upper: true, limit: limit - constant, form, sources: None })
     }
 
     /// A side of a row of the presolved program as a fact.
@@ -186,10 +198,10 @@ impl ProofWriter<'_, '_> {
         if terms.iter().any(|&(j, _)| j >= origins.columns.len()) {
             return Ok(None);
         }
-        let terms = presolved.terms(&terms);
+        let (terms, constant) = presolved.terms(&terms);
         let limits = [presolved.program.row_lower[row], presolved.program.row_upper[row]];
         let (side, origin) = (usize::from(is_upper), origins.rows.get(row).copied());
-        let limit = limits[side];
+        let limit = limits[side] - constant;
         if let Some(origin) = origin
             && self.facts.limits(origin)[side] == limit
             && self.facts.terms(origin).eq(terms.iter().copied())

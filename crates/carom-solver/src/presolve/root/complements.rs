@@ -8,7 +8,7 @@
 //! be meant so. Otherwise binaries are turned around of which more of these rows have the
 //! complement than have them.
 
-use super::postsolve::{Restored, Undo};
+use super::postsolve::{ColumnMeaning, Restored, Undo};
 use super::working_program::WorkingProgram;
 use std::collections::BTreeMap;
 
@@ -106,6 +106,10 @@ pub(super) fn complement(work: &mut WorkingProgram, column: usize) {
 impl Undo for Complement {
     fn primal(&self, x: &mut [f64]) {
         x[self.column] = self.shift - x[self.column];
+    }
+
+    fn restate(&self, meanings: &mut [ColumnMeaning]) {
+        meanings[self.column].put(-1.0, self.shift);
     }
 
     fn carry(&self, known: &mut BTreeMap<usize, f64>) {

@@ -22,6 +22,9 @@ pub(super) trait Undo: Debug + Send + Sync {
     /// Derives values of other columns from known values of columns that the reduction took out.
     fn carry(&self, _known: &mut BTreeMap<usize, f64>) {}
 
+    /// Follows columns that the reduction has put into other units, or turned around.
+    fn restate(&self, _meanings: &mut [ColumnMeaning]) {}
+
     /// The column that an equality has replaced, and the row of that.
     fn replaced(&self) -> Option<(usize, usize)> {
         None
@@ -101,12 +104,42 @@ pub struct Postsolve {
     pub(super) own_row_count: usize,
 }
 
+/// What a column of a presolved program says of the original one: `factor x + shift`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ColumnMeaning {
+    pub(crate) factor: f64,
+    pub(crate) shift: f64,
+}
+
+impl ColumnMeaning {
+    /// That of a column as it was.
+    pub(crate) const SAME: ColumnMeaning = ColumnMeaning { factor: 1.0, shift: 0.0 };
+
+    /// Puts `factor x + shift` in the place of the column.
+    pub(super) fn put(&mut self, factor: f64, shift: f64) {
+        self.shift += self.factor * shift;
+        self.factor *= factor;
+    }
+
+    /// The original's value behind one of the column.
+    pub(crate) fn value(self, x: f64) -> f64 {
+        self.factor * x + self.shift
+    }
+
+    /// A term in the column as one in the original, and its constant.
+    pub(crate) fn term(self, a: f64) -> (f64, f64) {
+        (a / self.factor, -a * self.shift / self.factor)
+    }
+}
+
 /// Where columns and rows of a presolved program come from.
 #[derive(Debug, Clone)]
 pub(crate) struct Origins {
     /// By column and by row, those of the original.
     pub(crate) columns: Vec<usize>,
     pub(crate) rows: Vec<usize>,
+    /// By column, what it says of the original's.
+    pub(crate) meanings: Vec<ColumnMeaning>,
     /// By column that an equality has replaced, the row of that.
     pub(crate) equations: BTreeMap<usize, usize>,
 }
@@ -117,6 +150,7 @@ impl Origins {
         Origins {
             columns: (0..program.column_count()).collect(),
             rows: (0..program.row_count()).collect(),
+            meanings: vec![ColumnMeaning::SAME; program.column_count()],
             equations: BTreeMap::new(),
         }
     }
@@ -135,7 +169,10 @@ impl Postsolve {
 
     /// Where columns and rows come from.
     pub(crate) fn origins(&self) -> Origins {
+        let mut meanings = vec![ColumnMeaning::SAME; self.column_count];
+        self.undos.iter().for_each(|undo| undo.restate(&mut meanings));
         Origins {
+            meanings: self.columns.iter().map(|&j| meanings[j]).collect(),
             columns: self.columns.clone(),
             rows: self.rows.clone(),
             equations: self.undos.iter().filter_map(|undo| undo.replaced()).collect(),

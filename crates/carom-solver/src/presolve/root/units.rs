@@ -16,7 +16,7 @@
 //! program, only columns and rows of tiny numbers get other units: `x <= 1e-8` lies below
 //! tolerances.
 
-use super::postsolve::{Restored, Undo};
+use super::postsolve::{ColumnMeaning, Restored, Undo};
 use super::working_program::WorkingProgram;
 use crate::tolerance::SMALL_UNIT;
 use sizes::sizes;
@@ -226,6 +226,10 @@ fn multiply_column(work: &mut WorkingProgram, column: usize, factor: f64) {
 impl Undo for UnitFactors {
     fn primal(&self, x: &mut [f64]) {
         self.columns.iter().for_each(|&(j, factor)| x[j] /= factor);
+    }
+
+    fn restate(&self, meanings: &mut [ColumnMeaning]) {
+        self.columns.iter().for_each(|&(j, factor)| meanings[j].put(1.0 / factor, 0.0));
     }
 
     fn carry(&self, known: &mut BTreeMap<usize, f64>) {
