@@ -54,7 +54,7 @@ mod working_program;
 pub use blocks::{ProgramBlock, blocks};
 pub(crate) use lineality::shifts;
 pub use postsolve::Presolved;
-pub(crate) use postsolve::{ColumnMeaning, Origins, Postsolve};
+pub(crate) use postsolve::{Origins, Postsolve};
 
 use crate::error::Error;
 use crate::presolve::{tighten_conditional_cones, tighten_switched_cones};
