@@ -6,10 +6,8 @@
 //! from that by propagation. A search prunes below such bounds, so its tree has proofs with them.
 
 use super::lemma::Lemma;
+use super::tightened::LOOSENING;
 use super::tree::ProofWriter;
-
-/// By how much the lemma is looser than the sum, relative to its terms (no unit).
-const LOOSENING: f64 = 1e-11;
 
 impl ProofWriter<'_, '_> {
     /// Bounds integral columns by the multipliers of the last relaxation. Returns whether that
@@ -62,7 +60,7 @@ impl ProofWriter<'_, '_> {
         }
         let bounds_column = |j: &usize| {
             let (a, [lower, upper]) = ranges(*j);
-            integral[*j] && a.abs() * (upper - lower) > room && a.abs() * 1e6 > room
+            integral[*j] && a.abs() * (upper - lower) > room
         };
         let mut columns: Vec<usize> = all.iter().copied().filter(bounds_column).collect();
         columns.sort_unstable();
