@@ -48,6 +48,21 @@ fn points_that_equations_amplify_contradict_nothing() {
     }
 }
 
+/// Other units, complements and signs of rows change no answer.
+#[test]
+fn no_wrong_answer_in_other_words() {
+    let family = Family::OtherWords;
+    for seed in 0..200 {
+        let case = family.program(seed);
+        let (model, variables) = case.build();
+        let truth = family.truth(&case);
+        let mut solver = BranchAndBound::default();
+        let solution = solver.solve(&model).expect("a solvable model");
+        let verdict = family.judge(&case, &variables, solver.options(), &solution, &truth);
+        assert!(!matches!(verdict, Verdict::Wrong(_)), "{seed}: {verdict:?}");
+    }
+}
+
 /// Open and huge bounds beside binaries, coefficients of up to 1e8, corners that rounding decides
 /// about, amplified rounding; without presolve, with a pool, with kept leaves, with another
 /// branching rule, without cuts.

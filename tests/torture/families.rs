@@ -8,6 +8,7 @@ use super::generator::{Random, large, program};
 use super::open_integers;
 use super::oracle::{Truth, Verdict, judge, truth};
 use crate::common::case::{Case, Column, Line, Square};
+use crate::common::other_words::{complemented, in_units, negated, rows};
 use crate::common::quadratic_program::dot;
 
 /// A kind of programs.
@@ -30,10 +31,12 @@ pub(crate) enum Family {
     OpenIntegers,
     /// Unstable systems that start at rest: nothing happens without an input.
     AtRest,
+    /// Mixed ones in other units, with complements of columns and rows from the other side.
+    OtherWords,
 }
 
 impl Family {
-    pub(crate) const ALL: [Family; 8] = [
+    pub(crate) const ALL: [Family; 9] = [
         Family::Mixed,
         Family::Large,
         Family::BigM,
@@ -42,6 +45,7 @@ impl Family {
         Family::Chain,
         Family::OpenIntegers,
         Family::AtRest,
+        Family::OtherWords,
     ];
 
     pub(crate) fn named(name: &str) -> Option<Family> {
@@ -58,6 +62,7 @@ impl Family {
             Family::Chain => "chain",
             Family::OpenIntegers => "open-integers",
             Family::AtRest => "at-rest",
+            Family::OtherWords => "other-words",
         }
     }
 
@@ -72,6 +77,7 @@ impl Family {
             Family::Chain => chain(seed),
             Family::OpenIntegers => open_integers::program(seed),
             Family::AtRest => at_rest(seed),
+            Family::OtherWords => other_words(seed),
         }
     }
 
@@ -416,4 +422,16 @@ fn at_rest(seed: u64) -> Case {
     linear[at(steps, 0)] = f64::from(r.within(-1, 1));
     let (switches, squares) = (Vec::new(), Vec::new());
     Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: r.chance(0.3) }
+}
+
+/// A mixed program in other words: continuous columns and rows times powers of two up to 1e4 either
+/// way, half of the bounded columns as complements, half of the rows negated.
+fn other_words(seed: u64) -> Case {
+    let (case, r) = (program(seed), &mut Random::new(!seed));
+    let (columns, lines) = (case.columns.len(), rows(&mut case.clone()).count());
+    let mut powers = |count: usize| (0..count).map(|_| r.within(-13, 13)).collect::<Vec<i32>>();
+    let (of_columns, of_rows) = (powers(columns), powers(lines));
+    let mut halves = |count: usize| (0..count).map(|_| r.chance(0.5)).collect::<Vec<bool>>();
+    let (complements, negations) = (halves(columns), halves(lines));
+    in_units(&negated(&complemented(&case, &complements), &negations), &of_columns, &of_rows)
 }
