@@ -25,8 +25,8 @@ use std::collections::BTreeMap;
 mod sizes;
 
 /// The least difference that other units make to the variance of the coefficients' binary
-/// logarithms (no unit).
-const LEAST_VARIANCE_GAIN: f64 = 4.0;
+/// logarithms (no unit): big-Ms of 1000 beside ones are usual.
+const LEAST_VARIANCE_GAIN: f64 = 9.0;
 
 /// The largest factor, as a power of two: larger ones might leave the range of floats.
 const MOST_POWER: i32 = 300;
