@@ -178,6 +178,8 @@ impl Relaxer<'_> {
         bounds: &Bounds,
         [is_whole, is_tight, has_costs]: [bool; 3],
     ) -> Relaxed {
+        // Those of another context may name facts that are gone.
+        self.multipliers = None;
         let Some((mut reduced, before)) = self.reduced(bounds, [is_whole, is_tight, has_costs])
         else {
             return Relaxed::Open(None);
