@@ -51,6 +51,7 @@ pub mod reach_sets {}
 #[doc = include_str!("../docs/formulation.md")]
 pub mod formulation {}
 
+#[doc = "[benchmarks]: crate::guide::benchmarks"]
 #[doc = "[modelling guide]: crate::guide"]
 #[doc = include_str!("../docs/proofs.md")]
 pub mod proofs {}

@@ -1,11 +1,12 @@
 //! The floors within the crates: who may import whom, which circles of files there may be, who may
 //! name the relaxation's library, how long a file may be, and that a name stands for one thing,
-//! and that each message has its section of help.
+//! that each message has its section of help, and that links between pages lead somewhere.
 //! Between crates, Cargo sees to it. See `docs/architecture.md`.
 
 mod circles;
 mod help;
 mod names;
+mod pages;
 mod public;
 
 use std::collections::BTreeMap;
