@@ -78,7 +78,7 @@ pub mod search {
     }
 
     pub mod perspective {
-        pub use crate::search::{Switched, switched_squares, with_slopes};
+        pub use crate::search::{Switched, squares_as_cones, switched_squares, with_slopes};
     }
 
     pub mod pseudocosts {

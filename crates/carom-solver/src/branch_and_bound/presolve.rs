@@ -8,7 +8,7 @@ use super::solve::{EarlierResults, Solve};
 use crate::error::Error;
 use crate::presolve::DeterminedColumns;
 use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve_around};
-use crate::search::Start;
+use crate::search::{Start, with_perspective_cones};
 use crate::solver::PoolMode;
 
 /// Largest change of the objective of a point by presolve, relative to the terms (no unit): the
@@ -51,7 +51,12 @@ pub(super) fn presolve<'a>(
     // Systems are in units of their own.
     let may_scale = !solve.model.has_systems();
     Ok(match presolve_around(&lowered.program, &[], may_scale, rules, solve.token)? {
-        Presolve::Presolved(presolved) => {
+        Presolve::Presolved(mut presolved) => {
+            // A proof follows the squares of the lowered program.
+            if rules == PresolveRule::ALL && solve.options.proof_path().is_none() {
+                let stated = with_perspective_cones(&presolved.program, solve.token);
+                presolved.program = stated.unwrap_or(presolved.program);
+            }
             PresolveOutcome::Presolved(Presolution::new(lowered, Some(presolved)))
         }
         Presolve::Infeasible => PresolveOutcome::Infeasible,

@@ -42,7 +42,7 @@ impl ConeEntry {
 }
 
 impl ReducedCone {
-    pub(super) fn new(cone: &Cone, position: &[usize], values: &[f64]) -> Self {
+    pub(crate) fn new(cone: &Cone, position: &[usize], values: &[f64]) -> Self {
         let entry = |&column: &usize| {
             let place = position[column];
             ConeEntry { column, place, value: if place == FIXED { values[column] } else { 0.0 } }

@@ -46,6 +46,7 @@ impl Program {
         self.upper.extend(upper);
         self.integral.resize(n, false);
         self.step.resize(n, None);
+        self.squared = OnceLock::new();
         self.extend_steepness();
         Some(())
     }
@@ -62,6 +63,7 @@ impl Program {
         entries.extend(terms.map(|(row, j, a)| Triplet::new(row, j, a)));
         self.rows = SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?;
         self.columns = SparseColMat::try_new_from_triplets(m, n, &entries).ok()?;
+        self.squared = OnceLock::new();
         self.row_lower = limits.iter().map(|limits| limits[0]).collect();
         self.row_upper = limits.iter().map(|limits| limits[1]).collect();
         Some(())
@@ -81,7 +83,7 @@ impl Program {
         let entries: Vec<_> = products.iter().map(|&(i, j, p)| Triplet::new(i, j, p)).collect();
         self.quadratic = SparseColMat::try_new_from_triplets(n, n, &entries).ok()?;
         (self.linear, self.offset) = (linear, offset);
-        self.steepness = OnceLock::new();
+        (self.steepness, self.squared) = (OnceLock::new(), OnceLock::new());
         Some(())
     }
 }

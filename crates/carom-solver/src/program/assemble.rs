@@ -135,6 +135,7 @@ impl Program {
             step,
             spread: 1.0,
             steepness: OnceLock::new(),
+            squared: OnceLock::new(),
             widened: Default::default(),
         })
     }

@@ -42,6 +42,9 @@ pub enum ConeRole {
     Single,
     /// It is split into parts with further columns. The parts together say the same.
     Whole,
+    /// Its first column stands in the objective, and nowhere else, for the square of its only
+    /// entry; the second column is 1 wherever the entry may differ from 0.
+    Square,
     /// A part of the last [whole](Self::Whole) cone before it: the square of one entry of its tail
     /// is at most its first column, which no other cone has, times the head of the whole.
     Part,
@@ -101,12 +104,41 @@ pub(crate) fn conic_columns(cones: &[Cone], columns: usize) -> Vec<bool> {
 }
 
 impl Program {
-    /// Sets the columns of parts of cones to the least values that the point allows.
+    /// The program with squares in the objective in place of the cones that stand for them, if it
+    /// has such cones. Its points with whole integers are those of the program, and their values
+    /// are the same.
+    pub(crate) fn with_squares(&self) -> &Program {
+        let squared = self.squared.get_or_init(|| {
+            let is_square = |cone: &&Cone| cone.role == ConeRole::Square;
+            if !self.cones.iter().any(|cone| is_square(&cone)) {
+                return None;
+            }
+            let mut squared = self.clone();
+            let (mut linear, mut products) = (self.linear.clone(), Vec::new());
+            products.extend(self.quadratic_entries());
+            for cone in self.cones.iter().filter(is_square) {
+                if let [square, _, entry] = cone.columns[..] {
+                    products.push((entry, entry, 2.0 * std::mem::take(&mut linear[square])));
+                }
+            }
+            squared.rewrite_objective(linear, &products, self.offset)?;
+            squared.set_cones(self.cones.iter().filter(|cone| !is_square(cone)).cloned().collect());
+            Some(Box::new(squared))
+        });
+        squared.as_deref().unwrap_or(self)
+    }
+
+    /// Sets the columns of parts and of squares to the least values that the point allows.
     pub(crate) fn complete_parts(&self, x: &mut [f64]) {
         let mut sum = None;
         for cone in &self.cones {
             match cone.role {
                 ConeRole::Single => {}
+                ConeRole::Square => {
+                    if let [square, _, entry] = cone.columns[..] {
+                        x[square] = x[entry] * x[entry];
+                    }
+                }
                 ConeRole::Whole => sum = cone.columns.first(),
                 ConeRole::Part => cone.complete(x, sum.map_or(f64::INFINITY, |&j| x[j])),
             }

@@ -72,6 +72,9 @@ pub struct Program {
     pub(crate) widened: [Vec<f64>; 2],
     /// How steep the objective is; computed at the first request.
     pub(crate) steepness: OnceLock<Vec<f64>>,
+    /// The program with squares in the objective in place of their cones; computed at the first
+    /// request.
+    pub(crate) squared: OnceLock<Option<Box<Program>>>,
 }
 
 impl Program {
@@ -120,7 +123,7 @@ impl Program {
 
     /// Replaces the cones.
     pub(crate) fn set_cones(&mut self, cones: Vec<Cone>) {
-        (self.cones, self.conic) = (cones, OnceLock::new());
+        (self.cones, self.conic, self.squared) = (cones, OnceLock::new(), OnceLock::new());
     }
 
     /// The sum of a row's terms at a point.

@@ -6,7 +6,7 @@
 //! floats that the rows are made of, with rounding accounted for.
 
 use crate::presolve::ReducedCone;
-use crate::program::ConeShape;
+use crate::program::{ConeRole, ConeShape};
 use crate::tolerance::largest_magnitude;
 
 /// The largest quotient of two coefficients of a cut (no unit); larger ones trouble linear
@@ -45,8 +45,8 @@ impl ConeCut {
                 // The tangent at the point that the other factor and the tail tell, or, if both
                 // factors are free, at the nearest point.
                 let tangent = |factor: f64| (factor > 0.0).then(|| size / factor);
-                let is_part = cone.role == crate::program::ConeRole::Part;
-                let along = if second.is_fixed() || (is_part && b > 0.0) {
+                let is_ratio = matches!(cone.role, ConeRole::Part | ConeRole::Square);
+                let along = if second.is_fixed() || (is_ratio && b > 0.0) {
                     tangent(b).map(|slope| [1.0, slope * slope, slope])
                 } else if first.is_fixed() {
                     tangent(a).map(|slope| [slope * slope, 1.0, slope])

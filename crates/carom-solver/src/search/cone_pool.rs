@@ -3,8 +3,8 @@
 //! A cut of a cone holds at every node. Those that have not been active for long leave.
 
 use crate::activity::term_ends;
-use crate::presolve::Reduced;
-use crate::program::ConeRole;
+use crate::presolve::{Reduced, ReducedCone};
+use crate::program::{ConeRole, Program};
 use crate::relaxation::ConeCut;
 
 /// Least miss of a cone that is cut off, relative to the reach of its head (no unit, at least 1).
@@ -100,8 +100,19 @@ fn is_implied(cut: &ConeCut, reduced: &Reduced, place: &[usize]) -> bool {
 
 /// Cuts that a point of a reduced program violates: at most one for each cone.
 pub(super) fn separate_cones(reduced: &Reduced, x: &[f64]) -> Vec<ConeCut> {
+    separate(&reduced.cones, x)
+}
+
+/// Cuts that a point of a program violates: at most one for each cone.
+pub(super) fn separate_program_cones(program: &Program, x: &[f64]) -> Vec<ConeCut> {
+    let place: Vec<usize> = (0..program.column_count()).collect();
+    let cones = program.cones.iter().map(|cone| ReducedCone::new(cone, &place, x));
+    separate(&cones.collect::<Vec<_>>(), x)
+}
+
+fn separate(cones: &[ReducedCone], x: &[f64]) -> Vec<ConeCut> {
     let mut cuts = Vec::new();
-    for cone in &reduced.cones {
+    for cone in cones {
         if cone.role == ConeRole::Whole {
             continue;
         }

@@ -36,7 +36,7 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
     if !ctx.is_leaf() || !is_new_assignment(ctx) {
         return false;
     }
-    let program = ctx.task().exact.unwrap_or(ctx.program());
+    let program = ctx.task().exact.unwrap_or(ctx.program()).with_squares();
     let Some(mut reduced) = reduce_leaf(ctx, program) else { return false };
     let verdict = relax(ctx, &mut reduced, Purpose::Node);
     let found = match &verdict {

@@ -23,6 +23,7 @@
 //! * `root_point` - the relaxed point of the root, for the rest of these and the first node
 //! * `root` - propagation and probing before the first split
 //! * `perspective` - tighter costs of columns that binaries switch off
+//! * `perspective_cones` - these costs as cones, for large programs
 //! * `outer_approximation`, `cone_pool` - cuts of cones, at the root and at nodes
 //! * `cone_method` - cuts or conic programs at nodes
 //! * `cuts` - rows that cut off the relaxed point of the root
@@ -77,6 +78,7 @@ mod node_relaxation;
 mod outer_approximation;
 mod parallel;
 mod perspective;
+mod perspective_cones;
 mod pseudocosts;
 mod reduced_cost;
 mod reporter;
@@ -103,6 +105,8 @@ pub use found::SearchResult;
 pub(crate) use outer_approximation::{ConeApproximation, approximate_cones};
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use perspective::{lifting_slopes, with_perspective};
+pub use perspective_cones::squares_as_cones;
+pub(crate) use perspective_cones::with_perspective_cones;
 pub(crate) use root::Root;
 pub(crate) use root_point::{PilotResult, RootCuts};
 pub(crate) use saved_tree::{SavedDuals, SavedSplit, SavedTree};

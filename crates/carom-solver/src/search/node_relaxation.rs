@@ -9,6 +9,7 @@ use super::context::Context;
 use super::leaf_reduction::reduce_leaf;
 use super::saved_tree::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
+use crate::program::ConeRole;
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use web_time::Instant;
 
@@ -38,7 +39,7 @@ pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let activity = ctx.clock.switch(Activity::Reduction);
     let program = ctx.program();
     let mut reduced = match ctx.is_leaf() {
-        true => reduce_leaf(ctx, ctx.task().exact.unwrap_or(program)),
+        true => reduce_leaf(ctx, ctx.task().exact.unwrap_or(program).with_squares()),
         false => ctx.cascade.reducer().reduce(program, &ctx.node.domain),
     };
     if let Some(reduced) = &mut reduced {
@@ -77,6 +78,8 @@ fn relax_cut_off(
     // Threads of a deterministic search must not differ in what they have seen.
     let method = match (ctx.options().deterministic, purpose) {
         (true, _) => ConeMethod::Cuts,
+        // Tangents of squares are quick to converge, and a linear program keeps its basis.
+        _ if reduced.cones.iter().all(|cone| cone.role == ConeRole::Square) => ConeMethod::Cuts,
         (false, Purpose::Trial) => ctx.cone_record.current(),
         (false, _) => ctx.cone_record.next(),
     };

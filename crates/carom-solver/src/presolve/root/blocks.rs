@@ -47,6 +47,12 @@ pub fn blocks(program: &Program) -> Vec<ProgramBlock> {
     for cone in &program.cones {
         cone.columns.windows(2).for_each(|pair| parts.join(pair[0], pair[1]));
     }
+    for j in 0..n {
+        let is_alone = program.column(j).0.is_empty() && !program.is_in_cone(j);
+        if program.lower[j] == program.upper[j] && is_alone {
+            parts.join(0, j);
+        }
+    }
     // Parts without integers are joined with the first of them.
     let mut has_integers = vec![false; n];
     program.integers.iter().for_each(|&j| has_integers[parts.root(j)] = true);
@@ -138,6 +144,7 @@ fn extract(
         step: columns.iter().map(|&j| program.step[j]).collect(),
         spread: program.spread,
         steepness: OnceLock::new(),
+        squared: OnceLock::new(),
         widened: [
             pick_widened(&program.widened[0], rows),
             pick_widened(&program.widened[1], &columns),

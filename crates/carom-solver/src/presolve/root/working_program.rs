@@ -453,6 +453,7 @@ impl WorkingProgram {
             step: columns.iter().map(|&j| self.step[j]).collect(),
             spread: open.map(|j| self.spread[j]).fold(1.0, f64::max),
             steepness: OnceLock::new(),
+            squared: OnceLock::new(),
             widened: [some(pick(&widened_rows, &rows)), some(pick(&widened_columns, &columns))],
         };
         let postsolve = Postsolve {

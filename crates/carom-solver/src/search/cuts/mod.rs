@@ -22,13 +22,15 @@ pub use polymatroid::polymatroid_cuts;
 
 use parameters::CUTS;
 
+use super::cone_pool::separate_program_cones;
 use super::root::Root;
 use super::root_point::{PilotResult, RootPoint, Strengthened};
 
 use crate::presolve::Domain;
 use crate::program::Program;
-use crate::relaxation::MethodCascade;
+use crate::relaxation::{ConeCut, MethodCascade};
 use crate::solver::{Options, StopToken};
+use crate::tolerance::largest_magnitude;
 
 /// A search of one node from a root; `None` if it is not wanted.
 pub(crate) type PilotSearch<'a> = dyn FnMut(&Root) -> Option<PilotResult> + 'a;
@@ -174,6 +176,7 @@ impl CutRounds<'_> {
         let mut found = self.separate(program, before, round, token);
         let mut sets = self.separate_sets(&before.x, &found, round, token);
         found.iter_mut().for_each(|cut| self.name_rows(cut));
+        found.extend(tangents(self.program, &before.x));
         if self.sets == Sets::Help {
             found.append(&mut sets);
         }
@@ -304,6 +307,23 @@ fn select(mut cuts: Vec<Cut>, others: &[Cut], x: &[f64]) -> Vec<Cut> {
         }
     }
     chosen
+}
+
+/// The tangents at which a point misses cones, if relaxations cut off cones: cuts move the point
+/// away from those before.
+fn tangents(program: &Program, x: &[f64]) -> Vec<Cut> {
+    if program.cone_cuts.is_none() {
+        return Vec::new();
+    }
+    let tangent = |cut: ConeCut| {
+        let mut terms = cut.terms;
+        terms.sort_unstable_by_key(|term| term.0);
+        // A power of two, so that nothing is rounded.
+        let scale = (-largest_magnitude(terms.iter().map(|term| &term.1)).log2().ceil()).exp2();
+        terms.iter_mut().for_each(|term| term.1 *= scale);
+        Cut { terms, limit: 0.0, form: None }
+    };
+    separate_program_cones(program, x).into_iter().map(tangent).collect()
 }
 
 /// A program with further rows.

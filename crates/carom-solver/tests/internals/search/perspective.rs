@@ -2,8 +2,13 @@
 
 use carom::prelude::*;
 use carom::solver::StopToken;
+use carom_solver::internals::branch_and_bound::search_tightened;
 use carom_solver::internals::program::Program;
-use carom_solver::internals::search::perspective::{Switched, switched_squares, with_slopes};
+use carom_solver::internals::relaxation::CascadePool;
+use carom_solver::internals::search::SolveTask;
+use carom_solver::internals::search::perspective::{
+    Switched, squares_as_cones, switched_squares, with_slopes,
+};
 use proptest::prelude::*;
 
 use crate::common::case::{Case, Column, Line, Square};
@@ -105,5 +110,72 @@ proptest! {
         prop_assume!(!case.maximize);
         let solution = BranchAndBound::default().solve(&case.build().0).unwrap();
         is_right(&case, &solution)?;
+    }
+
+    #[test]
+    fn cones_cost_what_the_hull_says(
+        case in units(),
+        parts in prop::collection::vec((0.0..=1.0f64, 0.0..=1.0f64), UNITS),
+    ) {
+        let program = program_of(&case);
+        let squares = switched_squares(&program, &StopToken::default());
+        // A demand that all units have to meet leaves nothing to switch.
+        let stated = squares_as_cones(&program, &StopToken::default());
+        prop_assume!(stated.is_some());
+        let stated = stated.unwrap();
+        prop_assert_eq!(stated.cones.len(), UNITS);
+        let is_switched = |column: usize| {
+            let cone = stated.cones.iter().find(|cone| cone.columns[2] == column).unwrap();
+            stated.lower[cone.columns[1]] == 0.0
+        };
+        for whole in [true, false] {
+            let mut x: Vec<f64> = stated.upper.clone();
+            let mut hull = 0.0;
+            for (square, &(w, d)) in squares.iter().zip(&parts) {
+                let w = if whole { w.round() } else { w.max(1e-3) };
+                let d = d * w * program.upper[square.column];
+                x[square.column] = d;
+                x[square.binary] = if square.off_at_one { 1.0 - w } else { w };
+                hull += if w > 0.0 && is_switched(square.column) { 0.5 * square.curvature * d * d * (1.0 / w - 1.0) } else { 0.0 };
+            }
+            // Further columns: those between binaries and cones first, then the heads.
+            for row in program.row_count()..stated.row_count() {
+                let (columns, values) = stated.row(row);
+                let (&new, &a) = columns.iter().zip(values).next_back().unwrap();
+                let others = columns.iter().zip(values).filter(|(j, _)| **j != new);
+                let others: f64 = others.map(|(&j, a)| a * x[j]).sum();
+                x[new] = (stated.row_upper[row] - others) / a;
+            }
+            for cone in &stated.cones {
+                let [head, times, entry] = cone.columns[..] else { panic!("{cone:?}") };
+                x[head] = if x[entry] == 0.0 { 0.0 } else { x[entry] * x[entry] / x[times] };
+                prop_assert!(x[head] <= stated.upper[head] + 1e-9);
+                prop_assert!(cone.miss(&x) <= 1e-9);
+            }
+            let plain = program.objective(&x[..program.column_count()]);
+            let says = stated.objective(&x);
+            prop_assert!((says - plain - hull).abs() <= 1e-6, "{says}, not {plain} + {hull}");
+        }
+    }
+
+    #[test]
+    fn cones_lead_to_the_same_answers(case in units()) {
+        prop_assume!(!case.maximize);
+        let (program, options, token) = (program_of(&case), Options::default(), StopToken::default());
+        let stated = squares_as_cones(&program, &token);
+        prop_assume!(stated.is_some());
+        let stated = stated.unwrap();
+        let (cascades, accept) = (CascadePool::new(&options), |_: &[f64]| true);
+        let find = |program: &Program| {
+            let found =
+                search_tightened(SolveTask::new(program, &accept, &cascades, &options, &token));
+            (found.termination, found.points.first().map(|x| program.objective(x)), found.bound)
+        };
+        let (before, after) = (find(&program), find(&stated));
+        prop_assert_eq!(before.0, after.0);
+        if let (Some(before), Some(value)) = (before.1, after.1) {
+            prop_assert!((before - value).abs() <= 1e-5 * before.abs().max(1.0), "{before} {value}");
+            prop_assert!(after.2 <= value + 1e-6 * value.abs().max(1.0));
+        }
     }
 }
