@@ -26,8 +26,12 @@ pub mod missions {}
 
 // The pages are also read as files. Of two definitions of a link, the first one counts, so that
 // these take the place of the links to files at the ends of the pages.
+#[doc = "[weak]: crate::guide::weak_statements"]
 #[doc = include_str!("../docs/my_search_does_not_finish.md")]
 pub mod my_search_does_not_finish {}
+
+#[doc = include_str!("../docs/weak_statements.md")]
+pub mod weak_statements {}
 
 #[doc = include_str!("../docs/help.md")]
 pub mod help {}

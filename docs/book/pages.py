@@ -19,6 +19,7 @@ GUIDES = [
     ("A mission", "docs/missions.md", ["hybrid"]),
     ("Models", "docs/modelling.md", ["model", "reformulate"]),
     ("A search that does not finish", "docs/my_search_does_not_finish.md", ["solver", "explain"]),
+    ("What makes a statement weak", "docs/weak_statements.md", ["hybrid", "reformulate"]),
     ("A file and a solver", "docs/a_file_and_a_solver.md", ["model"]),
     ("Help: what a message means", "docs/help.md", ["error"]),
     ("From Python", "docs/python.md", []),

@@ -36,7 +36,7 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::interval::Interval;
-use crate::model::{Model, Name, NormSum, Statement, Variable};
+use crate::model::{Method, Model, Name, NormSum, Statement, Variable};
 use crate::solution::Solution;
 use crate::solver::{Control, Solver};
 
@@ -90,6 +90,22 @@ impl HybridSystem {
     pub fn program(&self, steps: usize) -> Result<HybridProgram, Error> {
         let mut model = Model::new("program");
         let variables = self.write(&mut model, "", steps)?;
+        Ok(HybridProgram::from_parts(model, variables))
+    }
+
+    /// As [`program`](Self::program), with all rows that belong to transitions stated as
+    /// disjunctions and implications, which are lowered by one method.
+    ///
+    /// By default, rows have an M for each other transition, computed over what that one allows,
+    /// and transitions share rows in the same direction. This is for comparisons with that: see the
+    /// guide to weak statements.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`program`](Self::program).
+    pub fn program_with(&self, steps: usize, method: Method) -> Result<HybridProgram, Error> {
+        let mut model = Model::new("program");
+        let variables = self.write_by(&mut model, "", steps, Some(method))?;
         Ok(HybridProgram::from_parts(model, variables))
     }
 }
