@@ -8,6 +8,7 @@
 //! * `settings` - what a solve is told; `session` - a solve on a thread of its own, and the wait for it
 //! * `answer` - what came of it; `explain` - why there is no point
 //! * `program` - a program that is solved; `prepared` - one that is solved again and again
+//! * `planner` - hybrid systems, scenes and missions
 //! * `errors` - errors as exceptions
 
 mod answer;
@@ -16,6 +17,7 @@ mod build;
 mod errors;
 mod explain;
 mod numbers;
+mod planner;
 mod prepared;
 mod program;
 mod session;
@@ -29,6 +31,11 @@ mod _carom {
     const VERSION: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::answer::Answer;
+    #[pymodule_export]
+    use crate::planner::{
+        Controller, Expression, HybridProgram, HybridSystem, Mission, Norm, Plan, Row, Scene,
+        Shortest, ShortestInScene, Transition, norm,
+    };
     #[pymodule_export]
     use crate::prepared::Prepared;
     #[pymodule_export]

@@ -1,7 +1,8 @@
 """Mixed-integer linear, convex quadratic and second-order cone programs, solved with proofs.
 
 `solve` takes the arrays of a program; `Model` keeps them, `read` takes them from a file, and `Prepared` is for a
-program that is solved again and again. `carom.CVXPY()` is a solver for CVXPY, which has to be installed for it:
+program that is solved again and again. `HybridSystem`, `Scene`, `Mission` and `RecedingHorizon` plan for systems whose
+dynamics switch. `carom.CVXPY()` is a solver for CVXPY, which has to be installed for it:
 
     problem.solve(solver=carom.CVXPY())
 
@@ -13,10 +14,18 @@ bound is proved; `proof="file"` writes that proof for another program to check.
 
 from ._carom import VERSION as __version__
 from ._model import Duals, Explanation, Model, Result, read, solve
+from ._planner import (
+    ControlMove, Expression, HybridPlan, HybridProgram, HybridSystem, Mission, RecedingHorizon, Row, Scene,
+    ShortestHorizon, ShortestInScene, Transition, norm,
+)
 from ._prepared import Prepared
 from ._settings import Incumbent
 
-__all__ = ["CVXPY", "Duals", "Explanation", "Incumbent", "Model", "Prepared", "Pyomo", "Result", "read", "solve"]
+__all__ = [
+    "CVXPY", "ControlMove", "Duals", "Explanation", "Expression", "HybridPlan", "HybridProgram", "HybridSystem",
+    "Incumbent", "Mission", "Model", "Prepared", "Pyomo", "RecedingHorizon", "Result", "Row", "Scene",
+    "ShortestHorizon", "ShortestInScene", "Transition", "norm", "read", "solve",
+]
 
 
 def __getattr__(name: str) -> object:

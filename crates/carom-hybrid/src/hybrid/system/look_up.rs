@@ -2,6 +2,7 @@
 
 use super::HybridSystem;
 use super::handles::{Input, Meaning, State};
+use super::transition_mut::TransitionMut;
 use crate::error::{Error, ErrorKind};
 use crate::model::Variable;
 
@@ -82,6 +83,23 @@ impl HybridSystem {
         let taken = taken.ok_or_else(|| Error::unknown_name(name, "transition of the choice"))?;
         let found = self.handles.find(&Meaning::Taken(number, taken));
         found.ok_or_else(|| Error::unknown_name(name, "transition of the choice"))
+    }
+
+    /// A transition that was stated before, by its handle, to say more about it. Its flow must not
+    /// be stated twice.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::ForeignHandle`] for a handle of another system; [`ErrorKind::Misplaced`] for one
+    /// that is no transition's.
+    pub fn transition_mut(&mut self, taken: Variable) -> Result<TransitionMut<'_>, Error> {
+        match self.meaning(taken, "`transition_mut`")? {
+            &Meaning::Taken(choice, number) => Ok(TransitionMut::new(self, choice, number)),
+            _ => {
+                let help = "give the handle of a transition, which `taken` returns";
+                Err(self.misplaced(taken, "`transition_mut`", help))
+            }
+        }
     }
 
     /// The handle of a mode with memory, by the names of its choice and its own: 1 at the samples
