@@ -44,6 +44,7 @@ pub mod cluster {}
 
 #[doc = "[proof]: crate::guide::proofs"]
 #[doc = "[program]: crate::guide::a_file_and_a_solver"]
+#[doc = "[tutorial]: crate::guide::tutorial"]
 #[doc = include_str!("../docs/python.md")]
 pub mod python {}
 

@@ -527,11 +527,14 @@ class Scene:
 
     def body(
         self, name: str, domain: Any, speed: float, acceleration: float, *, start: Any, goal: Any,
+        first_acceleration: Any = None,
     ) -> "Scene":
         """A point of 1 kg: where it may be along each axis (pairs, m), its largest speed (m/s) and acceleration (m/s²)
-        along each axis, and where it starts and ends: positions, then velocities, each a number or a pair."""
+        along each axis, and where it starts and ends: positions, then velocities, each a number or a pair. The
+        acceleration of the first step may be given (m/s², an entry for each axis)."""
+        first = None if first_acceleration is None else _values("first_acceleration", first_acceleration)
         self._own.body(
-            name, _ranges("domain", domain), speed, acceleration, _ranges("start", start), _ranges("goal", goal)
+            name, _ranges("domain", domain), speed, acceleration, _ranges("start", start), _ranges("goal", goal), first
         )
         return self
 

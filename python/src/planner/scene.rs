@@ -52,6 +52,7 @@ impl Scene {
         acceleration: f64,
         start: Vec<(f64, f64)>,
         goal: Vec<(f64, f64)>,
+        first_acceleration: Option<Vec<f64>>,
     ) {
         let [start, goal] = [start, goal].map(|given| intervals(&given));
         let body =

@@ -14,10 +14,10 @@ use crate::tolerance;
 /// Options that every backend understands.
 ///
 /// Made by `Options::default()` (the same as [`balanced`](Options::balanced)),
-/// [`fast`](Options::fast) or [`proof`](Options::proof), and changed by the `with_...` methods or
+/// [`fast`](Options::fast) or [`precise`](Options::precise), and changed by the `with_...` methods or
 /// the public fields.
 ///
-/// | option | unit, range | default | `fast` | `proof` | evidence for the default |
+/// | option | unit, range | default | `fast` | `precise` | evidence for the default |
 /// | --- | --- | --- | --- | --- | --- |
 /// | `relative_gap` | none, `>= 0` | 1e-6 | 1e-3 | 1e-7 | decisions, *Presets* |
 /// | `absolute_gap` | objective's, `>= 0` | 1e-7 | 1e-7 | 1e-7 | decisions, *Presets* |
