@@ -90,8 +90,8 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::ForeignHandle`] for a handle of another system; [`ErrorKind::Misplaced`] for one
-    /// that is no transition's.
+    /// [`ErrorKind::ForeignHandle`] for a handle of another system; [`ErrorKind::Misplaced`] for
+    /// one that is no transition's.
     pub fn transition_mut(&mut self, taken: Variable) -> Result<TransitionMut<'_>, Error> {
         match self.meaning(taken, "`transition_mut`")? {
             &Meaning::Taken(choice, number) => Ok(TransitionMut::new(self, choice, number)),
