@@ -1,4 +1,4 @@
-//! What happens where the vehicle meets the wall.
+//! Contact laws: the motion where the vehicle meets the wall.
 
 /// The law of the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -75,7 +75,7 @@ pub struct Scenario {
     pub time_step: f64,
     /// The wall; equation (7).
     pub wall: Wall,
-    /// What happens there, if anything may.
+    /// The contact law at the wall.
     pub law: ContactLaw,
     /// The coefficient of restitution e (no unit).
     pub restitution: Restitution,

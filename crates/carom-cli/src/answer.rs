@@ -77,7 +77,7 @@ pub(crate) fn write(model: &Model, solution: &Solution, path: &str) -> Result<()
     fs::write(path, text).map_err(|error| format!("{path}: {error}"))
 }
 
-/// What became of the MIP start.
+/// The line about the MIP start.
 pub(crate) fn start_report(status: Option<&StartStatus>) -> String {
     match status {
         Some(StartStatus::Accepted) => "start: accepted".into(),

@@ -1,4 +1,4 @@
-//! What the words of the command line ask for.
+//! The words of the command line, and the task that they ask for.
 
 use std::iter::Peekable;
 use std::str::FromStr;
@@ -79,7 +79,7 @@ output on; 1 after an error; 2 if the arguments are wrong; 3 if Ctrl-C ended the
 explanation or the proof; what the signal says if it ends the program at once (130 in a shell)"
 );
 
-/// What is to be done.
+/// The task.
 pub(crate) enum Command {
     Solve(Box<Arguments>),
     Print(String),

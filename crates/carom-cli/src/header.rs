@@ -1,4 +1,4 @@
-//! What is solved: its size, and how large and small its numbers are.
+//! The lines about the program that is solved: its size, and how large and small its numbers are.
 
 use carom::prelude::Model;
 

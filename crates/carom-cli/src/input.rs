@@ -50,7 +50,7 @@ fn bytes(path: &str) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What gzip has compressed; a file may have several parts.
+/// The text of a file that gzip has compressed, which may have several parts.
 fn expanded(bytes: &[u8], name: &str) -> Result<Vec<u8>, String> {
     let most = (bytes.len() as u64).saturating_mul(MOST_EXPANSION).clamp(HARMLESS, MOST_BYTES);
     let mut text = Vec::new();

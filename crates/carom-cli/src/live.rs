@@ -1,4 +1,4 @@
-//! What is seen while a program is solved: lines on the standard error, and below them, on a
+//! The lines that are seen while a program is solved: lines on the standard error, and below them, on a
 //! terminal, a line that moves. Elsewhere a line now and then tells that something is done.
 
 use std::io::{self, Write};
@@ -33,7 +33,7 @@ pub(crate) struct Live {
     keeper: Option<JoinHandle<()>>,
 }
 
-/// What is done, and when it was last told of.
+/// The current work, and when it was last told of.
 struct Work {
     state: Mutex<WorkState>,
     /// Wakes the keeper at the end.
@@ -42,7 +42,7 @@ struct Work {
 
 struct WorkState {
     began: Instant,
-    /// What is done, since when, and when a line was last written.
+    /// The current work, since when, and when a line was last written.
     what: &'static str,
     since: Instant,
     told: Instant,

@@ -1,4 +1,4 @@
-//! What a step or a sample of a run has to satisfy, by name.
+//! The conditions that a step or a sample of a run has to satisfy, by name.
 
 use std::fmt;
 

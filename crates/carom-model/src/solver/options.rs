@@ -14,8 +14,8 @@ use crate::tolerance;
 /// Options that every backend understands.
 ///
 /// Made by `Options::default()` (the same as [`balanced`](Options::balanced)),
-/// [`fast`](Options::fast) or [`precise`](Options::precise), and changed by the `with_...` methods or
-/// the public fields.
+/// [`fast`](Options::fast) or [`precise`](Options::precise), and changed by the `with_...` methods
+/// or the public fields.
 ///
 /// | option | unit, range | default | `fast` | `precise` | evidence for the default |
 /// | --- | --- | --- | --- | --- | --- |

@@ -73,7 +73,7 @@ impl Input {
     }
 }
 
-/// What a handle of a system can do in expressions.
+/// The operators of a handle in expressions.
 macro_rules! handle {
     ($($type:ident),+) => {$(
         impl $type {
