@@ -1,4 +1,4 @@
-//! The lines that are seen while a program is solved: lines on the standard error, and below them, on a
+//! The lines that are seen while a program is solved: on the standard error, and below them, on a
 //! terminal, a line that moves. Elsewhere a line now and then tells that something is done.
 
 use std::io::{self, Write};
