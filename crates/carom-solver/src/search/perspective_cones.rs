@@ -1,11 +1,11 @@
 //! States squares of the objective as cones, if binaries switch enough of them off.
 //!
 //! Takes an objective that is a sum of squares of single columns; leaves a linear one over further
-//! columns `s`, each with its cone `x^2 <= s * 1`. Whether a column is 0 while a binary is 0 decides
-//! how weak the relaxation of its square is, and [`tighten_switched_cones`] makes of such a cone its
-//! perspective `x^2 <= s b` (Frangioni and Gentile, Perspective cuts for a class of convex 0-1
-//! mixed integer programs, Mathematical Programming 106, 2006). The search cuts the cones off by
-//! tangents, so that its relaxations are linear programs, to which all cuts of rows apply.
+//! columns `s`, each with its cone `x^2 <= s * 1`. If a column is 0 while a binary is 0,
+//! [`tighten_switched_cones`] makes of such a cone its perspective `x^2 <= s b` (Frangioni and
+//! Gentile, Perspective cuts for a class of convex 0-1 mixed integer programs, Mathematical
+//! Programming 106, 2006). The search cuts the cones off by tangents, so that its relaxations are
+//! linear programs, to which all cuts of rows apply.
 //!
 //! Small programs keep their squares, see `perspective`: their nodes are few, and one quadratic
 //! program each.
