@@ -173,7 +173,7 @@ def test_a_controller():
     assert state[0] == pytest.approx(2, abs=0.1)
     with pytest.raises(ValueError):
         controller.step([1.0, 2.0])
-    assert controller.step(state).source == "plan"
+    assert controller.step(state).source == "optimal"
 
 
 def test_the_paper_in_a_scene():
@@ -217,7 +217,7 @@ def test_pictures():
     (lambda x, v: x * v * v, ValueError, "more than two"),
     (lambda x, v: x**3, ValueError, "only squares"),
     (lambda x, v: x / 0, ValueError, "divided by 0"),
-    (lambda x, v: x + "1", TypeError, ""),
+    (lambda x, v: x + "1", TypeError, "unsupported"),
     (lambda x, v: (x + v).predicted(), TypeError, "handle"),
     (lambda x, v: bool(x), TypeError, "truth"),
 ])

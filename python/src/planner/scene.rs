@@ -55,8 +55,11 @@ impl Scene {
         first_acceleration: Option<Vec<f64>>,
     ) {
         let [start, goal] = [start, goal].map(|given| intervals(&given));
-        let body =
+        let mut body =
             Body::new(name, ranges(&domain), speed, acceleration).with_start(start).with_goal(goal);
+        if let Some(first) = first_acceleration {
+            body = body.with_first_acceleration(first);
+        }
         self.scene = self.scene.clone().with_body(body);
     }
 
