@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use carom::model::{cbf, lp, mps, qplib};
+use carom::model::{cbf, lp, mps, nl, qplib};
 use carom::prelude::*;
 
 use crate::there_and_back::through_files;
@@ -62,6 +62,14 @@ fn qplib_files() {
     assert!(each("qplib", read) >= 2);
     each("lp", read);
     each("cbf", read);
+}
+
+#[test]
+fn nl_files() {
+    let read = |text: &str| nl::read(text).map(|read| read.model).map_err(|e| e.to_string());
+    assert!(each("nl", read) >= 3);
+    each("lp", read);
+    each("qplib", read);
 }
 
 #[cfg(feature = "serde")]

@@ -1,4 +1,4 @@
-//! Model files: MPS, LP, CBF and QPLIB, by section, damaged, at random and there and back.
+//! Model files: MPS, LP, CBF, QPLIB and NL, by section, damaged, at random and there and back.
 
 mod cbf;
 #[path = "../common/mod.rs"]
@@ -8,6 +8,7 @@ mod corpus;
 mod lp;
 mod models;
 mod mps;
+mod nl;
 mod qplib;
 mod round_trips;
 mod sweeps;

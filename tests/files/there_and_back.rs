@@ -1,9 +1,9 @@
 //! What is read is written, and read again the same, to the last bit. Also for `fuzz`.
 
 use carom::interval::Interval;
-use carom::model::{Model, Variable, VariableRef, cbf, lp, mps};
+use carom::model::{Model, Variable, VariableRef, cbf, lp, mps, nl};
 
-/// Writes a model as LP, as MPS and as CBF, where these can hold it, and compares what is read
+/// Writes a model as LP, as MPS, as CBF and as NL, where these can hold it, and compares what is read
 /// back. Norms become quadratic rows, so then it is the texts that are compared. Files have no
 /// parameters, only fixed variables, no bounds of semi-continuous variables beside those of their
 /// values, and no white space around the model's name.
@@ -38,6 +38,14 @@ pub(crate) fn through_files(model: &Model) {
     if let Ok(text) = cbf::write(model) {
         let again = cbf::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).model;
         assert_eq!(again.sense(), model.sense());
+    }
+    if let Ok(text) = nl::write(model) {
+        let again = nl::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).model;
+        assert!(again.variable_count() >= model.variable_count());
+        // Columns have their order, and integers within [0, 1] are binaries, only now.
+        let text = nl::write(&again).unwrap();
+        let again = nl::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).model;
+        assert_eq!(nl::write(&again).unwrap(), text);
     }
 }
 

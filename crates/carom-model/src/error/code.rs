@@ -54,7 +54,7 @@ impl Error {
             Kind::Parse { .. } => "damaged-file",
             Kind::NoPoint { .. } | Kind::NoPlan { .. } => "no-point",
             Kind::NoMultipliers { .. } => "no-multipliers",
-            Kind::Unsupported { .. } => "unsupported",
+            Kind::Unsupported { .. } | Kind::Operator { .. } => "unsupported",
             Kind::Allocation => "memory",
             Kind::Io { .. } => "operating-system",
             Kind::Sweep { .. } => "sweep",

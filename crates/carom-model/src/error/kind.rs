@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::dead_end::DeadEnd;
+use super::handle::foreign;
 use super::robust::RobustError;
 use super::run::RunError;
 use super::scene::SceneError;
@@ -374,6 +375,18 @@ pub enum ErrorKind {
         /// The fault, and what was expected.
         message: String,
     },
+    /// An operator of a model file that no statement of a model expresses.
+    #[error("line {line}, column {column}: `{operator}` is not taken; {help}")]
+    Operator {
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// The name of the operator.
+        operator: String,
+        /// The advice on what to do.
+        help: &'static str,
+    },
     /// A value was asked for, but the solution holds no point.
     #[error("there is no value to read: the solve ended without a point (`{termination}`)")]
     NoPoint {
@@ -478,19 +491,4 @@ pub enum ErrorKind {
     /// The source is that error, and the [`Error`](super::Error) has the same text.
     #[error("another error; see its source")]
     Other,
-}
-
-/// The text for a handle of something else.
-fn foreign(kind: &str, index: usize, place: &str, name: Option<&str>) -> String {
-    match name {
-        Some(name) => format!(
-            "`{name}`, used in `{place}`, is a handle of a system and no variable of the model; take \
-             handles of a system at a sample with `at`, such as `program.at({name}, 0)?`"
-        ),
-        None => format!(
-            "{kind} number {index} used in `{place}` belongs to another model or system; use a handle \
-             only with the one that created it (or a clone of it), and take handles of a system at a \
-             sample with `at`"
-        ),
-    }
 }

@@ -7,6 +7,7 @@ pub(crate) mod checks;
 mod code;
 mod condition;
 mod dead_end;
+mod handle;
 mod kind;
 pub(crate) mod range;
 mod robust;

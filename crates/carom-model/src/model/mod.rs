@@ -20,6 +20,7 @@ pub mod lp;
 pub mod mps;
 pub(crate) mod name;
 pub(crate) mod name_table;
+pub mod nl;
 mod objective;
 mod operators;
 mod parameter;

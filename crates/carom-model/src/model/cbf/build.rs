@@ -37,7 +37,7 @@ pub(super) fn model(mut file: CbfFile<'_>, length: usize) -> Result<Read, Error>
     cones.iter().try_for_each(|cone| conic.add(cone))?;
     let objective = objective(&file, &variables)?;
     model.set_objective(sense(&file, &mut warnings), objective)?;
-    Ok(Read { model, warnings })
+    Ok(Read { model, warnings, start: Vec::new() })
 }
 
 /// Refuses numbers of variables or rows that nobody means.

@@ -86,7 +86,7 @@ pub(super) fn model(mut file: LpFile<'_>) -> Result<Read, Error> {
         defined::add(&mut model, function, k + 1, &variables)?;
     }
     model.set_objective(file.sense, objective(&file, &variables))?;
-    Ok(Read { model, warnings })
+    Ok(Read { model, warnings, start: Vec::new() })
 }
 
 fn add(

@@ -64,7 +64,7 @@ pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
     }
     let objective = objective(&file, &variables, &mut warnings)?;
     model.set_objective(file.sense.unwrap_or(Sense::Minimize), objective)?;
-    Ok(Read { model, warnings })
+    Ok(Read { model, warnings, start: Vec::new() })
 }
 
 /// Adds a row with products.

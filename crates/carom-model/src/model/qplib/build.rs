@@ -44,7 +44,7 @@ pub(super) fn model(file: QplibFile<'_>) -> Result<Read, Error> {
     terms.for_each(|(factor, variable)| linear.add_term(*factor, *variable));
     let objective = form(&file.objective, linear, &variables);
     model.set_objective(file.sense, objective)?;
-    Ok(Read { model, warnings: Vec::new() })
+    Ok(Read { model, warnings: Vec::new(), start: Vec::new() })
 }
 
 /// `1/2 x'Hx + a'x`.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::model::Model;
+use crate::model::{Model, Variable};
 
 /// A model from a file, and where the file was not plain.
 ///
@@ -26,6 +26,9 @@ pub struct Read {
     /// Where the file repeats or omits something and was read as most readers do, in the order of
     /// discovery. Empty for a plain file.
     pub warnings: Vec<Warning>,
+    /// Values of some variables to begin with, as NL files give them. Nobody has checked them;
+    /// those of integers can be a [MIP start](crate::solver::MipStart).
+    pub start: Vec<(Variable, f64)>,
 }
 
 /// A place of a file where the reader had to decide.
