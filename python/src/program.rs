@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use carom::model::{Model, cbf, lp, mps, qplib};
+use carom::model::{Model, Read, cbf, lp, mps, nl, qplib};
 use carom::prelude::Solver;
 use carom::reformulate::relaxed;
 use carom::solver::Interrupt;
@@ -47,17 +47,23 @@ impl Program {
         Ok(Program::new(model, layout))
     }
 
-    /// The program of a file's text, and what its reader warns of.
+    /// The program of a file, and what its reader warns of.
     #[staticmethod]
-    fn read(py: Python<'_>, text: &str, format: &str) -> PyResult<(Self, Vec<String>)> {
+    fn read(py: Python<'_>, data: &[u8], format: &str) -> PyResult<(Self, Vec<String>)> {
+        let text = |read: fn(&str) -> Result<Read, Error>| {
+            let text = std::str::from_utf8(data)?;
+            Ok::<_, PyErr>(py.detach(|| read(text)))
+        };
         let read = match format {
-            "mps" => mps::read,
-            "lp" => lp::read,
-            "cbf" => cbf::read,
-            "qplib" => qplib::read,
+            "mps" => text(mps::read)?,
+            "lp" => text(lp::read)?,
+            "cbf" => text(cbf::read)?,
+            "qplib" => text(qplib::read)?,
+            // One of its forms is no text.
+            "nl" => py.detach(|| nl::read(data)),
             _ => return Err(unknown(format)),
         };
-        let read = py.detach(|| read(text)).map_err(|error| exception(&error))?;
+        let read = read.map_err(|error| exception(&error))?;
         let warnings = read.warnings.iter().map(ToString::to_string).collect();
         let layout = Layout::of(&read.model);
         Ok((Program::new(read.model, layout), warnings))
@@ -69,6 +75,7 @@ impl Program {
             "mps" => mps::write,
             "lp" => lp::write,
             "cbf" => cbf::write,
+            "nl" => nl::write,
             _ => return Err(unknown(format)),
         };
         py.detach(|| write(&self.model)).map_err(|error| exception(&error))
@@ -141,6 +148,6 @@ impl Program {
 
 fn unknown(format: &str) -> PyErr {
     PyValueError::new_err(format!(
-        "no such format: `{format}`; `mps`, `lp` and `cbf` are read and written, `qplib` is read"
+        "no such format: `{format}`; `mps`, `lp`, `cbf` and `nl` are read and written, `qplib` is read"
     ))
 }

@@ -6,7 +6,7 @@ import pytest
 from programs import random_integer_program
 
 
-@pytest.mark.parametrize("name", ["a.mps", "a.lp", "a.cbf", "a.lp.gz"])
+@pytest.mark.parametrize("name", ["a.mps", "a.lp", "a.cbf", "a.nl", "a.lp.gz"])
 @pytest.mark.parametrize("kind", ["linear", "quadratic", "conic"])
 def test_a_program_is_written_and_read(tmp_path, name, kind):
     program = random_integer_program(7, quadratic=kind == "quadratic", cones=kind == "conic")
@@ -15,7 +15,7 @@ def test_a_program_is_written_and_read(tmp_path, name, kind):
     model.write(path)
     again = carom.read(path)
     assert again.solve().objective == pytest.approx(model.solve().objective, abs=1e-5)
-    assert "cbf" in name or again.names[: len(model.names)] == model.names
+    assert name in ("a.cbf", "a.nl") or again.names[: len(model.names)] == model.names
 
 
 def test_files_say_what_is_wrong(tmp_path):

@@ -1,6 +1,7 @@
 //! The examples as programs: what `solve` reads and prints, and what Ctrl-C does. Cargo builds
 //! examples before it runs the tests.
 
+mod ampl;
 mod compressed;
 #[cfg(unix)]
 mod interrupts;

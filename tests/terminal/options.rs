@@ -145,7 +145,7 @@ fn wrong_words_are_told_from_wrong_files() {
         (&["-", "--time-limit", "-1"], "solve: --time-limit cannot be `-1`"),
         (
             &["-", "--format", "xls"],
-            "solve: no format is called `xls`; there are mps, lp, cbf, qplib and json",
+            "solve: no format is called `xls`; there are mps, lp, cbf, qplib, nl and json",
         ),
         (
             &["--solution", "model.mps"],

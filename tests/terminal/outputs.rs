@@ -35,7 +35,7 @@ fn files_that_cannot_be_written_are_refused_first() {
     }
     let said = solve(&["-", "--write", &path("a.xls")], LP.as_bytes());
     assert_eq!((said.code, &*said.out), (Some(1), ""), "{said:?}");
-    assert!(said.err.contains("a.xls: expected .mps, .lp, .cbf or .json"), "{said:?}");
+    assert!(said.err.contains("a.xls: expected .mps, .lp, .cbf, .nl or .json"), "{said:?}");
 }
 
 /// The answer is there, whatever becomes of the files.

@@ -7,6 +7,7 @@ use std::time::Duration;
 use carom::prelude::Options;
 use carom::solver::{Heuristics, PoolMode, RelaxationMethod};
 
+use crate::ampl;
 use crate::format::Format;
 
 const USAGE: &str = concat!(
@@ -19,20 +20,25 @@ const USAGE: &str = concat!(
 
 pub(crate) const HELP: &str = concat!(
     "\
-Solves a model file (MPS, LP, CBF, QPLIB, or JSON with the feature `serde`), or writes it in another format.
+Solves a model file (MPS, LP, CBF, QPLIB, NL, or JSON with the feature `serde`), or writes it in another
+format.
 
 usage: ",
     env!("CARGO_BIN_NAME"),
     " FILE [OPTIONS]
+       ",
+    env!("CARGO_BIN_NAME"),
+    " STUB -AMPL [OPTION=VALUE ...]     the call of AMPL and Pyomo; `-=` lists these options
 
 FILE is `-` for the standard input. It may be compressed by gzip.
 
-  --format FORMAT      `mps`, `lp`, `cbf`, `qplib` or `json`; else the extension or the contents
-                       tell
+  --format FORMAT      `mps`, `lp`, `cbf`, `qplib`, `nl` or `json`; else the extension or the
+                       contents tell
   --solution [FILE]    write the values to FILE, lines `name value`; without FILE, or with `-`, print
                        those with magnitudes above 1e-9, `name = value`
   --start FILE.sol     begin with the integers of a point: lines `name value` or `name = value`;
-                       integers that are not named are 0
+                       integers that are not named are 0.
+                       For a model of an NL file also an answer of AMPL's form
   --explain            if there is no solution, print which statements contradict each other
   --proof FILE         write a proof of the bound, or that there is no point, for `carom-proof check`;
                        it is made after the search, with which it takes from 1.3 to more than 7
@@ -119,18 +125,14 @@ pub(crate) fn read(words: impl Iterator<Item = String>) -> Result<Command, Strin
         let options = &mut arguments.options;
         match word.as_str() {
             "--help" | "-h" => return Ok(Command::Print(HELP.to_owned())),
-            "--version" | "-V" => {
+            "--version" | "-V" | "-v" => {
                 return Ok(Command::Print(format!("carom {}", env!("CARGO_PKG_VERSION"))));
             }
+            "-=" => return Ok(Command::Print(ampl::OPTIONS.to_owned())),
             "--format" => arguments.format = Some(value()?.parse()?),
             "--start" => arguments.start = Some(value()?),
             "--explain" => arguments.explain = true,
-            "--time-limit" => {
-                let seconds: f64 = number(&word, &value()?)?;
-                let limit = Duration::try_from_secs_f64(seconds);
-                options.time_limit =
-                    Some(limit.map_err(|_| format!("{word} cannot be `{seconds}`"))?);
-            }
+            "--time-limit" => options.time_limit = Some(duration(&word, &value()?)?),
             "--threads" => options.threads = number(&word, &value()?)?,
             "--deterministic" => options.deterministic = true,
             "--log" => arguments.log = true,
@@ -204,6 +206,12 @@ fn method(name: &str) -> Result<RelaxationMethod, String> {
     found.ok_or_else(|| format!("no method is called `{name}`\n{USAGE}"))
 }
 
-fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {
+/// A number of seconds.
+pub(crate) fn duration(option: &str, text: &str) -> Result<Duration, String> {
+    let limit = Duration::try_from_secs_f64(number(option, text)?);
+    limit.map_err(|_| format!("{option} cannot be `{text}`"))
+}
+
+pub(crate) fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {
     text.parse().map_err(|_| format!("{option} cannot be `{text}`"))
 }

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::path::Path;
 use std::str::FromStr;
 
-use carom::model::{Warning, cbf, lp, mps, qplib};
+use carom::model::{Read, Variable, cbf, lp, mps, nl, qplib};
 use carom::prelude::Model;
 
 use crate::answer;
-use crate::input::{self, STANDARD_INPUT};
+use crate::input;
 use crate::{coded, warnings};
 
 /// A format of model files.
@@ -18,6 +18,7 @@ pub(crate) enum Format {
     Lp,
     Cbf,
     Qplib,
+    Nl,
     Json,
 }
 
@@ -30,10 +31,11 @@ impl FromStr for Format {
             "lp" => Ok(Format::Lp),
             "cbf" => Ok(Format::Cbf),
             "qplib" => Ok(Format::Qplib),
+            "nl" => Ok(Format::Nl),
             "json" => Ok(Format::Json),
-            _ => {
-                Err(format!("no format is called `{name}`; there are mps, lp, cbf, qplib and json"))
-            }
+            _ => Err(format!(
+                "no format is called `{name}`; there are mps, lp, cbf, qplib, nl and json"
+            )),
         }
     }
 }
@@ -67,30 +69,65 @@ fn of_contents(text: &str) -> Format {
     }
 }
 
-/// Reads the model of a file. Returns also what the reader warns of, and whether it is an LP file.
-pub(crate) fn read(
-    path: &str,
-    asked: Option<Format>,
-) -> Result<(Model, Vec<String>, bool), Box<dyn Error>> {
-    let text = input::text(path)?;
-    let format = asked.or_else(|| of_extension(path)).unwrap_or_else(|| of_contents(&text));
-    let name = if path == STANDARD_INPUT { "standard input" } else { path };
-    let read = parse(format, &text).map_err(|error| format!("{name}: {}", coded(&*error)))?;
-    Ok((read.0, warnings::lines(name, &read.1), format == Format::Lp))
+/// A model from a file.
+pub(crate) struct FromFile {
+    pub(crate) model: Model,
+    /// What the reader warns of.
+    pub(crate) warnings: Vec<String>,
+    pub(crate) format: Format,
+    /// Values to begin with.
+    pub(crate) start: Vec<(Variable, f64)>,
 }
 
-fn parse(format: Format, text: &str) -> Result<(Model, Vec<Warning>), Box<dyn Error>> {
+/// Reads the model of a file.
+pub(crate) fn read(path: &str, asked: Option<Format>) -> Result<FromFile, Box<dyn Error>> {
+    let bytes = input::contents(path)?;
+    let known =
+        asked.or_else(|| of_extension(path)).or_else(|| is_nl(&bytes).then_some(Format::Nl));
+    let name = input::name(path);
+    let said = |error: Box<dyn Error>| format!("{name}: {}", coded(&*error));
+    if known == Some(Format::Nl) {
+        let read = nl::read(bytes).map_err(|error| said(error.into()))?;
+        return Ok(FromFile::new(read, Format::Nl, name));
+    }
+    let text = input::decoded(path, bytes)?;
+    let format = known.unwrap_or_else(|| of_contents(&text));
+    if format == Format::Json {
+        let model = json(&text).map_err(said)?;
+        return Ok(FromFile { model, warnings: Vec::new(), format, start: Vec::new() });
+    }
     let read = match format {
-        Format::Mps => mps::read(text)?,
-        Format::Lp => lp::read(text)?,
-        Format::Cbf => cbf::read(text)?,
-        Format::Qplib => qplib::read(text)?,
-        #[cfg(feature = "serde")]
-        Format::Json => return Ok((serde_json::from_str(text)?, Vec::new())),
-        #[cfg(not(feature = "serde"))]
-        Format::Json => return Err("JSON needs `--features serde`".into()),
+        Format::Mps => mps::read(&text),
+        Format::Cbf => cbf::read(&text),
+        Format::Qplib => qplib::read(&text),
+        _ => lp::read(&text),
     };
-    Ok((read.model, read.warnings))
+    Ok(FromFile::new(read.map_err(|error| said(error.into()))?, format, name))
+}
+
+impl FromFile {
+    fn new(read: Read, format: Format, name: &str) -> Self {
+        let warnings = warnings::lines(name, &read.warnings);
+        FromFile { model: read.model, warnings, format, start: read.start }
+    }
+}
+
+/// Whether a file begins as those of AMPL do, such as `g3 1 1 0`.
+fn is_nl(bytes: &[u8]) -> bool {
+    let first = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let numbers = first.split(|&byte| byte == b'#').next().unwrap_or_default();
+    matches!(numbers, [b'g' | b'b', digit, ..] if digit.is_ascii_digit())
+        && numbers[1..].iter().all(|byte| byte.is_ascii_digit() || byte.is_ascii_whitespace())
+}
+
+#[cfg(feature = "serde")]
+fn json(text: &str) -> Result<Model, Box<dyn Error>> {
+    Ok(serde_json::from_str(text)?)
+}
+
+#[cfg(not(feature = "serde"))]
+fn json(_text: &str) -> Result<Model, Box<dyn Error>> {
+    Err("JSON needs `--features serde`".into())
 }
 
 /// Makes sure that a model can be written to a file: the extension tells a format, and the file can
@@ -98,7 +135,7 @@ fn parse(format: Format, text: &str) -> Result<(Model, Vec<Warning>), Box<dyn Er
 pub(crate) fn check(path: &str) -> Result<(), String> {
     match of_extension(path) {
         Some(_) => answer::check(path),
-        None => Err(format!("{path}: expected .mps, .lp, .cbf or .json")),
+        None => Err(format!("{path}: expected .mps, .lp, .cbf, .nl or .json")),
     }
 }
 
@@ -108,12 +145,13 @@ pub(crate) fn write(model: &Model, path: &str) -> Result<(), Box<dyn Error>> {
         Some(Format::Mps) => mps::write(model)?,
         Some(Format::Lp) => lp::write(model)?,
         Some(Format::Cbf) => cbf::write(model)?,
+        Some(Format::Nl) => nl::write(model)?,
         #[cfg(feature = "serde")]
         Some(Format::Json) => serde_json::to_string_pretty(model)?,
         #[cfg(not(feature = "serde"))]
         Some(Format::Json) => return Err("JSON needs `--features serde`".into()),
         Some(Format::Qplib) | None => {
-            return Err(format!("{path}: expected .mps, .lp, .cbf or .json").into());
+            return Err(format!("{path}: expected .mps, .lp, .cbf, .nl or .json").into());
         }
     };
     let bytes = if path.ends_with(".gz") { input::compressed(&text)? } else { text.into_bytes() };

@@ -24,14 +24,29 @@ const MOST_BYTES: u64 = 1 << 32;
 
 /// The text of a file. If it is not text, the error says where.
 pub(crate) fn text(path: &str) -> Result<String, String> {
-    let name = if path == STANDARD_INPUT { "standard input" } else { path };
+    decoded(path, contents(path)?)
+}
+
+/// The bytes of a file, expanded if they are compressed.
+pub(crate) fn contents(path: &str) -> Result<Vec<u8>, String> {
+    let name = name(path);
     let bytes = bytes(path).map_err(|error| format!("{name}: {error}"))?;
     if let Some((_, format)) = OTHERS.iter().find(|(first, _)| bytes.starts_with(first)) {
         return Err(format!(
             "{name}: it is compressed by {format}; only gzip is read, expand it first"
         ));
     }
-    let bytes = if bytes.starts_with(GZIP) { expanded(&bytes, name)? } else { bytes };
+    if bytes.starts_with(GZIP) { expanded(&bytes, name) } else { Ok(bytes) }
+}
+
+/// The name of a file in messages.
+pub(crate) fn name(path: &str) -> &str {
+    if path == STANDARD_INPUT { "standard input" } else { path }
+}
+
+/// The bytes of a file as text.
+pub(crate) fn decoded(path: &str, bytes: Vec<u8>) -> Result<String, String> {
+    let name = name(path);
     String::from_utf8(bytes).map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let before = String::from_utf8_lossy(before);

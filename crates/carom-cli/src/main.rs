@@ -1,9 +1,10 @@
 // The program `carom`: solves a model file, or writes it in another format. `--help` lists the
 // options.
 //
-// Files are MPS (free or fixed), LP, CBF, QPLIB, or JSON (with the feature `serde`), plain or
+// Files are MPS (free or fixed), LP, CBF, QPLIB, NL, or JSON (with the feature `serde`), plain or
 // compressed by gzip; `-` is the standard input. The format follows from `--format`, else from the
-// extension `.mps`, `.lp`, `.cbf`, `.qplib` or `.json`, otherwise from the contents.
+// extension `.mps`, `.lp`, `.cbf`, `.qplib`, `.nl` or `.json`, otherwise from the contents. It also
+// answers the call of AMPL (`ampl`).
 //
 // The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
 // those of indicators, and ` cones=…` follows if there are norms or quadratic rows. The last line
@@ -23,6 +24,7 @@ mod output;
 mod interrupts;
 mod sol;
 
+mod ampl;
 mod answer;
 mod arguments;
 mod format;
@@ -37,11 +39,14 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use carom::explain::{ExplainOptions, infeasibility};
-use carom::prelude::{BranchAndBound, Control, Event, Interrupt, Model, Solver, Termination};
+use carom::prelude::{
+    BranchAndBound, Control, Event, Interrupt, Model, Solver, Termination, Variable,
+};
 use carom::reformulate;
 use carom::solver::MipStart;
 
 use arguments::{Arguments, Command, Values};
+use format::{Format, FromFile};
 use interrupts::{INTERRUPTED, Signals};
 use live::Live;
 
@@ -52,7 +57,11 @@ const NAME: &str = env!("CARGO_BIN_NAME");
 const WRONG_ARGUMENTS: u8 = 2;
 
 fn main() -> ExitCode {
-    let arguments = match arguments::read(std::env::args().skip(1)) {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if ampl::is_called(&words) {
+        return ampl::run(&words);
+    }
+    let arguments = match arguments::read(words.into_iter()) {
         Ok(Command::Solve(arguments)) => *arguments,
         Ok(Command::Print(text)) => {
             println!("{text}");
@@ -118,7 +127,8 @@ fn run(arguments: Arguments) -> Result<Ended, Box<dyn Error>> {
     check_files(&arguments)?;
     let mut live = Live::new(arguments.quiet);
     live.doing("reading");
-    let (model, warnings, is_lp) = format::read(&arguments.file, arguments.format)?;
+    let FromFile { model, warnings, format, start: guess } =
+        format::read(&arguments.file, arguments.format)?;
     warnings.iter().for_each(|warning| live.say(warning));
     live.aside(|| println!("{}", header::counts(&model)));
     if let Some(path) = arguments.write {
@@ -128,7 +138,10 @@ fn run(arguments: Arguments) -> Result<Ended, Box<dyn Error>> {
     if let Some(path) = arguments.lowered {
         format::write(reformulate::lower(&model)?.model(), &path)?;
     }
-    let mip_start = arguments.start.map(|path| start(&model, &path)).transpose()?;
+    let mip_start = match arguments.start {
+        Some(path) => Some(start(&model, &path, format)?),
+        None => guessed(&model, guess),
+    };
     live.say(&header::header(&model));
     live.doing("presolve");
 
@@ -180,7 +193,7 @@ fn run(arguments: Arguments) -> Result<Ended, Box<dyn Error>> {
     match explanation {
         Some(Ok(explanation)) => {
             println!("{explanation}");
-            let domains = answer::domains(&model, &explanation, is_lp);
+            let domains = answer::domains(&model, &explanation, format == Format::Lp);
             domains.iter().for_each(|line| println!("{line}"));
             ended.is_interrupted |= signals.came();
         }
@@ -215,8 +228,18 @@ fn processor_seconds(threads: usize) -> Option<f64> {
 }
 
 /// The MIP start of a file.
-fn start(model: &Model, path: &str) -> Result<MipStart, String> {
+fn start(model: &Model, path: &str, format: Format) -> Result<MipStart, String> {
     let text = input::text(path)?;
-    let values = sol::integers(model, &text).map_err(|error| format!("{path}: {error}"))?;
-    Ok(MipStart::new().with_values(values))
+    let answer = (format == Format::Nl).then(|| sol::of_answer(model, &text)).flatten();
+    let values = answer.map_or_else(|| sol::integers(model, &text), Ok);
+    Ok(MipStart::new().with_values(values.map_err(|error| format!("{path}: {error}"))?))
+}
+
+/// The MIP start of values that came with a model, if there are some of integers.
+pub(crate) fn guessed(model: &Model, mut values: Vec<(Variable, f64)>) -> Option<MipStart> {
+    let is_integral =
+        |own: Variable| model.variable_ref(own).is_ok_and(|own| own.kind().is_integral());
+    values.retain(|(own, _)| is_integral(*own));
+    values.iter_mut().for_each(|(_, value)| *value = value.round());
+    (!values.is_empty()).then(|| MipStart::new().with_values(values))
 }

@@ -1,6 +1,7 @@
 //! Points in `.sol` files, as MIP starts: lines `name value` or `name = value`, of this crate's
 //! `solve --solution` and of other solvers. Comments, headings and rows are passed over.
 
+use carom::model::nl::SolFile;
 use carom::prelude::*;
 
 /// The values of a model's integers in a file. Such files leave out zeros, so an integer that is
@@ -17,6 +18,14 @@ pub(crate) fn integers(model: &Model, text: &str) -> Result<Vec<(Variable, f64)>
     }
     let integral = model.variables().filter(|variable| variable.kind().is_integral());
     Ok(integral.map(|v| (v.id(), values[v.id().index()].unwrap_or(0.0).round())).collect())
+}
+
+/// The values of a model's integers in an answer to its NL file.
+pub(crate) fn of_answer(model: &Model, text: &str) -> Option<Vec<(Variable, f64)>> {
+    let answer = SolFile::read(text).ok()?;
+    let is_whole = answer.values.len() == model.variable_count();
+    let values = model.variables().zip(answer.values).filter(|(own, _)| own.kind().is_integral());
+    is_whole.then(|| values.map(|(own, value)| (own.id(), value.round())).collect())
 }
 
 /// The variable and the value of a line; some solvers number their lines.

@@ -213,8 +213,8 @@ class Model:
         return Explanation(**found)
 
     def write(self, path: "Union[str, os.PathLike[str]]", format: Optional[str] = None) -> None:
-        """Writes the program to a file: MPS, LP or CBF, as `format` or else the end of the name says; with
-        `.gz` after it, compressed. CBF keeps no names."""
+        """Writes the program to a file: MPS, LP, CBF or NL, as `format` or else the end of the name says; with
+        `.gz` after it, compressed. CBF and NL keep no names, and NL has an order of variables of its own."""
         text = self._program.write(_format(path, format))
         data = text.encode()
         with open(path, "wb") as file:
@@ -229,9 +229,9 @@ class Model:
 
 
 def read(path: "Union[str, os.PathLike[str]]", format: Optional[str] = None) -> Model:
-    """The program of an MPS, LP, CBF or QPLIB file, also of one compressed by gzip (`.gz`).
+    """The program of an MPS, LP, CBF, QPLIB or NL file, also of one compressed by gzip (`.gz`).
 
-    The end of the name tells the format (`.mps`, `.lp`, `.cbf`, `.qplib`), unless `format` does. What the file
+    The end of the name tells the format (`.mps`, `.lp`, `.cbf`, `.qplib`, `.nl`), unless `format` does. What the file
     repeats or omits is a warning of Python (`UserWarning`). Files may maximise; the objective and the bound of
     the result are in the file's own sense.
 
@@ -242,7 +242,7 @@ def read(path: "Union[str, os.PathLike[str]]", format: Optional[str] = None) -> 
         data = file.read()
     if data[:2] == b"\x1f\x8b":
         data = gzip.decompress(data)
-    program, said = _carom.Program.read(data.decode(), kind)
+    program, said = _carom.Program.read(data, kind)
     for line in said:
         warnings.warn(f"{os.fspath(path)}: {line}", stacklevel=2)
     return Model._of(program)
