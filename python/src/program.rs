@@ -51,8 +51,8 @@ impl Program {
     #[staticmethod]
     fn read(py: Python<'_>, data: &[u8], format: &str) -> PyResult<(Self, Vec<String>)> {
         let text = |read: fn(&str) -> Result<Read, Error>| {
-            let text = std::str::from_utf8(data)?;
-            Ok::<_, PyErr>(py.detach(|| read(text)))
+            let text = String::from_utf8(data.to_vec())?;
+            Ok::<_, PyErr>(py.detach(|| read(&text)))
         };
         let read = match format {
             "mps" => text(mps::read)?,

@@ -138,10 +138,7 @@ fn run(arguments: Arguments) -> Result<Ended, Box<dyn Error>> {
     if let Some(path) = arguments.lowered {
         format::write(reformulate::lower(&model)?.model(), &path)?;
     }
-    let mip_start = match arguments.start {
-        Some(path) => Some(start(&model, &path, format)?),
-        None => guessed(&model, guess),
-    };
+    let mip_start = start(&model, arguments.start.as_deref(), guess, format)?;
     live.say(&header::header(&model));
     live.doing("presolve");
 
@@ -227,12 +224,19 @@ fn processor_seconds(threads: usize) -> Option<f64> {
     Some(1e-9 * nanoseconds)
 }
 
-/// The MIP start of a file.
-fn start(model: &Model, path: &str, format: Format) -> Result<MipStart, String> {
+/// The MIP start of a file, or of values that came with the model.
+fn start(
+    model: &Model,
+    path: Option<&str>,
+    guess: Vec<(Variable, f64)>,
+    format: Format,
+) -> Result<Option<MipStart>, String> {
+    let Some(path) = path else { return Ok(guessed(model, guess)) };
     let text = input::text(path)?;
     let answer = (format == Format::Nl).then(|| sol::of_answer(model, &text)).flatten();
     let values = answer.map_or_else(|| sol::integers(model, &text), Ok);
-    Ok(MipStart::new().with_values(values.map_err(|error| format!("{path}: {error}"))?))
+    let values = values.map_err(|error| format!("{path}: {error}"))?;
+    Ok(Some(MipStart::new().with_values(values)))
 }
 
 /// The MIP start of values that came with a model, if there are some of integers.

@@ -13,7 +13,7 @@ fn the_text_that_is_written() {
     let text = answer.to_string();
     assert_eq!(
         text,
-        "carom: optimal\n Options\n\nOptions\n3\n1\n1\n0\n3\n0\n2\n2\n0.1\n-2\nobjno 0 400\nsuffix 6 1 10 0 \
+        "carom: optimal\n> Options\n\nOptions\n3\n1\n1\n0\n3\n0\n2\n2\n0.1\n-2\nobjno 0 400\nsuffix 6 1 10 0 \
          0\nbestbound\n0 7.5\n"
     );
     let again = SolFile::read(&text).unwrap();

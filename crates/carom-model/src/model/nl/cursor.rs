@@ -83,7 +83,7 @@ impl<'a> Cursor<'a> {
         let start = self.place();
         let is_end = |&byte: &u8| byte.is_ascii_whitespace() || byte == b'#';
         let rest = &self.bytes[start..];
-        let length = rest.iter().position(|byte| is_end(byte)).unwrap_or(rest.len());
+        let length = rest.iter().position(is_end).unwrap_or(rest.len());
         if length == 0 {
             return Err(self.ended(what));
         }

@@ -88,7 +88,7 @@ impl SolFile {
         let mut lines = text.lines();
         let has_options = loop {
             match lines.next() {
-                Some("Options") => break true,
+                Some(line) if line.trim() == "Options" => break true,
                 Some(line) => message.push(line.trim_end()),
                 None => break false,
             }
@@ -188,7 +188,7 @@ impl fmt::Display for SolFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // A line of the message must not be taken for what comes behind it.
         for line in self.message.lines() {
-            writeln!(f, "{}{line}", if line == "Options" { " " } else { "" })?;
+            writeln!(f, "{}{line}", if line.trim() == "Options" { "> " } else { "" })?;
         }
         let count = self.options.len() + if self.tolerance.is_some() { 2 } else { 0 };
         writeln!(f, "\nOptions\n{count}")?;
