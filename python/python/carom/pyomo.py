@@ -141,7 +141,7 @@ class Pyomo(SolverBase):
     def _solve(self, model: Any, config: Any) -> Results:
         text = io.StringIO()
         symbols = LPWriter().write(model, text).symbol_map.bySymbol
-        program, _ = _carom.Program.read(text.getvalue(), "lp")
+        program, _ = _carom.Program.read(text.getvalue().encode(), "lp")
         read = Model._of(program)
         found = [symbols.get(name) for name in read.names]
         columns = [None if column is None or column.name == CONSTANT else column for column in found]

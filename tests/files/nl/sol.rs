@@ -56,9 +56,10 @@ fn damage_is_named_with_its_place() {
             "line 7, column 1: expected the objective and the code",
         ),
         (
-            "Options\n0\n9999999999\n9999999999\n0\n0\n",
-            "line 7, column 1: 9999999999 numbers are more",
+            "Options\n0\n999999999\n999999999\n0\n0\n",
+            "line 7, column 1: 999999999 numbers are more",
         ),
+        ("Options\n0\n-1\n0\n0\n0\n", "line 3, column 1: expected a size from 0 to"),
     ] {
         let error = SolFile::read(text).unwrap_err().to_string();
         assert!(error.starts_with(expected), "{text:?}: {error}");

@@ -107,7 +107,7 @@ impl SolFile {
         }
         let mut sizes = [0; 4];
         for size in &mut sizes {
-            *size = usize::try_from(cursor.integer("a size")?).unwrap_or(usize::MAX);
+            *size = cursor.below(1 << 31, "a size")?;
         }
         let [rows, multipliers, columns, values] = sizes;
         (file.rows, file.columns) = (rows, columns);
