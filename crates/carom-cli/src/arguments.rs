@@ -41,7 +41,7 @@ FILE is `-` for the standard input. It may be compressed by gzip.
                        For a model of an NL file also an answer of AMPL's form
   --explain            if there is no solution, print which statements contradict each other
   --proof FILE         write a proof of the bound, or that there is no point, for `carom-proof check`;
-                       it is made after the search, with which it takes from 1.3 to more than 7
+                       it is made after the search, with which it takes from 1.2 to more than 7
                        times as long, and a time limit holds for each of the two
   --time-limit S       stop after S seconds
   --node-limit N       stop after N nodes
