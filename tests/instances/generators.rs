@@ -292,6 +292,11 @@ const BOXES: [[f64; 4]; 4] = [
 /// A point mass among boxes, from one corner of a square to the other, with least squared effort
 /// or least sum of magnitudes.
 pub(crate) fn boxes(steps: usize, count: usize, squared: bool) -> Model {
+    boxes_among(steps, &BOXES[..count], squared)
+}
+
+/// The same among other boxes, each by its left, right, lower and upper side.
+pub(crate) fn boxes_among(steps: usize, obstacles: &[[f64; 4]], squared: bool) -> Model {
     let (dt, size, fast, strong) = (0.5, 10.0, 2.0, 1.5);
     let mut rows = Rows::new("boxes");
     let mut axes = Vec::new();
@@ -323,7 +328,7 @@ pub(crate) fn boxes(steps: usize, count: usize, squared: bool) -> Model {
     }
     let inner = axes[0].iter().zip(&axes[1]).enumerate().take(steps).skip(1);
     for (t, (&x, &y)) in inner {
-        for (b, [left, right, below, above]) in BOXES.into_iter().take(count).enumerate() {
+        for (b, &[left, right, below, above]) in obstacles.iter().enumerate() {
             let z = rows.binaries(&format!("side{t}_{b}"), 4);
             rows.row(&z.iter().map(|&z| (z, 1.0)).collect::<Terms>(), 1.0, INF);
             let (x, y) = ([(x, 1.0)], [(y, 1.0)]);

@@ -7,6 +7,7 @@ mod compressed;
 mod interrupts;
 mod options;
 mod outputs;
+mod pictures;
 #[cfg(unix)]
 mod sweeps;
 
