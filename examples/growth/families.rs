@@ -4,8 +4,8 @@ use carom::prelude::*;
 
 use crate::instances::generators::{boxes, boxes_among};
 use crate::instances::random_miqp::Random;
+use crate::instances::unit_commitment::unit_commitment;
 use crate::robots::robots;
-use crate::units::unit_commitment;
 
 /// Programs of one kind in several sizes.
 pub(crate) struct Family {

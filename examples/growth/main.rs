@@ -27,7 +27,6 @@ mod robots;
 mod families;
 mod figures;
 mod picture;
-mod units;
 
 use std::error::Error;
 use std::path::Path;

@@ -8,3 +8,4 @@ pub(crate) mod large;
 pub(crate) mod random_miqp;
 mod riccati;
 pub(crate) mod suite;
+pub(crate) mod unit_commitment;

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::config;
 use crate::instances::suite::{Truth, suite};
+use crate::instances::unit_commitment::unit_commitment;
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -238,6 +239,39 @@ fn factorisations_keep_limits() {
     let solution = BranchAndBound::new(options).solve(&model).unwrap();
     assert_eq!(solution.termination(), Termination::TimeLimit);
     assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+}
+
+/// The bounds of columns prove something where there is no time for more.
+#[test]
+fn a_solve_that_is_stopped_before_its_root_has_a_bound() {
+    let model = unit_commitment(24, 32).unwrap();
+    let interrupt = Interrupt::new();
+    let mut stop = |event: &Event| {
+        if matches!(event, Event::Presolved(..)) {
+            interrupt.trigger();
+        }
+    };
+    let mut control = Control::default().with_progress(&mut stop).with_interrupt(&interrupt);
+    let solution = BranchAndBound::default().solve_with(&model, &mut control).unwrap();
+    assert_eq!(solution.termination(), Termination::Interrupted);
+    assert_eq!(solution.statistics().relaxations, 0);
+    let bound = solution.bound();
+    assert!(bound.is_finite() && bound <= 2_789_262.0, "{bound}");
+}
+
+/// Units of which none can be off together, nor on: cheap ends of all binaries contradict each
+/// other, and a local search finds a point where no node may be solved.
+#[test]
+fn units_run_before_their_first_relaxation() {
+    let model = unit_commitment(24, 32).unwrap();
+    let limit = Duration::from_secs(60);
+    let options = Options::default().with_time_limit(limit).with_node_limit(0).with_cuts(false);
+    let solution = BranchAndBound::new(options).solve(&model).unwrap();
+    assert_eq!(solution.termination(), Termination::NodeLimit);
+    assert_eq!(solution.statistics().relaxations, 1, "the leaf");
+    assert!(solution.verification().is_some_and(Verification::holds));
+    // The optimum is 2,789,261.
+    assert!(solution.objective().is_some_and(|cost| cost < 1.2 * 2_789_261.0));
 }
 
 /// Before a relaxation that may never end, a point is looked for, and callbacks hear of it.

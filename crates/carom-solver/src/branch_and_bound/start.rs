@@ -1,8 +1,8 @@
 //! The phase before a program is strengthened: a point to begin with.
 //!
 //! The integers of a start are completed to a point. Without a start, a large program under a limit
-//! of time gets a point that needs no relaxation, in case that the limit comes before the first
-//! relaxation is solved; so does a program of binaries with few costs or none, whose first point is
+//! of time gets a point that needs no relaxation, in case that the limit comes before the search
+//! has a better one; so does a program of binaries with few costs or none, whose first point is
 //! often the answer.
 
 use crate::program::Program;
@@ -17,7 +17,7 @@ use crate::solver::{Control, Event, Incumbent, Progress};
 const LARGE_ENTRIES: usize = 10_000;
 
 /// Largest share of the remaining time that the point of a large program may take (no unit).
-const TIME_SHARE: f64 = 0.25;
+const TIME_SHARE: f64 = 0.5;
 
 /// The result of looking for a point before the search.
 pub(super) struct PreliminaryResult {
@@ -79,9 +79,16 @@ impl PreliminaryResult {
     ) {
         let PreliminaryResult { found: begun, is_start } = self;
         let mut counts = begun.statistics;
-        if found.points.is_empty() && found.termination != Termination::Infeasible {
+        let value = |found: &SearchResult| found.points.first().map(|x| task.value(x));
+        let is_less = |(own, other)| own < other;
+        let is_better =
+            found.termination.is_limit() && value(&begun).zip(value(found)).is_some_and(is_less);
+        let is_first = found.points.is_empty() && found.termination != Termination::Infeasible;
+        if is_first || is_better {
             report(task, &begun, control);
-            (found.points, found.found_by) = (begun.points, begun.found_by);
+            found.points.splice(0..0, begun.points);
+            found.points.truncate(task.options.pool);
+            found.found_by = begun.found_by;
         } else {
             counts.forget_incumbents();
         }

@@ -204,6 +204,11 @@ impl Relaxer<'_> {
         let cuts = self.cascade.take_cone_cuts();
         let relaxed = match &verdict {
             RelaxationVerdict::Stopped => return Relaxed::Stopped,
+            RelaxationVerdict::Relaxed { converged: false, bound, .. }
+                if *bound <= cutoff && self.token.is_over() =>
+            {
+                return Relaxed::Stopped;
+            }
             RelaxationVerdict::Descent => Relaxed::Open(None),
             RelaxationVerdict::Refuted(y) => {
                 let mut found = self.gather(facts, (&reduced, &before), bounds, y);

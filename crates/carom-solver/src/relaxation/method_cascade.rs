@@ -412,7 +412,8 @@ impl MethodCascade {
             request.cutoff = findings.cutoff;
             let result = self.solve_by(attempt, program, &request);
             if result.claim == RelaxationClaim::Unknown && token.is_over() {
-                return (RelaxationVerdict::Stopped, Doubt::default());
+                let verdict = findings.stopped(result, &mut self.prover);
+                return (verdict, Doubt::default());
             }
             let is_cut_short = purpose == Purpose::Trial
                 && attempt.stage == Stage::Warm

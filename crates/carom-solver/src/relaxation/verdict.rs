@@ -170,6 +170,28 @@ impl<'a> Findings<'a> {
         AttemptOutcome::TryHarder
     }
 
+    /// The verdict on a method that a limit has stopped: at a root with an objective, what its
+    /// multipliers prove already.
+    pub(super) fn stopped(
+        &mut self,
+        result: RelaxationResult,
+        prover: &mut Prover,
+    ) -> RelaxationVerdict {
+        let is_root = matches!(self.question.purpose, Purpose::Root | Purpose::Separation);
+        if !is_root || self.program.is_feasibility_problem() {
+            return RelaxationVerdict::Stopped;
+        }
+        if let AttemptOutcome::Decided(verdict) = self.verify(result, prover) {
+            return verdict;
+        }
+        if self.bound == f64::NEG_INFINITY {
+            return RelaxationVerdict::Stopped;
+        }
+        let (bound, mut x) = (self.bound, std::mem::take(&mut self.x));
+        x.resize(self.program.columns.len(), 0.0);
+        self.relaxed(bound, x, false)
+    }
+
     /// The distance that a point of this value may have from its bound. Methods take the gap
     /// relative to an objective without the constant, which may be large. A leaf also meets the
     /// requested gap.

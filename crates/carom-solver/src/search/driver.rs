@@ -43,8 +43,9 @@ pub fn search(
         }
     };
     if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
-        // The bound of the relaxed root and the point of the start are kept.
-        let tree = Tree::new(task, root, start, search_nested, 1);
+        // The bound of the root and the point of the start are kept.
+        let bounded = root.point.is_none().then(|| root.bounded(&task));
+        let tree = Tree::new(task, bounded.as_ref().unwrap_or(root), start, search_nested, 1);
         tree.stop(reason);
         Reporter::new(control).report(&tree);
         return tree.into_found();

@@ -2,6 +2,7 @@
 
 use super::indifferent_binaries::{BinaryGroup, groups, ungrouped_binaries};
 use super::root_point::RootPoint;
+use super::task::SolveTask;
 use crate::presolve::{
     Conflict, Domain, ProbingRecord, Propagator, Trials, covering_rows, probe, probe_again,
     probe_implications,
@@ -73,6 +74,14 @@ impl Root {
     /// Iterations of the relaxation of the root, where it is known.
     pub(crate) fn relaxed_iterations(&self) -> u64 {
         self.point.as_ref().map_or(0, |point| point.iterations)
+    }
+
+    /// The root with the bound that the bounds of its columns prove.
+    pub(super) fn bounded(&self, task: &SolveTask<'_>) -> Self {
+        let mut cascade = task.cascades.take();
+        let point = RootPoint::of_bounds(task.program, &self.domain, &mut cascade);
+        task.cascades.give_back(cascade);
+        Root { point, ..self.clone() }
     }
 
     /// The root of the same program with tighter bounds: what is known of it still holds.

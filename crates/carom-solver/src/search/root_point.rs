@@ -88,7 +88,7 @@ pub(crate) struct PilotResult {
 impl RootPoint {
     /// Relaxes a program within a domain as the search does, from the state that a relaxation of
     /// nearly the same program has left. Returns `None` if nothing is left to relax or no optimum
-    /// is found.
+    /// is found. If the token is over, the value is no more than the bound.
     pub(super) fn new(
         program: &Program,
         domain: &Domain,
@@ -115,6 +115,12 @@ impl RootPoint {
         let iterations = cascade.iterations() - before;
         let reduced = &projection.reduced;
         let point = match verdict {
+            // What a relaxation proves that a limit has stopped.
+            Some(RelaxationVerdict::Relaxed { bound, x, converged: false, .. })
+                if token.is_over() =>
+            {
+                Some(RootPoint::unfinished(bound, projection.lift(&x), iterations))
+            }
             Some(RelaxationVerdict::Relaxed { bound, x, converged: true, warm, .. }) => {
                 let (value, reduced_x) = (reduced.objective(&x), x);
                 let x = projection.lift(&reduced_x);
@@ -139,6 +145,35 @@ impl RootPoint {
         };
         cascade.reducer().reuse_projection(projection);
         point
+    }
+
+    /// What the bounds of the columns prove alone, for a search that is over before it begins;
+    /// `None` if that is nothing.
+    pub(super) fn of_bounds(
+        program: &Program,
+        domain: &Domain,
+        cascade: &mut MethodCascade,
+    ) -> Option<RootPoint> {
+        let reduced = cascade.reducer().reduce(program, domain)?;
+        let x = vec![0.0; reduced.columns.len()];
+        let bound = cascade.prover().lower_bound(&reduced, &x, &vec![0.0; reduced.rows.len()]);
+        let x = reduced.lift(&x);
+        cascade.reducer().reuse(reduced);
+        (bound > f64::NEG_INFINITY).then(|| RootPoint::unfinished(bound, x, 0))
+    }
+
+    /// A bound without a relaxed point.
+    fn unfinished(bound: f64, x: Vec<f64>, iterations: u64) -> RootPoint {
+        RootPoint {
+            bound,
+            value: bound,
+            x,
+            warm: None,
+            is_vertex: false,
+            inverse: Vec::new(),
+            lacks_state: true,
+            iterations,
+        }
     }
 
     /// Raises the bound to another proved one, if that is higher.

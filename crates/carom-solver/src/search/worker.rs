@@ -250,6 +250,15 @@ fn conclude_from(
             give_back(ctx, node.clone(), reason);
             return None;
         }
+        RelaxationVerdict::Relaxed { bound, converged: false, .. }
+            if node.path.is_empty() && ctx.token.is_over() =>
+        {
+            // Nothing is to be expected of the point of a root that a limit has stopped.
+            let bound = ctx.tree.strengthen(bound.min(ctx.node.cutoff)).max(node.bound);
+            let reason = ctx.token.ended().unwrap_or(Termination::Interrupted);
+            give_back(ctx, Node { bound, ..node.clone() }, reason);
+            return None;
+        }
         RelaxationVerdict::Descent => {
             ctx.tree.count(|s| s.unfinished += 1);
             settle_descent(ctx, node.clone());

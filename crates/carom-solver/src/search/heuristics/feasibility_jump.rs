@@ -1,11 +1,15 @@
-//! A local search for a point of a program of binaries, without any relaxation. There is no
-//! objective, or one of few columns, which stay where they cost least: then a point is an optimum.
+//! A local search for a point of linear rows, without any relaxation.
 //!
-//! Binaries are flipped one at a time, those first whose flip lessens the weighted violation of the
-//! rows most. Where no flip does, the rows that are violated become heavier (Luteberget and Sartor
-//! 2022, "Feasibility Jump"). Many timetables and assignments have a point that is found so long
-//! before their first relaxation is solved.
+//! Columns jump one at a time to the value at which their rows are violated least, those first
+//! whose jump lessens the weighted violation most. Where no jump does, the rows that are violated
+//! become heavier (Luteberget and Sartor 2022, "Feasibility Jump"). Costs are not looked at. Once
+//! the rows over integers alone hold, the integers are fixed and the rest is solved for.
+//!
+//! Many timetables and assignments have a point that is found so long before their first relaxation
+//! is solved. Where there is no objective, or one of few columns, which then stay where they cost
+//! least, it is an optimum. Of large programs it is a point in case that the time ends early.
 
+use super::jump_value::Kinks;
 use crate::program::Program;
 use crate::search::context::Context;
 use crate::search::leaf::try_assignment;
@@ -17,19 +21,29 @@ const FEWEST_BINARIES: usize = 200;
 /// One in so many binaries may have a cost.
 const BINARIES_PER_COST: usize = 10;
 
-/// Entries of the matrix that are visited at most; each takes about ten nanoseconds.
-const MOST_ENTRY_VISITS: usize = 30_000_000;
+/// Entries of the matrix that are visited at most, for a point that may be the answer and for others:
+/// some tenths of a second.
+const MOST_ENTRY_VISITS: [usize; 2] = [30_000_000, 80_000_000];
 
-/// Flips that are compared where many lessen the violation.
-const COMPARED_FLIPS: usize = 25;
+/// Entries that are visited at most for other points since the fewest rows were violated, by entry
+/// of the matrix.
+const IDLE_VISITS_PER_ENTRY: usize = 50;
+
+/// Jumps that are compared where many lessen the violation.
+const COMPARED_JUMPS: usize = 25;
 
 /// The least change of the weighted violation that counts.
 const LEAST_SCORE: f64 = 1e-9;
 
-/// Flips between two looks at the clock.
-const FLIPS_PER_LOOK: usize = 256;
+/// Jumps between two looks at the clock.
+const JUMPS_PER_LOOK: usize = 256;
 
-/// Whether a program is one of binaries alone, has few costs or none, and is not small.
+/// How often the continuous columns are solved for while their rows are violated, each time after
+/// twice as many jumps.
+const MOST_COMPLETIONS: u32 = 4;
+
+/// Whether the first point that is found is likely to be an answer: a program is one of binaries
+/// alone, has few costs or none, and is not small.
 pub(in crate::search) fn suits(program: &Program) -> bool {
     let is_binary = |j: usize| program.integral[j] && program.upper[j] - program.lower[j] <= 1.0;
     let costs = program.linear.iter().filter(|cost| **cost != 0.0).count();
@@ -43,24 +57,46 @@ pub(in crate::search) fn suits(program: &Program) -> bool {
 /// Looks for a point, and offers it. Returns whether one was accepted.
 pub(super) fn jump_to_feasibility(ctx: &mut Context<'_>) -> bool {
     let program = ctx.program();
+    if !program.cones.is_empty() {
+        return false;
+    }
     let bounds: Vec<[f64; 2]> =
         (0..program.column_count()).map(|j| ctx.node.domain.bounds(j)).collect();
-    let mut search = LocalSearch::new(program, &bounds);
-    for flips in 1.. {
+    let is_answer = suits(program);
+    let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
+    let [for_answers, for_others] = MOST_ENTRY_VISITS;
+    let (most, idle) = match is_answer {
+        true => (for_answers, for_answers),
+        false => (for_others, IDLE_VISITS_PER_ENTRY * entries),
+    };
+    let mut search = LocalSearch::new(program, bounds, is_answer);
+    let (mut completions, mut next) = (0, 0);
+    let (mut fewest, mut since) = (usize::MAX, 0);
+    for jumps in 1.. {
         if search.violated.members.is_empty() {
             return try_assignment(ctx, &search.x);
         }
-        let is_over = flips % FLIPS_PER_LOOK == 0 && ctx.token.is_over();
-        if is_over || search.visits > MOST_ENTRY_VISITS {
+        if search.violated_whole == 0 && jumps >= next && completions < MOST_COMPLETIONS {
+            if try_assignment(ctx, &search.x) {
+                return true;
+            }
+            (completions, next) = (completions + 1, 2 * jumps + JUMPS_PER_LOOK);
+        }
+        let is_over = jumps % JUMPS_PER_LOOK == 0 && ctx.token.is_over();
+        if search.violated.members.len() < fewest {
+            (fewest, since) = (search.violated.members.len(), search.visits);
+        }
+        let is_idle = search.visits - since > idle;
+        if is_over || is_idle || search.visits > most {
             break;
         }
         let Some(j) = search.choose() else { break };
-        search.flip(j);
+        search.jump(j);
     }
     false
 }
 
-/// MemberSet of a range of numbers, in no order.
+/// A set of some of the numbers below another one, in no order.
 #[derive(Debug, Default)]
 struct MemberSet {
     members: Vec<usize>,
@@ -73,7 +109,8 @@ impl MemberSet {
         MemberSet { members: Vec::new(), place: vec![usize::MAX; count] }
     }
 
-    fn set(&mut self, k: usize, is_member: bool) {
+    /// Adds or removes a number; returns whether that changes the set.
+    fn set(&mut self, k: usize, is_member: bool) -> bool {
         let at = self.place[k];
         if is_member && at == usize::MAX {
             self.place[k] = self.members.len();
@@ -84,44 +121,76 @@ impl MemberSet {
                 self.place[moved] = at;
             }
             self.place[k] = usize::MAX;
+        } else {
+            return false;
         }
+        true
     }
 }
 
 struct LocalSearch<'a> {
     program: &'a Program,
+    bounds: Vec<[f64; 2]>,
     x: Vec<f64>,
-    /// By column, what a flip adds to it; 0 for fixed ones.
+    /// By column, whether it has two values, between which it jumps.
+    is_switch: Vec<bool>,
+    /// By column, what its jump adds to it; 0 for those that stay.
     step: Vec<f64>,
+    /// By row, whether all its columns are integral.
+    is_whole: Vec<bool>,
     activity: Vec<f64>,
     weight: Vec<f64>,
     violated: MemberSet,
-    /// By column, by how much its flip lessens the weighted violation.
+    /// How many of the rows that are violated have integral columns alone.
+    violated_whole: usize,
+    /// By column, by how much its jump lessens the weighted violation.
     score: Vec<f64>,
-    /// The columns whose flip lessens it.
+    /// The columns whose jump lessens it.
     good: MemberSet,
+    /// The columns with more than two values whose rows have changed.
+    stale: MemberSet,
+    kinks: Kinks,
     /// The state of the random numbers.
     random: u64,
     visits: usize,
 }
 
 impl<'a> LocalSearch<'a> {
-    fn new(program: &'a Program, bounds: &[[f64; 2]]) -> Self {
+    /// # Arguments
+    ///
+    /// * `holds_costs`: columns with costs stay where they cost least.
+    fn new(program: &'a Program, bounds: Vec<[f64; 2]>, holds_costs: bool) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
-        let begin = |([lower, upper], cost): (&[f64; 2], &f64)| match *cost {
-            0.0 => (*lower, upper - lower),
-            cost => (if cost > 0.0 { *lower } else { *upper }, 0.0),
+        let is_switch =
+            |(j, [lower, upper]): (usize, &[f64; 2])| program.integral[j] && upper - lower <= 1.0;
+        let is_switch: Vec<bool> = bounds.iter().enumerate().map(is_switch).collect();
+        let begin = |([lower, upper], cost): (&[f64; 2], &f64)| {
+            let ends = if *cost < 0.0 { [upper, lower] } else { [lower, upper] };
+            ends.into_iter().find(|end| end.is_finite()).copied().unwrap_or(0.0)
         };
-        let (x, step): (Vec<f64>, Vec<f64>) = bounds.iter().zip(&program.linear).map(begin).unzip();
+        let x: Vec<f64> = bounds.iter().zip(&program.linear).map(begin).collect();
+        let step = |j: usize| match bounds[j] {
+            [lower, upper] if is_switch[j] && !(holds_costs && program.linear[j] != 0.0) => {
+                lower + upper - 2.0 * x[j]
+            }
+            _ => 0.0,
+        };
+        let is_whole = |i: usize| program.row(i).0.iter().all(|&j| program.integral[j]);
         let mut search = LocalSearch {
             program,
-            step,
+            step: (0..n).map(step).collect(),
+            is_whole: (0..m).map(is_whole).collect(),
+            bounds,
             x,
+            is_switch,
             activity: vec![0.0; m],
             weight: vec![1.0; m],
             violated: MemberSet::of_none(m),
+            violated_whole: 0,
             score: vec![0.0; n],
             good: MemberSet::of_none(n),
+            stale: MemberSet::of_none(n),
+            kinks: Kinks::default(),
             random: 0x9e37_79b9_7f4a_7c15,
             visits: 0,
         };
@@ -129,9 +198,10 @@ impl<'a> LocalSearch<'a> {
             let (columns, values) = program.row(i);
             let terms = columns.iter().zip(values).map(|(&j, a)| a * search.x[j]);
             search.activity[i] = terms.sum();
-            search.violated.set(i, search.violation(i, search.activity[i]) > 0.0);
+            search.note_violation(i);
             search.add_scores(i, 1.0);
         }
+        search.aim();
         search
     }
 
@@ -142,13 +212,24 @@ impl<'a> LocalSearch<'a> {
         if miss > tolerance::FEASIBILITY { miss } else { 0.0 }
     }
 
-    /// Adds what a row says about flips, times a factor, to the scores.
+    fn note_violation(&mut self, row: usize) {
+        let is_violated = self.violation(row, self.activity[row]) > 0.0;
+        if self.violated.set(row, is_violated) && self.is_whole[row] {
+            let before = self.violated_whole;
+            self.violated_whole = if is_violated { before + 1 } else { before - 1 };
+        }
+    }
+
+    /// Adds what a row says about jumps between two values, times a factor, to the scores. Other
+    /// columns have to look for a new value.
     fn add_scores(&mut self, row: usize, factor: f64) {
         let (columns, values) = self.program.row(row);
         let activity = self.activity[row];
         let before = self.violation(row, activity);
         for (&k, &b) in columns.iter().zip(values) {
-            if self.step[k] != 0.0 {
+            if !self.is_switch[k] {
+                self.stale.set(k, true);
+            } else if self.step[k] != 0.0 {
                 let after = self.violation(row, activity + self.step[k] * b);
                 self.score[k] += factor * (before - after);
                 self.good.set(k, self.score[k] > LEAST_SCORE);
@@ -157,13 +238,42 @@ impl<'a> LocalSearch<'a> {
         self.visits += columns.len();
     }
 
-    /// The next column to flip; `None` if a violated row has none.
+    /// Finds the best values of the columns whose rows have changed, and their scores.
+    fn aim(&mut self) {
+        while let Some(&j) = self.stale.members.last() {
+            self.stale.set(j, false);
+            let (x, [lower, upper]) = (self.x[j], self.bounds[j]);
+            let row = |i: usize| (self.weight[i], self.activity[i]);
+            let mut best = self.kinks.least(self.program, j, x, [lower, upper], row);
+            let mut score = self.gain(j, best);
+            if self.program.integral[j] && best != best.round() {
+                let ends = [best.floor().max(lower), best.ceil().min(upper)];
+                let [below, above] = ends.map(|end| self.gain(j, end));
+                (best, score) = if below > above { (ends[0], below) } else { (ends[1], above) };
+            }
+            (self.step[j], self.score[j]) = (best - x, score);
+            self.good.set(j, best != x && score > LEAST_SCORE);
+            self.visits += 4 * self.program.column(j).0.len();
+        }
+    }
+
+    /// By how much a value of a column lessens the weighted violation.
+    fn gain(&self, j: usize, value: f64) -> f64 {
+        let (rows, values) = self.program.column(j);
+        let of_row = |(&i, a): (&usize, &f64)| {
+            let (activity, step) = (self.activity[i], a * (value - self.x[j]));
+            self.weight[i] * (self.violation(i, activity) - self.violation(i, activity + step))
+        };
+        rows.iter().zip(values).map(of_row).sum()
+    }
+
+    /// The next column to jump; `None` if violated rows have none.
     fn choose(&mut self) -> Option<usize> {
         let mut best = None;
         let mut most = f64::NEG_INFINITY;
         let count = self.good.members.len();
-        for k in 0..count.min(COMPARED_FLIPS) {
-            let k = if count > COMPARED_FLIPS { self.random_below(count) } else { k };
+        for k in 0..count.min(COMPARED_JUMPS) {
+            let k = if count > COMPARED_JUMPS { self.random_below(count) } else { k };
             let j = self.good.members[k];
             if self.score[j] > most {
                 (most, best) = (self.score[j], Some(j));
@@ -177,11 +287,15 @@ impl<'a> LocalSearch<'a> {
             self.weight[row] += 1.0;
             self.add_scores(row, 1.0);
         }
-        let k = self.random_below(self.violated.members.len());
-        let row = self.violated.members[k];
-        let columns = self.program.row(row).0;
-        let open = columns.iter().copied().filter(|&j| self.step[j] != 0.0);
-        open.max_by(|&a, &b| self.score[a].total_cmp(&self.score[b]))
+        self.aim();
+        let first = self.random_below(self.violated.members.len());
+        let rows = self.violated.members.iter().cycle().skip(first).take(COMPARED_JUMPS);
+        let mut open = rows.map(|&row| {
+            let columns = self.program.row(row).0.iter().copied();
+            let open = columns.filter(|&j| self.step[j] != 0.0);
+            open.max_by(|&a, &b| self.score[a].total_cmp(&self.score[b]))
+        });
+        open.find_map(|column| column)
     }
 
     /// A random number below another one (SplitMix64).
@@ -193,7 +307,7 @@ impl<'a> LocalSearch<'a> {
         ((z ^ (z >> 31)) % count as u64) as usize
     }
 
-    fn flip(&mut self, j: usize) {
+    fn jump(&mut self, j: usize) {
         let (rows, values) = self.program.column(j);
         let step = self.step[j];
         for &row in rows {
@@ -203,8 +317,9 @@ impl<'a> LocalSearch<'a> {
         self.step[j] = -step;
         for (&row, &a) in rows.iter().zip(values) {
             self.activity[row] += step * a;
-            self.violated.set(row, self.violation(row, self.activity[row]) > 0.0);
+            self.note_violation(row);
             self.add_scores(row, self.weight[row]);
         }
+        self.aim();
     }
 }

@@ -4,6 +4,7 @@ mod allowance;
 mod completion;
 mod diving;
 mod feasibility_jump;
+mod jump_value;
 mod near_origin;
 mod neighbourhood;
 mod parameters;
@@ -129,7 +130,7 @@ pub(super) fn look_for_first_point(ctx: &mut Context<'_>) {
     span!(DEBUG, "heuristic", name = "first point");
     let activity = ctx.clock.switch(Activity::Heuristic);
     let before = ctx.tree.begin(Heuristic::Rounding);
-    if !fix_at_cheap_ends(ctx) && suits_jumps(ctx.program()) {
+    if !fix_at_cheap_ends(ctx) {
         jump_to_feasibility(ctx);
     }
     ctx.tree.end(before);

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 use carom::prelude::*;
 
-use crate::instances::random_miqp::Random;
+use super::random_miqp::Random;
 
 /// Demand of the hours of a day, as a share of what all units can produce.
 const DAY: [f64; 24] = [
