@@ -59,9 +59,10 @@ impl Figure {
     }
 }
 
-pub(crate) fn read(path: &str) -> Result<Vec<Figure>, Box<dyn Error>> {
-    let text = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
-    let wrong = |line| format!("{path}: `{line}` is not `{HEADING}`");
+pub(crate) fn read(path: &Path) -> Result<Vec<Figure>, Box<dyn Error>> {
+    let name = path.display();
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+    let wrong = |line| format!("{name}: `{line}` is not `{HEADING}`");
     let figure = |line| Figure::read(line).ok_or_else(|| wrong(line).into());
     text.lines().skip(1).map(figure).collect()
 }

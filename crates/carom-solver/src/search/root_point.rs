@@ -33,6 +33,8 @@ pub(super) struct RootPoint {
     pub(super) inverse: Vec<Vec<(usize, f64)>>,
     /// Whether the nodes below would start from the state of another method.
     lacks_state: bool,
+    /// Whether there is a bound alone, which is the value then.
+    is_unfinished: bool,
     /// Iterations of the relaxation.
     pub(super) iterations: u64,
 }
@@ -88,8 +90,21 @@ pub(crate) struct PilotResult {
 impl RootPoint {
     /// Relaxes a program within a domain as the search does, from the state that a relaxation of
     /// nearly the same program has left. Returns `None` if nothing is left to relax or no optimum
-    /// is found. If the token is over, the value is no more than the bound.
+    /// is found.
     pub(super) fn new(
+        program: &Program,
+        domain: &Domain,
+        cascade: &mut MethodCascade,
+        options: &Options,
+        token: &StopToken,
+        warm: Option<&WarmState>,
+    ) -> Option<RootPoint> {
+        let point = RootPoint::or_bound(program, domain, cascade, options, token, warm);
+        point.filter(|point| !point.is_unfinished)
+    }
+
+    /// As [`new`](Self::new), or what a relaxation proves that a limit has stopped.
+    pub(super) fn or_bound(
         program: &Program,
         domain: &Domain,
         cascade: &mut MethodCascade,
@@ -115,7 +130,6 @@ impl RootPoint {
         let iterations = cascade.iterations() - before;
         let reduced = &projection.reduced;
         let point = match verdict {
-            // What a relaxation proves that a limit has stopped.
             Some(RelaxationVerdict::Relaxed { bound, x, converged: false, .. })
                 if token.is_over() =>
             {
@@ -138,6 +152,7 @@ impl RootPoint {
                     is_vertex,
                     inverse,
                     lacks_state,
+                    is_unfinished: false,
                     iterations,
                 })
             }
@@ -172,6 +187,7 @@ impl RootPoint {
             is_vertex: false,
             inverse: Vec::new(),
             lacks_state: true,
+            is_unfinished: true,
             iterations,
         }
     }

@@ -56,8 +56,8 @@ pub(crate) fn strengthen(
         return None;
     }
     let point = root.point.take();
-    let point =
-        point.or_else(|| RootPoint::new(program, &root.domain, cascade, options, token, None))?;
+    let relax = || RootPoint::or_bound(program, &root.domain, cascade, options, token, None);
+    let point = point.or_else(relax)?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
     let start = Root { point: Some(point.clone()), ..root.clone() };
     let piloted = pilot(&start);

@@ -21,8 +21,8 @@ const FEWEST_BINARIES: usize = 200;
 /// One in so many binaries may have a cost.
 const BINARIES_PER_COST: usize = 10;
 
-/// Entries of the matrix that are visited at most, for a point that may be the answer and for others:
-/// some tenths of a second.
+/// Entries of the matrix that are visited at most, which takes some tenths of a second: for a point
+/// that may be the answer, and for others.
 const MOST_ENTRY_VISITS: [usize; 2] = [30_000_000, 80_000_000];
 
 /// Entries that are visited at most for other points since the fewest rows were violated, by entry
