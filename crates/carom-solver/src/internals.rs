@@ -62,7 +62,7 @@ pub mod search {
     }
 
     pub mod heuristics {
-        pub use crate::search::{Allowance, Frontier};
+        pub use crate::search::{Allowance, Frontier, Kinks};
     }
 
     pub mod indifferent_binaries {

@@ -118,7 +118,7 @@ pub(crate) use tree::granularity;
 // For `internals` only.
 pub use best_points::{Accepted, BestPoints};
 pub use branching::{FixingCredit, growth_rate};
-pub use heuristics::{Allowance, Frontier};
+pub use heuristics::{Allowance, Frontier, Kinks};
 pub use indifferent_binaries::{groups, round_groups, shift_to_integers, ungrouped_binaries};
 pub use node::{Decision, Node, NodeQueue, Path, StepCount};
 pub use node_probing::NodeProbing;

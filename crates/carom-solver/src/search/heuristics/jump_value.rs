@@ -5,7 +5,7 @@ use crate::program::Program;
 /// Where the weighted violation of rows has its kinks along a column, and how much steeper it gets
 /// there.
 #[derive(Debug, Default)]
-pub(super) struct Kinks(Vec<(f64, f64)>);
+pub struct Kinks(Vec<(f64, f64)>);
 
 impl Kinks {
     /// The value within bounds at which the weighted violation of the rows of a column is least, or
@@ -15,7 +15,7 @@ impl Kinks {
     ///
     /// * `x`: the present value.
     /// * `row`: weight and activity of a row.
-    pub(super) fn least(
+    pub fn least(
         &mut self,
         program: &Program,
         column: usize,

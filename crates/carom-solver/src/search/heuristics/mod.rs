@@ -17,6 +17,7 @@ pub(super) use completion::complete_start;
 use diving::dive_where_it_pays;
 use feasibility_jump::jump_to_feasibility;
 pub(super) use feasibility_jump::suits as suits_jumps;
+pub use jump_value::Kinks;
 use near_origin::search_near_origin;
 use neighbourhood::search_near_incumbent;
 use parameters::HEURISTICS;

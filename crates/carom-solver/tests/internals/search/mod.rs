@@ -6,6 +6,7 @@ mod comparison;
 mod first_cuts;
 mod growth;
 mod indifferent_binaries;
+mod jump_value;
 mod node;
 mod node_probing;
 mod perspective;
