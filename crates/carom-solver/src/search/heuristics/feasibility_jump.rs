@@ -29,6 +29,9 @@ const MOST_ENTRY_VISITS: [usize; 2] = [30_000_000, 80_000_000];
 /// of the matrix.
 const IDLE_VISITS_PER_ENTRY: usize = 50;
 
+/// A search that has less time by entry of the matrix may not come to its first relaxed point (s).
+const PRESSING_SECONDS: f64 = 1e-4;
+
 /// Jumps that are compared where many lessen the violation.
 const COMPARED_JUMPS: usize = 25;
 
@@ -54,16 +57,19 @@ pub(in crate::search) fn suits(program: &Program) -> bool {
         && (0..program.column_count()).all(is_binary)
 }
 
-/// Looks for a point, and offers it. Returns whether one was accepted.
+/// Looks for a point if it may be the answer, or if time presses, and offers it. Returns whether one
+/// was accepted.
 pub(super) fn jump_to_feasibility(ctx: &mut Context<'_>) -> bool {
     let program = ctx.program();
-    if !program.cones.is_empty() {
+    let is_answer = suits(program);
+    let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
+    let pressing = PRESSING_SECONDS * entries as f64;
+    let presses = || ctx.token.left().is_some_and(|left| left.as_secs_f64() < pressing);
+    if !program.cones.is_empty() || !(is_answer || presses()) {
         return false;
     }
     let bounds: Vec<[f64; 2]> =
         (0..program.column_count()).map(|j| ctx.node.domain.bounds(j)).collect();
-    let is_answer = suits(program);
-    let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
     let [for_answers, for_others] = MOST_ENTRY_VISITS;
     let (most, idle) = match is_answer {
         true => (for_answers, for_answers),
