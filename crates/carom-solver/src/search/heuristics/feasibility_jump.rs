@@ -7,7 +7,7 @@
 //!
 //! Many timetables and assignments have a point that is found so long before their first relaxation
 //! is solved. Where there is no objective, or one of few columns, which then stay where they cost
-//! least, it is an optimum. Of large programs it is a point in case that the time ends early.
+//! least, it is an optimum. Where time presses, it is a point in case that no other is found.
 
 use super::jump_value::Kinks;
 use crate::program::Program;
@@ -57,8 +57,8 @@ pub(in crate::search) fn suits(program: &Program) -> bool {
         && (0..program.column_count()).all(is_binary)
 }
 
-/// Looks for a point if it may be the answer, or if time presses, and offers it. Returns whether one
-/// was accepted.
+/// Looks for a point if it may be the answer, or if time presses, and offers it. Returns whether
+/// one was accepted.
 pub(super) fn jump_to_feasibility(ctx: &mut Context<'_>) -> bool {
     let program = ctx.program();
     let is_answer = suits(program);
