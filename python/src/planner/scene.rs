@@ -70,7 +70,7 @@ impl Scene {
         restitution: Option<f64>,
     ) -> PyResult<()> {
         let surface = surface(restitution)?;
-        self.scene = self.scene.clone().with_room(name, &ranges(&walls), surface);
+        self.scene = self.scene.clone().with_room(name, ranges(&walls), surface);
         Ok(())
     }
 
