@@ -20,15 +20,15 @@ use crate::solver::StopToken;
 const LEAST_COLUMNS: usize = 1000;
 const LEAST_SHARE: f64 = 0.5;
 
-/// States the squares of an objective as cones; `None` if that is not possible, or not expected to
-/// pay. Columns and rows keep their numbers; the further columns follow. No point is lost or won,
-/// and none changes its objective.
+/// As [`squares_as_cones`], for programs that are large enough.
 pub(crate) fn with_perspective_cones(program: &Program, token: &StopToken) -> Option<Program> {
     let is_large = program.column_count() >= LEAST_COLUMNS;
     if is_large { squares_as_cones(program, token) } else { None }
 }
 
-/// As [`with_perspective_cones`], for programs of all sizes.
+/// States the squares of an objective as cones; `None` if that is not possible, or binaries switch
+/// too few of them. Columns and rows keep their numbers; the further columns follow. No point is
+/// lost or won, and none changes its objective.
 pub fn squares_as_cones(program: &Program, token: &StopToken) -> Option<Program> {
     let is_wanted = program.cones.is_empty()
         && !program.integers.is_empty()
