@@ -64,7 +64,7 @@ def test_reasons():
 
 
 def test_a_program_with_a_cost():
-    """The least effort over 4 steps is the same input in each: 8 m in 4 s, cost 4 x 2²."""
+    """The least effort over 4 steps is the same input in each: 6 m in 4 s, cost 4 x 1.5²."""
     system, x, u = cart()
     program = system.program(4)
     program.start(x == 0)
@@ -244,6 +244,8 @@ def test_wrong_systems():
         program.mode("go").next({z: y})
     with pytest.raises(TypeError, match="rows"):
         lift()[0].program(3).start([True])
+    with pytest.raises(TypeError, match="not of plans"):
+        system.shortest([x == 0], [x == 1], verbose=True)
     with pytest.raises(TypeError, match="no option"):
         system.shortest([x == 0], [x == 1], limit=3)
     with pytest.raises(ValueError):

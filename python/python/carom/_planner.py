@@ -13,7 +13,7 @@ import numpy as np
 from . import _carom
 from ._arrays import numbers
 from ._carom import Expression, Row, norm
-from ._settings import settings
+from ._settings import settings as _settings
 
 __all__ = [
     "ControlMove", "Expression", "HybridPlan", "HybridProgram", "HybridSystem", "Mission", "RecedingHorizon", "Row",
@@ -25,6 +25,14 @@ MODE = "mode"
 
 Value = Union[Expression, float]
 """An expression of handles, or a number."""
+
+
+def settings(options: "dict[str, Any]") -> "dict[str, Any]":
+    """The settings of a solve, of which a planner has no use for some."""
+    for name in ("callback", "start", "verbose"):
+        if name in options:
+            raise TypeError(f"`{name}` is an option of `carom.solve`, and not of plans")
+    return _settings(options, 0)
 
 
 def _pairs(entries: Mapping[Expression, Value]) -> "list[tuple[Expression, Value]]":
@@ -225,7 +233,7 @@ class HybridSystem:
         `total_time_limit` (s) is for the whole search; the options of `carom.solve`, such as `threads` or `time_limit`,
         are for each of its solves.
         """
-        own = self._own.shortest(_rows(start), _rows(goal), max_steps, total_time_limit, settings(options, 0))
+        own = self._own.shortest(_rows(start), _rows(goal), max_steps, total_time_limit, settings(options))
         return ShortestHorizon(own)
 
 
@@ -350,12 +358,12 @@ class HybridProgram:
         self._own.maximize(gain)
 
     def solve(self, **options: Any) -> "HybridPlan":
-        """The best plan; the options are those of `carom.solve`. Raises ValueError if there is none."""
-        return HybridPlan(self._own.solve(settings(options, 0)))
+        """The best plan; the options are those of `carom.solve`, without `callback`, `start` and `verbose`. Raises ValueError if there is none."""
+        return HybridPlan(self._own.solve(settings(options)))
 
     def explain(self, **options: Any) -> str:
         """Which statements cannot hold together, in words."""
-        return self._own.explain(settings(options, 0))
+        return self._own.explain(settings(options))
 
     def mps(self) -> str:
         """The program as rows, as the text of an MPS file."""
@@ -494,7 +502,7 @@ class RecedingHorizon:
     __slots__ = ("_own",)
 
     def __init__(self, program: HybridProgram, *, budget: Optional[float] = None, **options: Any) -> None:
-        self._own = _carom.Controller(program._own, budget, settings(options, 0))
+        self._own = _carom.Controller(program._own, budget, settings(options))
 
     def step(self, state: Any) -> ControlMove:
         """The move for a measured state, an entry for each state."""
@@ -558,7 +566,7 @@ class Scene:
         self, *, max_steps: Optional[int] = None, total_time_limit: Optional[float] = None, **options: Any
     ) -> "ShortestInScene":
         """The plan with the fewest steps, with each smaller number refuted; options as `HybridSystem.shortest`."""
-        return ShortestInScene(self._own.shortest(max_steps, total_time_limit, settings(options, 0)))
+        return ShortestInScene(self._own.shortest(max_steps, total_time_limit, settings(options)))
 
 
 class ShortestInScene:
