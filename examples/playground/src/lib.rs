@@ -7,8 +7,11 @@
 
 mod answer;
 mod code;
+mod gusts;
 mod less;
+mod motion;
 mod progress;
+mod reasons;
 mod scene;
 mod scene_answer;
 mod scene_task;
@@ -16,7 +19,7 @@ mod task;
 mod wall;
 mod words;
 
-use carom::hybrid::{HorizonEvent, ShortestHorizon, ShortestOptions, ShortestStatus};
+use carom::hybrid::{HorizonEvent, ShortestOptions};
 use carom::prelude::BranchAndBound;
 use carom::solver::{Interrupt, Options};
 use serde::Serialize;
@@ -36,9 +39,6 @@ const PATIENCE_OF_DRAGS: Duration = Duration::from_millis(150);
 
 /// Time for each of the two reasons that a page asks for when plans are drawn.
 const REASON: Duration = Duration::from_millis(600);
-
-/// Time for a reason that comes with the answer.
-const QUICK: Duration = Duration::from_millis(100);
 
 /// Finds the shortest plans of a task with and without collisions. The answer is always an object;
 /// its `error` says in a sentence what is wrong with the task.
@@ -109,27 +109,6 @@ fn text(answer: &impl Serialize) -> String {
     serde_json::to_string(answer).unwrap_or_else(|error| format!(r#"{{"error":"{error}"}}"#))
 }
 
-/// Why there is no plan at all, on one side or on both.
-///
-/// # Arguments
-///
-/// * `free`: the search without collisions.
-/// * `tolerant`: the search with collisions, if there was one.
-fn reason<P>(free: &ShortestHorizon<P>, tolerant: Option<&ShortestHorizon<P>>) -> Option<String> {
-    if free.steps.is_some() {
-        return None;
-    }
-    let both = tolerant.and_then(refuted);
-    let one = || refuted(free).map(|reason| format!("without collisions: {reason}"));
-    both.or_else(one).map(|reason| words::sentence(&reason))
-}
-
-/// Why a search found that there is no plan at all.
-fn refuted<P>(found: &ShortestHorizon<P>) -> Option<String> {
-    let ShortestStatus::NoneWithin { max_steps } = found.status else { return None };
-    Some(found.sets.clone()?.explain_within(max_steps, QUICK).ok()??.to_string())
-}
-
 fn search_options(max_steps: usize) -> ShortestOptions {
     ShortestOptions::default().with_max_steps(max_steps)
 }
@@ -152,13 +131,4 @@ fn told_options(side: &'static str, options: &ShortestOptions) -> ShortestOption
 
 fn solver() -> BranchAndBound {
     BranchAndBound::new(Options::default().with_node_limit(WORK))
-}
-
-/// Why one step less is not enough.
-#[derive(Debug, Default, Serialize)]
-struct Reasons {
-    /// Without collisions.
-    free: Option<String>,
-    /// With collisions.
-    tolerant: Option<String>,
 }

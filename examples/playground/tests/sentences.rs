@@ -326,12 +326,12 @@ fn faults(setting: &Setting, answer: &Value, explained: &Value) -> Vec<String> {
             steps.is_none_or(|steps| !truth.is_none && steps >= truth.least as u64),
             format!("{side}: there is said to be a plan of {steps:?} steps"),
         );
-        let said = [answer["reason"].as_str(), explained[side].as_str()];
+        let said = [answer["reason"].as_str(), explained[side]["words"].as_str()];
         for sentence in said.into_iter().flatten() {
             // The reason of an answer is that of both sides, unless it says otherwise.
             let is_own = side == "free" || !sentence.starts_with("Without");
-            let excluded =
-                number_before(sentence, " steps (").or(number_before(sentence, " step ("));
+            let words = [" steps (", " step (", " steps keeps", " step keeps", " steps:", " step:"];
+            let excluded = words.iter().find_map(|words| number_before(sentence, words));
             if let (true, Some(excluded), Some(most)) = (is_own, excluded, truth.most) {
                 check(excluded < most as f64, format!("{side}: {sentence}"));
             }

@@ -78,7 +78,7 @@ fn one_step_less_is_explained_and_drawn() {
     let free = answer["free"]["steps"].as_u64().unwrap() as usize - 1;
     let why: Value = serde_json::from_str(&explain(&task, free, steps as usize)).unwrap();
     assert_eq!(
-        why["free"],
+        why["free"]["words"],
         "no plan has 51 steps (2.55 s): at the end, where x of vehicle is 0.3 m, the velocity of vehicle \
          is at most -0.27 m/s, and 0 m/s is needed. It might be possible with twice the range of the \
          acceleration of vehicle"
@@ -89,7 +89,7 @@ fn one_step_less_is_explained_and_drawn() {
     let free = answer["free"]["steps"].as_u64().unwrap() as usize - 1;
     let why: Value = serde_json::from_str(&explain_scene(&task.to_string(), free, 0)).unwrap();
     assert_eq!(
-        why["free"],
+        why["free"]["words"],
         "no plan has 10 steps (2 s): at the end, where x of puck is 0.4 m and y of puck is 0.2 m, the \
          velocity of puck along x is at most -0.23 m/s, and 0 m/s is needed. It might be possible with \
          twice the range of the acceleration of puck along x"

@@ -54,6 +54,7 @@ function begin() {
   form.showKind(name, (key, value) => { state[key] = value; changed(); });
   for (const side of SIDES) results.showSide(side, null);
   $("#reason").textContent = "";
+  results.showReasons({});
   results.showPreview(null);
   $("#verdict").textContent = planners ? "Planning …" : "Loading the planner …";
   showLess(null);
@@ -173,7 +174,7 @@ function fail(sentence, id) {
 }
 
 function showReasons(id, reasons) {
-  results.showReasons(reasons);
+  results.showReasons(reasons, answer);
   page.dataset.explained = id;
 }
 
@@ -240,6 +241,13 @@ function listen() {
   });
   for (const [place, k] of [["#track", 0], ["#scene-free", 0], ["#scene-tolerant", 1]]) {
     makeMovable($(place), () => ({ view: views[k].view, kind, state }), (...change) => { player.stop(); move(...change); });
+  }
+  for (const part of document.querySelectorAll(".story [data-side]")) {
+    const look = on => () => { if (on) page.dataset.look = part.dataset.side; else delete page.dataset.look; };
+    for (const [begin, end] of [["pointerenter", "pointerleave"], ["focus", "blur"]]) {
+      part.addEventListener(begin, look(true));
+      part.addEventListener(end, look(false));
+    }
   }
   pace.watchPointer(() => { if (asked.isCoarse) ask(false); });
   $("#cancel").addEventListener("click", cancel);

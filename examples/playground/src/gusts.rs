@@ -1,0 +1,68 @@
+//! Scenes with gusts: plans that hold for every one of them, and flights through some.
+
+use carom::Error;
+use carom::hybrid::scene::Scene;
+use carom::hybrid::{Feedback, RobustPlan, ShortestHorizon, ShortestOptions};
+
+use crate::motion::Motion;
+use crate::scene_task::SceneTask;
+use crate::solver;
+use crate::task::round;
+use crate::words::PlanCheck;
+
+/// How many flights are drawn.
+const FLIGHTS: usize = 100;
+/// Plans keep their conditions to within a millionth.
+const MISS: f64 = 2e-6;
+
+/// The shortest plan that holds for every gust, with a linear-quadratic regulator as its feedback.
+pub fn plan(
+    task: &SceneTask,
+    scene: &Scene,
+    options: &ShortestOptions,
+) -> Result<ShortestHorizon<Motion>, Error> {
+    let feedback = Feedback::regulator(&scene.hybrid_system()?)?;
+    let found = scene.shortest_robust(&feedback, options, &mut solver())?;
+    found.try_map(|plan| fly(task, &plan))
+}
+
+/// The plan, with flights through random gusts.
+fn fly(task: &SceneTask, plan: &RobustPlan) -> Result<Motion, Error> {
+    let (mut dice, mut arrived, mut flights) = (Dice(0x9e37_79b9_7f4a_7c15), 0, Vec::new());
+    let check = |arrived| PlanCheck::EveryGust { flights: FLIGHTS, arrived };
+    for _ in 0..FLIGHTS {
+        let flight = plan.simulate(&mut |range| range.lower + dice.roll() * range.width())?;
+        arrived += usize::from(flight.kept && is_at_goal(task, &flight.run.states));
+        let motion = Motion::of_run(task, &flight.run, check(0))?;
+        let mut corners = Vec::new();
+        for (step, place) in motion.bodies.iter().flat_map(|body| &body.position).enumerate() {
+            corners.push([round(place[0]), round(place[1])]);
+            let hit = motion.hits.iter().find(|hit| hit.step == step);
+            corners.extend(hit.map(|hit| [round(hit.place[0]), round(hit.place[1])]));
+        }
+        flights.push(corners);
+    }
+    let mut motion = Motion::of_run(task, &plan.plan.run, check(arrived))?;
+    motion.flights = flights;
+    Ok(motion)
+}
+
+/// Whether the last values of all states are those of the goals.
+fn is_at_goal(task: &SceneTask, states: &[(String, Vec<f64>)]) -> bool {
+    let goals = task.bodies.iter().filter_map(|body| body.goal_ranges()).flatten();
+    goals.zip(states).all(|(goal, (_, values))| {
+        values.last().is_some_and(|end| goal.lower - MISS <= *end && *end <= goal.upper + MISS)
+    })
+}
+
+/// Numbers from 0 to 1, by xorshift (Marsaglia, Xorshift RNGs, 2003): the same flights for everybody.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
