@@ -3,6 +3,7 @@
 use carom::Error;
 use carom::hybrid::scene::Scene;
 use carom::hybrid::{Feedback, RobustPlan, ShortestHorizon, ShortestOptions};
+use carom::interval::Interval;
 
 use crate::motion::Motion;
 use crate::scene_task::SceneTask;
@@ -43,6 +44,11 @@ fn fly(task: &SceneTask, plan: &RobustPlan) -> Result<Motion, Error> {
         flights.push(corners);
     }
     let mut motion = Motion::of_run(task, &plan.plan.run, check(arrived))?;
+    let around = |(place, errors): (&Vec<f64>, &Vec<Interval>)| {
+        [0, 1].map(|k| [errors[k].lower, errors[k].upper].map(|error| round(place[k] + error)))
+    };
+    let places = motion.bodies.iter().flat_map(|body| &body.position);
+    motion.tube = places.zip(&plan.certificate.states).map(around).collect();
     motion.flights = flights;
     Ok(motion)
 }

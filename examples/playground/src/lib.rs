@@ -5,6 +5,9 @@
 //! as a Rust program. [`explain`] and [`explain_scene`] say in words why one step less is not
 //! enough; the page asks for it once the plans are drawn.
 
+// Without the doors to scenes, what only they use is left out of the file.
+#![cfg_attr(not(feature = "scenes"), allow(dead_code))]
+
 mod answer;
 mod code;
 mod gusts;
@@ -53,6 +56,7 @@ pub fn plan(task: &str, tell: Option<js_sys::Function>) -> String {
 }
 
 /// The same for a scene.
+#[cfg(feature = "scenes")]
 #[wasm_bindgen]
 pub fn plan_scene(task: &str, tell: Option<js_sys::Function>) -> String {
     plan_scene_with(task, message_callback(tell))
@@ -66,6 +70,7 @@ pub fn explain(task: &str, free: usize, tolerant: usize) -> String {
 }
 
 /// The same for a scene.
+#[cfg(feature = "scenes")]
 #[wasm_bindgen]
 pub fn explain_scene(task: &str, free: usize, tolerant: usize) -> String {
     text(&scene::reasons(task, free, tolerant).unwrap_or_default())
@@ -79,6 +84,7 @@ pub fn less(task: &str, free: usize, tolerant: usize) -> String {
 }
 
 /// The same for a scene.
+#[cfg(feature = "scenes")]
 #[wasm_bindgen]
 pub fn less_scene(task: &str, free: usize, tolerant: usize) -> String {
     text(&less::of_scene(task, free, tolerant).unwrap_or_default())

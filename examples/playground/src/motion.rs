@@ -5,7 +5,7 @@ use carom::hybrid::HybridRun;
 use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan};
 use serde::Serialize;
 
-use crate::scene_task::{SceneTask, WALLS};
+use crate::scene_task::{SceneTask, Sides, WALLS};
 use crate::words::PlanCheck;
 
 /// A plan.
@@ -17,6 +17,8 @@ pub struct Motion {
     pub hits: Vec<Hit>,
     /// Under gusts, places of the first body in some flights.
     pub flights: Vec<Vec<[f64; 2]>>,
+    /// Under gusts, boxes that hold the first body in every flight, by sample: the ends of x and of y.
+    pub tube: Vec<Sides>,
     #[serde(skip)]
     pub check: PlanCheck,
 }
@@ -64,6 +66,7 @@ impl From<ScenePlan> for Motion {
             bodies: plan.bodies.iter().map(path).collect(),
             hits: plan.hits.iter().map(hit).collect(),
             flights: Vec::new(),
+            tube: Vec::new(),
             check: PlanCheck::of(&plan.certificate),
         }
     }
@@ -107,8 +110,8 @@ impl Motion {
             bodies.push(Path { name: body.name.clone(), position, velocity });
         }
         hits.sort_by(|a: &Hit, b| a.time.total_cmp(&b.time));
-        let flights = Vec::new();
-        Ok(Motion { time_step: run.time_step, bodies, hits, flights, check })
+        let (flights, tube) = (Vec::new(), Vec::new());
+        Ok(Motion { time_step: run.time_step, bodies, hits, flights, tube, check })
     }
 }
 

@@ -43,8 +43,11 @@ struct Barrier {
 
 impl From<&ReachExplanation> for Reason {
     fn from(explained: &ReachExplanation) -> Self {
-        let barriers = explained.findings.iter().filter_map(Barrier::new).collect();
-        Reason { words: explained.to_string(), barriers }
+        let words = explained.to_string();
+        let is_in_plane = words.contains(" along ");
+        let barrier = |finding| Barrier::new(finding, is_in_plane);
+        let barriers = explained.findings.iter().filter_map(barrier).collect();
+        Reason { words, barriers }
     }
 }
 
@@ -56,7 +59,7 @@ impl From<String> for Reason {
 
 impl Barrier {
     /// A combination of several quantities is left to the words.
-    fn new(finding: &Finding) -> Option<Self> {
+    fn new(finding: &Finding, is_in_plane: bool) -> Option<Self> {
         let (name, reached, needed) = match &finding.reason {
             EmptinessReason::Range { state, reached, needed, .. } => (state, *reached, *needed),
             EmptinessReason::Limit { name, limit, nearest, .. } => {
@@ -68,22 +71,24 @@ impl Barrier {
         let ends = |range: Interval| {
             [range.lower, range.upper].map(|end| Some(end).filter(|end| end.is_finite()))
         };
-        let plans = finding.events.map(|hits| {
-            let more = if finding.or_more { " or more" } else { "" };
-            let noun = if hits == 1 && !finding.or_more { "hit" } else { "hits" };
-            format!("with {hits}{more} {noun}")
+        let plans = finding.events.map(|hits| match (hits, finding.or_more) {
+            (0, false) => "without a hit".to_owned(),
+            (1, false) => "with 1 hit".to_owned(),
+            (_, false) => format!("with {hits} hits"),
+            (_, true) => format!("with {hits} or more hits"),
         });
-        let (what, unit) = quantity(name);
+        let (what, unit) = quantity(name, is_in_plane);
         Some(Barrier { what, unit, plans, reached: ends(reached), needed: ends(needed) })
     }
 }
 
 /// A state or a limited quantity in words, and its unit.
-fn quantity(name: &str) -> (String, &'static str) {
+fn quantity(name: &str, is_in_plane: bool) -> (String, &'static str) {
     let (of, last) = name.rsplit_once(' ').unwrap_or(("", name));
     match last {
         "x" | "y" => (format!("{last} of {of}"), "m"),
-        "vx" | "vy" => (format!("velocity of {of} along {}", &last[1..]), "m/s"),
+        "vx" | "vy" if is_in_plane => (format!("velocity of {of} along {}", &last[1..]), "m/s"),
+        "vx" => (format!("velocity of {of}"), "m/s"),
         "speed" => (name.to_owned(), "m/s"),
         "impulse" => (name.to_owned(), "N s"),
         _ => (name.to_owned(), ""),

@@ -112,7 +112,9 @@ fn contradiction(task: &SceneTask, scene: &Scene, steps: usize) -> Option<String
     let solver = &mut BranchAndBound::new(Options::default().with_time_limit(WITHOUT));
     let parts = program.program().mission_conflict(&mission, solver).ok()??;
     let steps = words::steps(steps);
-    let parts: Vec<String> = parts.iter().map(Mission::to_string).collect();
+    // A window without ends says nothing.
+    let words = |part: &Mission| part.to_string().replace("[0,]", "");
+    let parts: Vec<String> = parts.iter().map(words).collect();
     Some(match &parts[..] {
         [part] => format!("no plan of {steps} keeps this part of its mission: `{part}`"),
         _ => format!(

@@ -68,8 +68,8 @@ impl SceneAnswer {
         let plan = shorter.and_then(|found| found.plan.as_ref()).or(free.plan.as_ref());
         SceneAnswer {
             conclusion: words::conclusion(&careful, &bold, &NOUNS, task.longest),
-            free: Some(Side::new(free.plan.as_ref(), &careful)),
-            tolerant: Some(Side::new(plan, &bold)),
+            free: Some(Side::new(task, free.plan.as_ref(), &careful)),
+            tolerant: Some(Side::new(task, plan, &bold)),
             ..SceneAnswer::default()
         }
     }
@@ -82,10 +82,15 @@ fn finding<'a>(task: &SceneTask, found: &'a ShortestHorizon<Motion>) -> Finding<
 impl Side {
     /// The answer of one search.
     pub fn of(task: &SceneTask, found: &ShortestHorizon<Motion>) -> Self {
-        Side::new(found.plan.as_ref(), &finding(task, found))
+        Side::new(task, found.plan.as_ref(), &finding(task, found))
     }
 
-    fn new(plan: Option<&Motion>, finding: &Finding<'_>) -> Self {
+    fn new(task: &SceneTask, plan: Option<&Motion>, finding: &Finding<'_>) -> Self {
+        let mut proof = words::proof(finding);
+        if task.is_robust() {
+            proof += " Plans answer gusts by a linear-quadratic regulator; what is impossible is so with \
+                      this feedback, and another one may need fewer steps.";
+        }
         Side {
             found: finding.is_found(),
             none: finding.is_none(),
@@ -93,7 +98,7 @@ impl Side {
             steps: finding.steps,
             refuted: finding.refuted.unwrap_or(0),
             seconds: finding.seconds(),
-            proof: words::proof(finding),
+            proof,
             plan: plan.cloned(),
         }
     }

@@ -224,9 +224,8 @@ pub fn proof(found: &Finding<'_>) -> String {
             drift.max(1e-15)
         ),
         (Some(PlanCheck::EveryGust { flights, arrived }), Some(count)) => format!(
-            " Interval simulation shows that the plan of {} holds for every gust, with its feedback, \
-             by which the refuted numbers are meant too. Of {flights} flights through random gusts, \
-             {arrived} keep the plan and end at the goal.",
+            " Interval simulation shows that the plan of {} holds for every gust. Of {flights} flights \
+             through random gusts, {arrived} keep the plan and end at the goal.",
             steps(count)
         ),
         _ => String::new(),

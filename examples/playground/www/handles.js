@@ -57,7 +57,7 @@ export function drawHandles(view, kind, state, shape, focusable) {
       [inside, high] = [arrow(base, [x, y]), null];
     } else if (own.kind === "goal") {
       [inside, high] = [view.goal?.(x) ?? `${shape(own)}<path class="goal" d="M-9 0H9M0 -9V9"/><circle class="goal" r="6"/>`, view.goal ? null : 25];
-    } else [inside, high] = [shape(own), own.kind === "obstacle" ? -own.half[1] * view.scale - 6 : own.kind === "place" ? 4 : -13];
+    } else [inside, high] = [shape(own), own.kind === "obstacle" ? Math.max(14 - y, -own.half[1] * view.scale - 6) : own.kind === "place" ? 4 : -13];
     const label = high === null ? "" : `<text class="tag" y="${round(high)}" text-anchor="middle">${own.label}</text>`;
     const words = `${own.label}: arrow keys ${own.kind === "velocity" ? "change" : "move"} it`;
     const { min, max } = numbers(kind).find(({ key }) => key === own.x);

@@ -1,11 +1,9 @@
 // Verdict, numbers and proofs. What belongs to an older task is dimmed until that of the newest comes.
-import { drawBarriers } from "./barrier.js";
+import { drawBarriers, plain } from "./barrier.js";
 import { SIDES } from "./charts.js";
 
 const $ = selector => document.querySelector(selector);
 const text = (side, selector, words) => { $(`[data-side=${side}] ${selector}`).textContent = words; };
-/** A sentence without marks of names. */
-const plain = sentence => sentence && sentence.replaceAll("`", "").replace(/^[a-z]/, letter => letter.toUpperCase());
 const steps = count => `${count} ${count === 1 ? "step" : "steps"}`;
 
 /** When the visitor is offered to stop, in ms. */

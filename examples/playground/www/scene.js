@@ -89,7 +89,8 @@ function drawPlan(view, side, { plan, isOlder }, task) {
   const hits = plan.hits.map(hit => hitMark(view, side, hit)).join("");
   const movers = numbers.map(k => `<g class="mover">${shape(view, task.bodies[k], `body ${side} body-${k}`)}</g>`).join("");
   const flights = (plan.flights ?? []).map(corners => `M${corners.map(corner => view.at(corner)).join("L")}`).join("");
-  return `<g class="plan ${side}${isOlder ? " older" : ""}" data-side="${side}">${flights && `<path class="flight ${side}" d="${flights}"/>`}${paths}${hits}${movers}</g>`;
+  const tube = (plan.tube ?? []).map(box => view.box(box, `tube ${side}`)).join("");
+  return `<g class="plan ${side}${isOlder ? " older" : ""}" data-side="${side}">${tube}${flights && `<path class="flight ${side}" d="${flights}"/>`}${paths}${hits}${movers}</g>`;
 }
 
 /** How near a pointer asks for a sample, in pixels. */

@@ -215,12 +215,12 @@ const mission = {
 };
 
 const gusts = {
-  title: "Gusts, and a plan that holds in all of them",
+  title: "One plan for all gusts",
   short: "Gusts",
-  intro: "A puck must come to its goal, whatever gusts blow: its feedback answers them, and each of a hundred flights stays beside the plan. It may avoid the walls, or bank off them. Drag the puck, its goal and the block, or move a slider:",
+  intro: "A puck must come to its goal, whatever gusts blow: its feedback answers them, which keeps every flight in a tube; a hundred are drawn. It may avoid the walls, or bank off them. Drag the puck, its goal and the block, or move a slider:",
   room: [[0, 2.5], [0, 1.5]],
   knobs: [
-    knob("gusts", "Largest gust, along each axis in a step", "m/s", 0, 0.04, 0.002, 3),
+    knob("gusts", "Largest gust, each axis, a step", "m/s", 0, 0.04, 0.002, 3),
     restitution("Restitution of the walls"),
     knob("spread", "The restitution may be off by", "", 0, 0.2, 0.01, 2),
     ...velocities(2, 0.1),
