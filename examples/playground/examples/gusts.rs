@@ -9,8 +9,8 @@ fn scene(surface: Surface) -> Result<Scene, Error> {
     let body = Body::new("puck", &room, 2.4, 0.8) // m/s, m/s²
         .with_mass(1.0) // kg
         .with_start([0.3, 0.3, 1.8, 0.0])
-        .with_pushes([-0.012..=0.012, -0.012..=0.012]) // m/s
-        .with_goal(Region::from([1.5..=1.9, 0.85..=1.25, -0.3..=0.3, -0.3..=0.3]));
+        .with_pushes([-0.01..=0.01, -0.01..=0.01]) // m/s
+        .with_goal(Region::from([1.45..=1.95, 0.8..=1.3, -0.5..=0.5, -0.5..=0.5]));
     scene.body(body)?;
     let wall = Solid::halfspace("left wall", [1.0, 0.0], 0.0, surface);
     scene.obstacle(wall)?;

@@ -1,16 +1,16 @@
 //! Scenes with gusts: plans that hold for every one of them, and flights through some.
 
-use carom::Error;
-use carom::hybrid::scene::Scene;
-use carom::hybrid::{Feedback, RobustPlan, ShortestHorizon, ShortestOptions};
+use carom::hybrid::RobustPlan;
 use carom::interval::Interval;
+use carom::prelude::*;
 
 use crate::motion::Motion;
 use crate::scene_task::SceneTask;
-use crate::solver;
 use crate::task::round;
 use crate::words::PlanCheck;
 
+/// Nodes of a solve: those of programs with a tube are large.
+const NODES: u64 = 1000;
 /// How many flights are drawn.
 const FLIGHTS: usize = 100;
 /// Plans keep their conditions to within a millionth.
@@ -23,7 +23,8 @@ pub fn plan(
     options: &ShortestOptions,
 ) -> Result<ShortestHorizon<Motion>, Error> {
     let feedback = Feedback::regulator(&scene.hybrid_system()?)?;
-    let found = scene.shortest_robust(&feedback, options, &mut solver())?;
+    let mut solver = BranchAndBound::new(Options::default().with_node_limit(NODES));
+    let found = scene.shortest_robust(&feedback, options, &mut solver)?;
     found.try_map(|plan| fly(task, &plan))
 }
 

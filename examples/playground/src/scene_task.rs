@@ -132,7 +132,7 @@ impl SceneTask {
         // A gust may turn the hit of a corner into a miss, so that no plan under gusts hits a box.
         let boxes = if self.is_robust() { Surface::avoid() } else { surface };
         for Place { name, sides } in &self.obstacles {
-            let solid = Solid::cuboid(name, &intervals(sides), boxes);
+            let solid = Solid::cuboid(name, intervals(sides), boxes);
             scene.obstacle(solid)?;
         }
         Ok(match self.impulse_limit {

@@ -66,7 +66,7 @@ SCENES = {
     "pillar": ("25 steps", "21 steps", 2),
     "exchange": ("14 steps", "6 steps", 1),
     "mission": ("15 steps", "13 steps", 3),
-    "gusts": ("16 steps", "11 steps", 1),
+    "gusts": ("15 steps", "10 steps", 1),
 }
 
 class Test:

@@ -82,7 +82,7 @@ fn gusts() -> Value {
         "timeStep": 0.25, "longest": 10, "room": [[0, 2.5], [0, 1.5]], "walls": true,
         "restitution": 0.3, "spread": 0.1, "impulseLimit": null,
         "bodies": [{ "name": "puck", "mass": 1, "start": [0.3, 0.3, 1.8, 0], "goal": [1.7, 1.05, 0, 0],
-            "goalHalf": [0.2, 0.2, 0.3, 0.3], "maxSpeed": 2.4, "maxAcceleration": 0.8, "gusts": 0.012 }],
+            "goalHalf": [0.25, 0.25, 0.5, 0.5], "maxSpeed": 2.4, "maxAcceleration": 0.8, "gusts": 0.01 }],
         "obstacles": [{ "name": "block", "sides": [[1.0, 1.3], [0.6, 1.5]] }],
     })
 }

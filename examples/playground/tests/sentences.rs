@@ -135,7 +135,7 @@ struct Stated {
 }
 
 /// By how much the numbers of a goal may be missed under gusts.
-const GOAL_HALF: [f64; 4] = [0.2, 0.2, 0.3, 0.3];
+const GOAL_HALF: [f64; 4] = [0.25, 0.25, 0.5, 0.5];
 
 impl Stated {
     fn task(&self) -> Value {
@@ -377,7 +377,7 @@ fn gusts(dice: &mut Dice) -> Result<Setting, Error> {
     let speed = dice.slide(0.5, 3.0, 0.1);
     let most = speed.min(2.0);
     let (x, y) = (dice.slide(0.0, 2.5, 0.05), dice.slide(0.0, 1.5, 0.05));
-    let (goal_x, goal_y) = (dice.slide(0.2, 2.3, 0.05), dice.slide(0.2, 1.3, 0.05));
+    let (goal_x, goal_y) = (dice.slide(0.25, 2.25, 0.05), dice.slide(0.25, 1.25, 0.05));
     let [vx, vy] = [0, 1].map(|_| dice.slide(-most, most, 0.1));
     let (bx, by) = (dice.slide(0.15, 2.35, 0.05), dice.slide(0.45, 1.05, 0.05));
     let restitution = dice.slide(0.0, 1.0, 0.005);
@@ -395,7 +395,7 @@ fn gusts(dice: &mut Dice) -> Result<Setting, Error> {
             "block",
             [[round(bx - 0.15), round(bx + 0.15)], [round(by - 0.45), round(by + 0.45)]],
         )),
-        wind: Some((dice.slide(0.002, 0.04, 0.002), round(spread))),
+        wind: Some((dice.slide(0.001, 0.02, 0.001), round(spread))),
         ..Stated::default()
     }
     .setting()
