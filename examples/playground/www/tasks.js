@@ -223,7 +223,7 @@ const gusts = {
     knob("gusts", "Largest gust, each axis, a step", "m/s", 0, 0.02, 0.001, 3),
     restitution("Restitution of the walls"),
     knob("spread", "The restitution may be off by", "", 0, 0.2, 0.01, 2),
-    ...velocities(2, 0.1),
+    ...velocities(3, 0.1),
     knob("maxSpeed", "Largest speed along each axis", "m/s", 0.5, 3, 0.1, 1),
     knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 2, 0.1, 1),
     timeStep([0.25, 0.5]),
