@@ -49,6 +49,7 @@ mod sos;
 pub use compare::{MethodComparison, MethodSize, compare_methods};
 pub(crate) use conic::with_slack;
 pub use relaxed::relaxed;
+pub(crate) use relaxed::with_some_integers;
 pub use report::{BigMEntry, BigMReport, BigMShare, BigMSource, Side};
 
 use crate::error::{Error, ErrorKind};

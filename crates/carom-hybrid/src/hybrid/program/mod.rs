@@ -7,11 +7,13 @@
 //! | starts, goals, way-points, time windows | `program/require.rs` |
 //! | the memory of the start | `program/memory.rs` |
 //! | sums over the steps, magnitudes, soft limits | `program/costs.rs` |
+//! | the first steps alone with whole integers | `program/integer_horizon.rs` |
 //! | certified plans | `program/plan.rs` |
 //! | plans that are the runs of their inputs | `program/settle.rs` |
 //! | scenes and others that own such a program | `program/owner.rs` |
 
 mod costs;
+mod integer_horizon;
 mod memory;
 mod owner;
 mod plan;
@@ -279,6 +281,7 @@ impl HybridProgram {
         control: &mut Control<'_>,
         solver: &mut dyn Solver,
     ) -> Result<HybridPlan, Error> {
+        self.check_is_whole()?;
         let solution = solver.solve_with(&self.model, control)?;
         self.plan_by(&solution, solver)
     }
@@ -289,6 +292,7 @@ impl HybridProgram {
         solution: &Solution,
         solver: &mut dyn Solver,
     ) -> Result<HybridPlan, Error> {
+        self.check_is_whole()?;
         HybridPlan::of(&self.systems, &*self.settled(solution, Some(solver))?)
     }
 
@@ -300,6 +304,7 @@ impl HybridProgram {
     /// Those of [`solve`](HybridProgram::solve) that do not come from the solver;
     /// [`ErrorKind::ForeignHandle`] for a solution of another model.
     pub fn plan(&self, solution: &Solution) -> Result<HybridPlan, Error> {
+        self.check_is_whole()?;
         HybridPlan::of(&self.systems, &*self.settled(solution, None)?)
     }
 
