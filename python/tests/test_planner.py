@@ -176,6 +176,23 @@ def test_a_controller():
     assert controller.step(state).source == "optimal"
 
 
+def test_a_controller_with_an_integer_horizon():
+    room = carom.HybridSystem(600)
+    t = room.state("t", 5, 30)
+    room.mode("off", choice="heater").next({t: t - 0.5})
+    room.mode("on", choice="heater").next({t: t + 0.75})
+    program = room.program(10)
+    program.minimize(program.sum((t - 20) ** 2))
+    whole = carom.RecedingHorizon(program).step([18.0])
+    move = carom.RecedingHorizon(program, integer_horizon=2).step([18.0])
+    assert (move.source, move.objective, move.states.shape) == ("integer horizon", None, (3, 1))
+    assert move.transitions["heater"][0] == "on" and move.bound <= whole.objective + 1e-6
+    # The program itself still decides all its steps.
+    assert carom.RecedingHorizon(program).step([18.0]).source == "optimal"
+    with pytest.raises(ValueError, match="integer horizon"):
+        carom.RecedingHorizon(program, integer_horizon=11)
+
+
 def test_the_paper_in_a_scene():
     """arXiv 1611.07608: 2.55 s without collisions, 2.245 s with a nearly plastic wall."""
     steps = {}

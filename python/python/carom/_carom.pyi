@@ -178,7 +178,9 @@ class Shortest:
 
 @final
 class Controller:
-    def __init__(self, program: HybridProgram, budget: Optional[float], settings: Mapping[str, Any]) -> None: ...
+    def __init__(
+        self, program: HybridProgram, budget: Optional[float], integer_horizon: Optional[int], settings: Mapping[str, Any],
+    ) -> None: ...
     def step(self, state: bytes) -> dict[str, Any]: ...
 
 @final

@@ -496,13 +496,17 @@ class ControlMove(NamedTuple):
 class RecedingHorizon:
     """A controller that solves a program anew in each step, from the measured state, prepared and warm.
 
-    The program has a cost and no start; `budget` (s) is for each step.
+    The program has a cost and no start; `budget` (s) is for each step. With an `integer_horizon` of k, modes and listed
+    values of inputs are decided in the first k steps only, and are mixtures after them: moves come sooner, their source is
+    "integer horizon", they have k planned steps and no objective, and their bound is still one on the cost of every plan.
     """
 
     __slots__ = ("_own",)
 
-    def __init__(self, program: HybridProgram, *, budget: Optional[float] = None, **options: Any) -> None:
-        self._own = _carom.Controller(program._own, budget, settings(options))
+    def __init__(
+        self, program: HybridProgram, *, budget: Optional[float] = None, integer_horizon: Optional[int] = None, **options: Any,
+    ) -> None:
+        self._own = _carom.Controller(program._own, budget, integer_horizon, settings(options))
 
     def step(self, state: Any) -> ControlMove:
         """The move for a measured state, an entry for each state."""
