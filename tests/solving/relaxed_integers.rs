@@ -34,6 +34,40 @@ fn assert_alike(one: &Solution, other: &Solution, what: &str) -> Result<(), Test
     Ok(())
 }
 
+/// An objective that is convex at whole values only is refused, or has a bound that holds, once they
+/// are relaxed.
+#[test]
+fn objectives_that_need_whole_values_get_no_wrong_bound() {
+    for (rows, best) in [(0.0, -1.0), (1.0, -0.25), (0.6, -0.09)] {
+        let mut model = Model::new("apart");
+        let (a, b) = (model.binary("a").unwrap(), model.binary("b").unwrap());
+        model.minimize(-1.0 * (a - b).square() + 0.3 * a * b).unwrap();
+        if rows > 0.0 {
+            model.add("row", (2.0 * a).equals(rows)).unwrap();
+            model.add("off", (1.0 * b).equals(0.0)).unwrap();
+        }
+        model.relax_integer(a).unwrap();
+        match BranchAndBound::default().solve(&model) {
+            Ok(found) => assert!(found.bound() <= best + 1e-6, "{found:?}"),
+            Err(error) => assert!(error.to_string().contains("convex"), "{error}"),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn what_is_relaxed_is_written() {
+    let mut model = Model::new("apart");
+    let (a, b) = (model.binary("a").unwrap(), model.binary("b").unwrap());
+    model.minimize(-1.0 * (a - b).square()).unwrap();
+    model.relax_integer(b).unwrap();
+    assert!(model.to_string().contains("b binary, relaxed\n"), "{model}");
+    let text = serde_json::to_string(&model).unwrap();
+    let read: Model = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.relaxed_integers().collect::<Vec<_>>().len(), 1);
+    assert_eq!(read.to_string(), model.to_string());
+}
+
 proptest! {
     #![proptest_config(config(120, "tests/regressions/relaxed_integers.txt"))]
 
