@@ -68,13 +68,15 @@ const CIRCLE: usize = 3;
 
 /// The folders of sources, and the module of `carom` that each is; those without one share the
 /// root.
-const CRATES: [(&str, &str); 6] = [
+const CRATES: [(&str, &str); 8] = [
     ("src", ""),
     ("crates/carom-model/src", ""),
     ("crates/carom-solver/src", ""),
     ("crates/carom-hybrid/src", ""),
     ("crates/carom-conformance/src", "conformance"),
     ("crates/carom-sweep/src", "sweep"),
+    ("crates/carom-explicit/src", "explicit"),
+    ("crates/carom-embedded/src", "embedded"),
 ];
 
 struct Source {

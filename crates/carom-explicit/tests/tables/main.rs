@@ -1,0 +1,4 @@
+//! Tables of laws against solves of single states.
+
+mod laws;
+mod programs;
