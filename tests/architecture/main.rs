@@ -52,7 +52,7 @@ const SOLVING: [&str; 10] = [
 ];
 
 /// Beside the towers, on the ground, imported by nobody.
-const BESIDE: [&str; 2] = ["conformance", "sweep"];
+const BESIDE: [&str; 4] = ["conformance", "sweep", "explicit", "embedded"];
 
 /// Macros, which stand at the root of their crate.
 const MACROS: [&str; 5] = ["setters", "sums", "scaling", "products", "comparisons"];
@@ -99,7 +99,7 @@ fn sources() -> Vec<Source> {
             }
         }
     }
-    root += "pub mod conformance;\npub mod sweep;\n";
+    root += "pub mod conformance;\npub mod sweep;\npub mod explicit;\n";
     sources.push(Source { path: "src/lib.rs".into(), module: vec!["lib".into()], text: root });
     sources.sort_by(|a, b| a.path.cmp(&b.path));
     sources

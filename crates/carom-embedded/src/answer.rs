@@ -6,7 +6,7 @@
 /// [`LookupTable::evaluate_or`](crate::LookupTable::evaluate_or).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
-pub enum Answer<T> {
+pub enum LookupAnswer<T> {
     /// The inputs are those of a plan that keeps every row.
     Plan {
         /// The most that the plan costs above the least cost from this state, in the unit of the
@@ -24,10 +24,10 @@ pub enum Answer<T> {
     Damaged,
 }
 
-impl<T> Answer<T> {
+impl<T> LookupAnswer<T> {
     /// Whether the inputs were written.
     #[must_use]
     pub const fn has_inputs(&self) -> bool {
-        matches!(self, Answer::Plan { .. })
+        matches!(self, LookupAnswer::Plan { .. })
     }
 }

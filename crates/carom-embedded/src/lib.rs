@@ -6,6 +6,6 @@ mod real;
 mod simplex;
 mod table;
 
-pub use answer::Answer;
-pub use real::Real;
+pub use answer::LookupAnswer;
+pub use real::LookupNumber;
 pub use table::{LookupLeaf, LookupNode, LookupTable};

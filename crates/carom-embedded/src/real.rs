@@ -12,7 +12,7 @@ mod sealed {
 ///
 /// A look-up rounds a state to whole units, of which each side of the box has
 /// [`UNITS`](Self::UNITS), and from there on only adds and compares whole numbers.
-pub trait Real:
+pub trait LookupNumber:
     sealed::Sealed + Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     /// The units along a side of the box: 2^30, or 2^24 for `f32`, which holds no more digits.
@@ -29,7 +29,7 @@ pub trait Real:
     fn share(units: u32) -> Self;
 }
 
-impl Real for f32 {
+impl LookupNumber for f32 {
     const UNITS: u32 = 1 << 24;
     const ZERO: Self = 0.0;
 
@@ -44,7 +44,7 @@ impl Real for f32 {
     }
 }
 
-impl Real for f64 {
+impl LookupNumber for f64 {
     const UNITS: u32 = 1 << 30;
     const ZERO: Self = 0.0;
 

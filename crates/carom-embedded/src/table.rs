@@ -1,7 +1,7 @@
 //! The table and its look-up.
 
-use crate::answer::Answer;
-use crate::real::Real;
+use crate::answer::LookupAnswer;
+use crate::real::LookupNumber;
 use crate::simplex::{MOST_CORNERS, Weights};
 
 /// A cell that is cut through the middle of an edge.
@@ -41,7 +41,7 @@ pub struct LookupTable<'a, T> {
     pub lower: &'a [T],
     /// The upper corner.
     pub upper: &'a [T],
-    /// [`Real::UNITS`] by the length of the side, an entry a state.
+    /// [`LookupNumber::UNITS`] by the length of the side, an entry a state.
     pub scale: &'a [T],
     /// The first cells: nodes or leaves, one for each order of the states in lexicographic order.
     pub roots: &'a [u32],
@@ -65,7 +65,7 @@ impl<T> LookupTable<'_, T> {
 
     /// Whether all numbers of nodes, leaves, corners, laws and inputs exist, and halves come after
     /// the whole, so that only slices of wrong lengths, or too small a depth, end with
-    /// [`Answer::Damaged`].
+    /// [`LookupAnswer::Damaged`].
     ///
     /// ```
     /// use carom_embedded::{LookupLeaf, LookupTable};
@@ -154,38 +154,38 @@ impl<T> LookupTable<'_, T> {
     }
 }
 
-impl<T: Real> LookupTable<'_, T> {
+impl<T: LookupNumber> LookupTable<'_, T> {
     /// The leaf of a state, and the weights of its corners.
-    fn find(&self, state: &[T]) -> Result<(&LookupLeaf<T>, Weights), Answer<T>> {
+    fn find(&self, state: &[T]) -> Result<(&LookupLeaf<T>, Weights), LookupAnswer<T>> {
         let states = self.lower.len();
         let fits = state.len() == states && self.upper.len() == states;
         if !fits || self.scale.len() != states || states >= MOST_CORNERS {
-            return Err(Answer::Damaged);
+            return Err(LookupAnswer::Damaged);
         }
         let bounds = self.lower.iter().zip(self.upper);
         // Also for NaN.
         if !state.iter().zip(bounds).all(|(x, (lower, upper))| lower <= x && x <= upper) {
-            return Err(Answer::Outside);
+            return Err(LookupAnswer::Outside);
         }
         let scaled = state.iter().zip(self.lower).zip(self.scale);
         let coordinates = scaled.map(|((&x, &lower), &scale)| ((x - lower) * scale).to_units());
         let (mut weights, order) = Weights::locate(T::UNITS, coordinates);
-        let mut at = *self.roots.get(order as usize).ok_or(Answer::Damaged)?;
+        let mut at = *self.roots.get(order as usize).ok_or(LookupAnswer::Damaged)?;
         for _ in 0..=self.depth {
             if at & Self::LEAF != 0 {
                 let number = (at ^ Self::LEAF) as usize;
-                let leaf = self.leaves.get(number).ok_or(Answer::Damaged)?;
+                let leaf = self.leaves.get(number).ok_or(LookupAnswer::Damaged)?;
                 return Ok((leaf, weights));
             }
-            let node = self.nodes.get(at as usize).ok_or(Answer::Damaged)?;
+            let node = self.nodes.get(at as usize).ok_or(LookupAnswer::Damaged)?;
             let [first, second] = node.next;
             at = match weights.halve(node.edge) {
                 Some(0) => first,
                 Some(_) => second,
-                None => return Err(Answer::Damaged),
+                None => return Err(LookupAnswer::Damaged),
             };
         }
-        Err(Answer::Damaged)
+        Err(LookupAnswer::Damaged)
     }
 
     /// Looks up the cell of a state and evaluates its law.
@@ -200,24 +200,24 @@ impl<T: Real> LookupTable<'_, T> {
     ///
     /// At most `depth` comparisons of whole numbers; for each input, a product for each state and
     /// one more.
-    pub fn evaluate(&self, state: &[T], inputs: &mut [T]) -> Answer<T> {
+    pub fn evaluate(&self, state: &[T], inputs: &mut [T]) -> LookupAnswer<T> {
         let (leaf, weights) = match self.find(state) {
             Ok(found) => found,
             Err(answer) => return answer,
         };
         let (law, loss) = match *leaf {
-            LookupLeaf::NoPlan => return Answer::NoPlan,
-            LookupLeaf::Open => return Answer::Open,
+            LookupLeaf::NoPlan => return LookupAnswer::NoPlan,
+            LookupLeaf::Open => return LookupAnswer::Open,
             LookupLeaf::Plan { law, loss } => (law as usize, loss),
         };
         let corners = state.len() + 1;
         let law = self.laws.get(law.wrapping_mul(corners)..).and_then(|rest| rest.get(..corners));
         let Some(law) = law.filter(|_| inputs.len() == self.inputs) else {
-            return Answer::Damaged;
+            return LookupAnswer::Damaged;
         };
         let exists = |value: &u32| self.value(*value).is_some();
         if !law.iter().all(exists) {
-            return Answer::Damaged;
+            return LookupAnswer::Damaged;
         }
         inputs.iter_mut().for_each(|input| *input = T::ZERO);
         for (&value, &weight) in law.iter().zip(&weights.of) {
@@ -227,7 +227,7 @@ impl<T: Real> LookupTable<'_, T> {
                 *input = *input + share * value;
             }
         }
-        Answer::Plan { loss }
+        LookupAnswer::Plan { loss }
     }
 
     /// The inputs of a number.
@@ -237,7 +237,7 @@ impl<T: Real> LookupTable<'_, T> {
     }
 
     /// As [`evaluate`](Self::evaluate), with other inputs where the answer has none.
-    pub fn evaluate_or(&self, state: &[T], fallback: &[T], inputs: &mut [T]) -> Answer<T> {
+    pub fn evaluate_or(&self, state: &[T], fallback: &[T], inputs: &mut [T]) -> LookupAnswer<T> {
         let answer = self.evaluate(state, inputs);
         if !answer.has_inputs() {
             inputs.iter_mut().zip(fallback).for_each(|(input, &other)| *input = other);

@@ -62,7 +62,7 @@ impl Evidence {
     }
 
     /// The part of the bound that is affine along the cell, at a corner.
-    fn base(&self, form: &ParametricForm, place: &Place, [lower, upper]: [&[f64]; 2]) -> f64 {
+    fn base(&self, form: &ParametricForm, place: &CornerPlace, [lower, upper]: [&[f64]; 2]) -> f64 {
         let mut sum = -self.limits;
         for j in (0..form.columns()).filter(|j| !form.is_axis[*j]) {
             let r = self.residual[j] + if self.is_ray { 0.0 } else { place.tilt[j] };
@@ -76,7 +76,12 @@ impl Evidence {
     }
 
     /// The bound at a corner, or how far a ray is above 0 there.
-    pub(crate) fn value(&self, form: &ParametricForm, place: &Place, sides: [&[f64]; 2]) -> f64 {
+    pub(crate) fn value(
+        &self,
+        form: &ParametricForm,
+        place: &CornerPlace,
+        sides: [&[f64]; 2],
+    ) -> f64 {
         let own = self.base(form, place, sides) + self.along(form, &place.at);
         if self.is_ray { own } else { own + place.cost - 0.5 * dot(&self.z, &self.pz) }
     }
@@ -84,7 +89,7 @@ impl Evidence {
 
 /// The numbers of a corner that all evidence shares.
 #[derive(Debug, Clone)]
-pub(crate) struct Place {
+pub(crate) struct CornerPlace {
     /// The state, an entry an axis.
     pub(crate) at: Vec<f64>,
     /// `P_xt t`, by column.
@@ -97,7 +102,7 @@ pub(crate) struct Place {
     linear: f64,
 }
 
-impl Place {
+impl CornerPlace {
     pub(crate) fn new(form: &ParametricForm, at: Vec<f64>) -> Self {
         let mut t = vec![0.0; form.columns()];
         form.axes.iter().zip(&at).for_each(|(&j, &value)| t[j] = value);
@@ -106,7 +111,7 @@ impl Place {
         form.axes.iter().for_each(|&j| tilt[j] = 0.0);
         let linear = form.linear_cost(&t);
         let cost = 0.5 * dot(&curved, &at) + linear + form.offset;
-        Place { at, tilt, cost, curved, linear }
+        CornerPlace { at, tilt, cost, curved, linear }
     }
 }
 
@@ -135,10 +140,10 @@ pub(crate) fn cost(form: &ParametricForm, points: &[&[f64]]) -> Coefficients {
 pub(crate) fn bound(
     form: &ParametricForm,
     evidence: &[Rc<Evidence>],
-    places: &[&Place],
+    places: &[&CornerPlace],
     sides: [&[f64]; 2],
 ) -> Coefficients {
-    let base = |(e, place): (&Rc<Evidence>, &&Place)| e.base(form, place, sides);
+    let base = |(e, place): (&Rc<Evidence>, &&CornerPlace)| e.base(form, place, sides);
     let base: Vec<f64> = evidence.iter().zip(places).map(base).collect();
     pairs(evidence.len(), |v, w| {
         let (e, f) = (&evidence[v], &evidence[w]);

@@ -13,7 +13,7 @@ use crate::simplex_cell::{BOX_UNITS, kuhn, midpoint, orders, squared_length};
 
 /// When a cell is finished.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Goal {
+pub(crate) struct BuildGoal {
     pub(crate) absolute: f64,
     pub(crate) relative: f64,
     /// The length of an edge, as a share of the side of the box, below which cells are not cut.
@@ -22,13 +22,13 @@ pub(crate) struct Goal {
     pub(crate) cells: usize,
 }
 
-impl Goal {
+impl BuildGoal {
     /// The loss that is allowed over a cell, from the coefficients of its cost: with the least cost
     /// f over the cell, at most `absolute + relative |f|`.
     fn loss(&self, cost: &Coefficients) -> f64 {
         let least = cost.iter().copied().fold(f64::INFINITY, f64::min);
         let most = cost.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let Goal { absolute, relative, .. } = *self;
+        let BuildGoal { absolute, relative, .. } = *self;
         // The optimum is at least the cost less the loss, and at most the cost.
         let positive = (absolute + relative * least) / (1.0 + relative);
         absolute.max(positive).max(absolute - relative * most)
@@ -39,7 +39,7 @@ impl Goal {
 const LOSS_ROUNDING: f64 = 1e-9;
 
 /// The most integers that are tried before a cell is cut.
-const MOST_TRIALS: usize = 3;
+const MOST_LAWS_TRIED: usize = 3;
 
 /// The most integers that a half takes over from the whole.
 const MOST_INHERITED: usize = 8;
@@ -88,11 +88,11 @@ impl Trial {
     }
 
     /// The loss that a proof may have, so that there is room for rounding.
-    fn allowed(&self, goal: Goal) -> f64 {
+    fn allowed(&self, goal: BuildGoal) -> f64 {
         goal.loss(&self.cost) - self.slack()
     }
 
-    fn law(self, proof: CellProof, goal: Goal) -> PartitionCell {
+    fn law(self, proof: CellProof, goal: BuildGoal) -> PartitionCell {
         let (loss, allowed) = (proof.loss.max(0.0) + self.slack(), goal.loss(&self.cost));
         PartitionCell::Plan(CellLaw { plans: self.plans, loss, allowed, proof })
     }
@@ -111,7 +111,7 @@ pub(crate) struct Partition {
 /// are.
 pub(crate) fn partition(
     shop: &mut Workshop,
-    goal: Goal,
+    goal: BuildGoal,
     token: &StopToken,
     progress: &mut dyn FnMut(usize, f64),
 ) -> Partition {
@@ -163,7 +163,7 @@ impl Workshop {
     fn decide(
         &mut self,
         cell: &WaitingCell,
-        goal: Goal,
+        goal: BuildGoal,
         room: bool,
         token: &StopToken,
     ) -> (Option<PartitionCell>, Vec<usize>) {
@@ -183,7 +183,7 @@ impl Workshop {
             }
             // The cheapest one is last.
             trials.sort_by(|a: &Trial, b: &Trial| b.sum.total_cmp(&a.sum));
-            let next = if failed.len() < MOST_TRIALS { trials.pop() } else { None };
+            let next = if failed.len() < MOST_LAWS_TRIED { trials.pop() } else { None };
             if let Some(trial) = next {
                 match self
                     .prove(corners, CellClaim::Loss(&trial.cost, trial.allowed(goal), trial.number))
@@ -194,7 +194,7 @@ impl Workshop {
                 failed.push(trial);
                 continue;
             }
-            if has_optima || failed.len() >= MOST_TRIALS {
+            if has_optima || failed.len() >= MOST_LAWS_TRIED {
                 break;
             }
             has_optima = true;
@@ -251,7 +251,7 @@ impl Workshop {
         Some(Trial { number, plans, cost, sum })
     }
 
-    fn can_be_cut(&self, cell: &WaitingCell, goal: Goal) -> bool {
+    fn can_be_cut(&self, cell: &WaitingCell, goal: BuildGoal) -> bool {
         let longest = longest_edge(&cell.corners).1;
         (longest as f64).sqrt() / BOX_UNITS as f64 > goal.finest
     }

@@ -9,11 +9,12 @@ use carom_model::{Error, ErrorKind};
 use carom_solver::reformulate;
 use web_time::{Duration, Instant};
 
-use crate::build::{Goal, Partition, PartitionCell, partition};
+use crate::arrays::LookupArrays;
+use crate::build::{BuildGoal, Partition, PartitionCell, partition};
 use crate::corner::Workshop;
 use crate::form::{ParametricForm, refused};
-use crate::relaxed::Relaxer;
-use crate::table::{Arrays, ExplicitTable, TableReport};
+use crate::relaxed::CornerRelaxer;
+use crate::table::{ExplicitTable, TableReport};
 
 /// How far a build has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +33,7 @@ type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
 /// A model of which a table of laws is to be built: some of its parameters range over a box.
 ///
 /// ```
-/// use carom::explicit::{Answer, ExplicitProgram};
+/// use carom::explicit::{LookupAnswer, ExplicitProgram};
 /// use carom::prelude::*;
 ///
 /// // Move x to 0 by a step of at least 1, or not at all.
@@ -50,16 +51,16 @@ type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
 ///
 /// let table = ExplicitProgram::new(&model, [x], [u])?.with_loss(0.05, 0.0)?.build()?;
 /// let (answer, input) = table.evaluate(&[2.0]);
-/// assert!(matches!(answer, Answer::Plan { loss } if loss <= 0.05));
+/// assert!(matches!(answer, LookupAnswer::Plan { loss } if loss <= 0.05));
 /// assert!((input[0] + 2.0).abs() < 0.3);
-/// assert_eq!(table.evaluate(&[4.0]).0, Answer::Outside);
+/// assert_eq!(table.evaluate(&[4.0]).0, LookupAnswer::Outside);
 /// # Ok::<(), carom::Error>(())
 /// ```
 #[must_use]
 pub struct ExplicitProgram<'a> {
     form: ParametricForm,
     outputs: Vec<usize>,
-    goal: Goal,
+    goal: BuildGoal,
     time_limit: Option<Duration>,
     interrupt: Interrupt,
     watch: Option<Watch<'a>>,
@@ -109,7 +110,8 @@ impl<'a> ExplicitProgram<'a> {
             let kind = ErrorKind::OutOfRange { what, value: 0.0, lower, upper: None, range };
             return Err(kind.into());
         }
-        let goal = Goal { absolute: 1e-3, relative: 1e-2, finest: 1.0 / 256.0, cells: 1_000_000 };
+        let goal =
+            BuildGoal { absolute: 1e-3, relative: 1e-2, finest: 1.0 / 256.0, cells: 1_000_000 };
         let interrupt = Interrupt::new();
         Ok(ExplicitProgram {
             form,
@@ -185,7 +187,7 @@ impl<'a> ExplicitProgram<'a> {
     /// Builds the table.
     ///
     /// A limit is no error: [`TableReport`] says which share of the set is proved, and the look-up
-    /// answers [`Answer::Open`](crate::Answer::Open) for states that are not decided.
+    /// answers [`LookupAnswer::Open`](crate::LookupAnswer::Open) for states that are not decided.
     ///
     /// # Errors
     ///
@@ -194,7 +196,7 @@ impl<'a> ExplicitProgram<'a> {
         let ExplicitProgram { form, outputs, goal, time_limit, interrupt, watch } = self;
         let began = Instant::now();
         let token = StopToken::new(time_limit, &interrupt);
-        let relaxer = Relaxer::new(&form, token.clone());
+        let relaxer = CornerRelaxer::new(&form, token.clone());
         let mut shop = Workshop::new(form, relaxer);
         let mut watch = watch;
         let mut tell = |cells: usize, share: f64| {
@@ -203,13 +205,44 @@ impl<'a> ExplicitProgram<'a> {
             }
         };
         let partition = partition(&mut shop, goal, &token, &mut tell);
-        let arrays = Arrays::new(&shop.form, &partition, &outputs);
+        let mut arrays = LookupArrays::new(&shop.form, &partition, &outputs);
         let mut report = report(&partition);
         report.laws = arrays.laws.len() / (arrays.lower.len() + 1);
         (report.relaxations, report.duration) = (shop.solved, began.elapsed());
         let goal = [goal.absolute, goal.relative];
+        arrays.remarks = remarks(&shop.form, &report, goal, &outputs);
         Ok(ExplicitTable { form: shop.form, partition, outputs, goal, report, arrays })
     }
+}
+
+/// What the sources of a table say of it.
+fn remarks(
+    form: &ParametricForm,
+    report: &TableReport,
+    [absolute, relative]: [f64; 2],
+    outputs: &[usize],
+) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for &j in &form.axes {
+        let (name, lower, upper) = (&form.names[j], form.lower[j], form.upper[j]);
+        remarks.push(format!("state `{name}` from {lower} to {upper}"));
+    }
+    for &j in outputs {
+        remarks.push(format!("input `{}`", form.names[j]));
+    }
+    let TableReport { cells, laws, .. } = report;
+    remarks.push(format!("{cells} cells, {laws} laws"));
+    remarks.push(format!("loss at most {absolute} + {relative} |least cost|"));
+    let percent = |share: f64| 100.0 * share;
+    remarks.push(format!(
+        "of the set, in percent: {:.3} within that loss, {:.3} with a larger one, {:.3} without a \
+         plan, {:.3} open",
+        percent(report.proved),
+        percent(report.unproved),
+        percent(report.refuted),
+        percent(report.open)
+    ));
+    remarks
 }
 
 /// What is proved of a partition; laws, relaxations and time are left out.

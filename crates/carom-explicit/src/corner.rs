@@ -4,10 +4,10 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::{Rc, Weak};
 
-use crate::bounds::Place;
+use crate::bounds::CornerPlace;
 use crate::form::ParametricForm;
 use crate::integer_tree::IntegerTree;
-use crate::relaxed::{CornerRelaxation, Relaxer};
+use crate::relaxed::{CornerRelaxation, CornerRelaxer};
 use crate::simplex_cell::BOX_UNITS;
 
 /// The best integers of a corner.
@@ -25,7 +25,7 @@ pub(crate) enum CornerOptimum {
 #[derive(Debug)]
 pub(crate) struct Corner {
     pub(crate) units: Vec<i64>,
-    pub(crate) place: Place,
+    pub(crate) place: CornerPlace,
     relaxed: RefCell<HashMap<usize, Rc<CornerRelaxation>>>,
     optimum: RefCell<Option<CornerOptimum>>,
 }
@@ -44,14 +44,14 @@ const MOST_BOXES: usize = 100_000;
 pub(crate) struct Workshop {
     pub(crate) form: ParametricForm,
     pub(crate) tree: IntegerTree,
-    relaxer: Relaxer,
+    relaxer: CornerRelaxer,
     corners: HashMap<Vec<i64>, Weak<Corner>>,
     /// Relaxations that were solved.
     pub(crate) solved: u64,
 }
 
 impl Workshop {
-    pub(crate) fn new(form: ParametricForm, relaxer: Relaxer) -> Self {
+    pub(crate) fn new(form: ParametricForm, relaxer: CornerRelaxer) -> Self {
         let tree = IntegerTree::new(&form);
         Workshop { form, tree, relaxer, corners: HashMap::new(), solved: 0 }
     }
@@ -69,7 +69,7 @@ impl Workshop {
         let at = form.axes.iter().zip(&units).map(state).collect();
         let corner = Rc::new(Corner {
             units: units.clone(),
-            place: Place::new(form, at),
+            place: CornerPlace::new(form, at),
             relaxed: RefCell::default(),
             optimum: RefCell::default(),
         });

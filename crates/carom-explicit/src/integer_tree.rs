@@ -25,7 +25,7 @@ pub(crate) struct IntegerTree {
 }
 
 /// How far from a whole number a value of a relaxation is fractional.
-const FRACTIONAL: f64 = 1e-6;
+const FAR_FROM_WHOLE: f64 = 1e-6;
 
 impl IntegerTree {
     /// The number of the whole.
@@ -62,7 +62,7 @@ impl IntegerTree {
 
     /// Whether an integer of a point is fractional.
     pub(crate) fn is_fractional(&self, x: &[f64]) -> bool {
-        self.integers.iter().any(|&j| (x[j] - x[j].round()).abs() > FRACTIONAL)
+        self.integers.iter().any(|&j| (x[j] - x[j].round()).abs() > FAR_FROM_WHOLE)
     }
 
     /// The box of the integers of a point; `None` if one is fractional, or out of its range.
@@ -70,7 +70,7 @@ impl IntegerTree {
         let (mut lower, mut upper) = (self.boxes[0].lower.clone(), self.boxes[0].upper.clone());
         for &j in &self.integers {
             let whole = x[j].round();
-            if (x[j] - whole).abs() > FRACTIONAL || whole < lower[j] || whole > upper[j] {
+            if (x[j] - whole).abs() > FAR_FROM_WHOLE || whole < lower[j] || whole > upper[j] {
                 return None;
             }
             (lower[j], upper[j]) = (whole, whole);
@@ -93,13 +93,13 @@ impl IntegerTree {
         let far = |j: usize| x.map_or(0.0, |x| (x[j] - x[j].round()).abs());
         let mut best: Option<(usize, f64)> = None;
         for j in open {
-            if best.is_none_or(|(_, most)| far(j) > most + FRACTIONAL) {
+            if best.is_none_or(|(_, most)| far(j) > most + FAR_FROM_WHOLE) {
                 best = Some((j, far(j)));
             }
         }
         let (column, _) = best?;
         let middle = (0.5 * (of.lower[column] + of.upper[column])).floor();
-        let value = x.map_or(middle, |x| (x[column] + FRACTIONAL).floor());
+        let value = x.map_or(middle, |x| (x[column] + FAR_FROM_WHOLE).floor());
         let value = value.clamp(of.lower[column], of.upper[column] - 1.0);
         let halves = [(of.lower.clone(), of.upper.clone()), (of.lower.clone(), of.upper.clone())];
         let [(lower, mut below), (mut above, upper)] = halves;

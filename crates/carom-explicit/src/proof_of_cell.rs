@@ -3,7 +3,7 @@
 
 use std::rc::Rc;
 
-use crate::bounds::{self, Coefficients, Evidence, Place};
+use crate::bounds::{self, Coefficients, CornerPlace, Evidence};
 use crate::corner::{Corner, Workshop};
 use crate::integer_tree::IntegerTree;
 use crate::relaxed::{CornerRelaxation, RAY_MARGIN};
@@ -64,7 +64,7 @@ enum Closing {
 }
 
 /// The most boxes that a proof may have.
-const MOST_STEPS: usize = 2_000;
+const MOST_CELL_STEPS: usize = 2_000;
 
 /// Multiples of rays that are tried.
 const RAY_FACTORS: [f64; 3] = [1.0, 4.0, 32.0];
@@ -94,7 +94,7 @@ impl Workshop {
         let mut proof = CellProof { steps: Vec::new(), loss: 0.0 };
         let mut waiting = vec![IntegerTree::WHOLE];
         while let Some(number) = waiting.pop() {
-            if proof.steps.len() >= MOST_STEPS {
+            if proof.steps.len() >= MOST_CELL_STEPS {
                 return Err(NoProof { better: None });
             }
             let (relaxed, is_cheaper) = match self.close(corners, number, claim) {
@@ -142,7 +142,7 @@ impl Workshop {
             }
             found[v] = relaxed;
         }
-        let places: Vec<&Place> = corners.iter().map(|corner| &corner.place).collect();
+        let places: Vec<&CornerPlace> = corners.iter().map(|corner| &corner.place).collect();
         if let Some(evidence) = self.refutation(&found, &places, number) {
             return Closing::Closed(CellStep::Refuted(evidence), 0.0);
         }
@@ -180,7 +180,7 @@ impl Workshop {
     fn candidates(
         &self,
         found: &[Rc<CornerRelaxation>],
-        places: &[&Place],
+        places: &[&CornerPlace],
         number: usize,
         (cost, loss): (&Coefficients, f64),
     ) -> Vec<Vec<Rc<Evidence>>> {
@@ -232,7 +232,7 @@ impl Workshop {
     fn refutation(
         &self,
         found: &[Rc<CornerRelaxation>],
-        places: &[&Place],
+        places: &[&CornerPlace],
         number: usize,
     ) -> Option<Vec<Rc<Evidence>>> {
         let ray = |relaxed: &Rc<CornerRelaxation>| match &**relaxed {

@@ -9,11 +9,11 @@ use carom_solver::internals::relaxation::{
     polish,
 };
 
-use crate::bounds::{Evidence, Place};
+use crate::bounds::{CornerPlace, Evidence};
 use crate::form::ParametricForm;
 
 /// The largest violation of a row by a corner's plan, in the unit of the row.
-pub(crate) const ROW_TOLERANCE: f64 = 1e-7;
+pub(crate) const PLAN_TOLERANCE: f64 = 1e-7;
 
 /// The gap between point and bound that ends the attempts, relative.
 const GAP: f64 = 1e-8;
@@ -24,7 +24,7 @@ pub(crate) const RAY_MARGIN: f64 = 1e-9;
 /// A relaxation at a corner.
 #[derive(Debug, Clone)]
 pub(crate) enum CornerRelaxation {
-    /// A point within [`ROW_TOLERANCE`] with its cost, and multipliers near the optimal ones.
+    /// A point within [`PLAN_TOLERANCE`] with its cost, and multipliers near the optimal ones.
     Solved { x: Vec<f64>, cost: f64, evidence: Rc<Evidence> },
     /// There is no point.
     Refuted(Rc<Evidence>),
@@ -33,12 +33,12 @@ pub(crate) enum CornerRelaxation {
 }
 
 /// The methods, one after the other.
-pub(crate) struct Relaxer {
+pub(crate) struct CornerRelaxer {
     methods: Vec<Box<dyn Relaxation>>,
     token: StopToken,
 }
 
-impl Relaxer {
+impl CornerRelaxer {
     pub(crate) fn new(form: &ParametricForm, token: StopToken) -> Self {
         let mut methods: Vec<Box<dyn Relaxation>> = Vec::new();
         match form.quadratic.iter().all(Vec::is_empty) {
@@ -47,14 +47,14 @@ impl Relaxer {
         }
         methods.push(Box::new(InteriorPoint::new()));
         methods.push(Box::new(ClarabelRelaxation::new()));
-        Relaxer { methods, token }
+        CornerRelaxer { methods, token }
     }
 
     /// Solves the relaxation of a box of columns at a corner.
     pub(crate) fn solve(
         &mut self,
         form: &ParametricForm,
-        place: &Place,
+        place: &CornerPlace,
         sides: [&[f64]; 2],
     ) -> CornerRelaxation {
         let found = match CornerProgram::new(form, place, sides) {
@@ -72,7 +72,7 @@ impl Relaxer {
     fn attempts(
         &mut self,
         form: &ParametricForm,
-        place: &Place,
+        place: &CornerPlace,
         sides: [&[f64]; 2],
         program: &CornerProgram,
     ) -> Option<CornerRelaxation> {
@@ -109,7 +109,7 @@ impl Relaxer {
             let cost = program.reduced.objective(&result.x);
             let gap = (cost - bound).abs() / (1.0 + cost.abs());
             let better = best.as_ref().is_none_or(|(least, _)| gap < *least);
-            if better && form.violation(&x) <= ROW_TOLERANCE {
+            if better && form.violation(&x) <= PLAN_TOLERANCE {
                 let evidence = Rc::new(evidence);
                 best = Some((gap, CornerRelaxation::Solved { x, cost, evidence }));
             }
@@ -132,7 +132,7 @@ impl CornerProgram {
     /// Returns multipliers that refute it where a row without free columns does.
     fn new(
         form: &ParametricForm,
-        place: &Place,
+        place: &CornerPlace,
         [lower, upper]: [&[f64]; 2],
     ) -> Result<Self, Vec<f64>> {
         let n = form.columns();
@@ -163,7 +163,7 @@ impl CornerProgram {
             }
             if reduced.rows.index.len() == before {
                 let missed = (row.lower - fixed).max(fixed - row.upper);
-                if missed > ROW_TOLERANCE {
+                if missed > PLAN_TOLERANCE {
                     let mut ray = vec![0.0; form.rows.len()];
                     ray[i] = if fixed > row.upper { 1.0 } else { -1.0 };
                     return Err(ray);

@@ -1,14 +1,11 @@
 //! The finished table.
 
-use std::collections::HashMap;
-use std::hash::Hash;
-
-use carom_embedded::{Answer, LookupLeaf, LookupNode, LookupTable, Real};
+use carom_embedded::LookupAnswer;
 use web_time::Duration;
 
-use crate::build::{Partition, PartitionCell};
+use crate::arrays::LookupArrays;
+use crate::build::Partition;
 use crate::form::ParametricForm;
-use crate::relaxed::CornerRelaxation;
 
 /// The size of a table, and what is proved of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,117 +44,7 @@ pub struct ExplicitTable {
     /// The absolute and the relative loss that was asked for.
     pub(crate) goal: [f64; 2],
     pub(crate) report: TableReport,
-    pub(crate) arrays: Arrays,
-}
-
-/// The arrays of a look-up table, in 64 bits.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Arrays {
-    pub(crate) lower: Vec<f64>,
-    pub(crate) upper: Vec<f64>,
-    pub(crate) scale: Vec<f64>,
-    pub(crate) roots: Vec<u32>,
-    pub(crate) nodes: Vec<LookupNode>,
-    pub(crate) leaves: Vec<LookupLeaf<f64>>,
-    pub(crate) laws: Vec<u32>,
-    pub(crate) values: Vec<f64>,
-    pub(crate) inputs: usize,
-    pub(crate) depth: u32,
-}
-
-/// Numbers things that are the same alike.
-struct Numbered<K> {
-    known: HashMap<K, u32>,
-}
-
-impl<K: Hash + Eq> Numbered<K> {
-    /// The number of a thing, and whether it is new.
-    fn number(&mut self, thing: K) -> (u32, bool) {
-        let next = self.known.len() as u32;
-        let number = *self.known.entry(thing).or_insert(next);
-        (number, number == next)
-    }
-}
-
-impl Arrays {
-    pub(crate) fn new(form: &ParametricForm, partition: &Partition, outputs: &[usize]) -> Self {
-        let side = |of: &[f64]| form.axes.iter().map(|&j| of[j]).collect::<Vec<f64>>();
-        let mut arrays = Arrays {
-            lower: side(&form.lower),
-            upper: side(&form.upper),
-            inputs: outputs.len(),
-            depth: partition.depth as u32,
-            ..Arrays::default()
-        };
-        let widths = arrays.upper.iter().zip(&arrays.lower);
-        arrays.scale = widths.map(|(u, l)| f64::from(f64::UNITS) / (u - l)).collect();
-        let mut values = Numbered { known: HashMap::new() };
-        let mut laws = Numbered { known: HashMap::new() };
-        let mut leaves = Numbered { known: HashMap::new() };
-        let mut codes = Vec::with_capacity(partition.cells.len());
-        let mut cuts = 0;
-        for cell in &partition.cells {
-            let leaf = match cell {
-                PartitionCell::Cut { .. } => {
-                    codes.push(cuts);
-                    cuts += 1;
-                    continue;
-                }
-                PartitionCell::Open => LookupLeaf::Open,
-                PartitionCell::NoPlan(_) => LookupLeaf::NoPlan,
-                PartitionCell::Plan(law) => {
-                    let mut corners = Vec::with_capacity(law.plans.len());
-                    for plan in &law.plans {
-                        let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
-                        let bits = outputs.iter().map(|&j| (x[j] + 0.0).to_bits());
-                        let (number, is_new) = values.number(bits.collect::<Vec<u64>>());
-                        if is_new {
-                            arrays.values.extend(outputs.iter().map(|&j| x[j] + 0.0));
-                        }
-                        corners.push(number);
-                    }
-                    let (number, is_new) = laws.number(corners.clone());
-                    if is_new {
-                        arrays.laws.append(&mut corners);
-                    }
-                    LookupLeaf::Plan { law: number, loss: law.loss }
-                }
-            };
-            let key = match leaf {
-                LookupLeaf::Plan { law, loss } => (law, loss.to_bits()),
-                LookupLeaf::NoPlan => (u32::MAX, 0),
-                LookupLeaf::Open => (u32::MAX, 1),
-            };
-            let (number, is_new) = leaves.number(key);
-            if is_new {
-                arrays.leaves.push(leaf);
-            }
-            codes.push(number | LookupTable::<f64>::LEAF);
-        }
-        for cell in &partition.cells {
-            if let PartitionCell::Cut { edge, next } = cell {
-                let edge = edge.map(|corner| corner as u8);
-                arrays.nodes.push(LookupNode { edge, next: next.map(|number| codes[number]) });
-            }
-        }
-        arrays.roots = codes[..partition.orders].to_vec();
-        arrays
-    }
-
-    fn view(&self) -> LookupTable<'_, f64> {
-        LookupTable {
-            lower: &self.lower,
-            upper: &self.upper,
-            scale: &self.scale,
-            roots: &self.roots,
-            nodes: &self.nodes,
-            leaves: &self.leaves,
-            laws: &self.laws,
-            values: &self.values,
-            inputs: self.inputs,
-            depth: self.depth,
-        }
-    }
+    pub(crate) arrays: LookupArrays<f64>,
 }
 
 impl ExplicitTable {
@@ -167,10 +54,20 @@ impl ExplicitTable {
         &self.report
     }
 
-    /// The look-up as a device has it, in 64 bits.
+    /// The table as a device has it, in 64 bits.
     #[must_use]
-    pub fn lookup(&self) -> LookupTable<'_, f64> {
-        self.arrays.view()
+    pub fn double(&self) -> &LookupArrays<f64> {
+        &self.arrays
+    }
+
+    /// The table as a device has it, in 32 bits.
+    ///
+    /// Cells, integers and losses are the same; what is rounded is in
+    /// [`state_rounding`](LookupArrays::state_rounding) and
+    /// [`input_rounding`](LookupArrays::input_rounding).
+    #[must_use]
+    pub fn single(&self) -> LookupArrays<f32> {
+        self.arrays.single()
     }
 
     /// Looks up the inputs of a state.
@@ -180,8 +77,8 @@ impl ExplicitTable {
     /// * `state`: an entry for each axis, in its unit.
     ///
     /// Returns the answer and the inputs, which are zeros if the answer has none.
-    pub fn evaluate(&self, state: &[f64]) -> (Answer<f64>, Vec<f64>) {
-        let mut inputs = vec![0.0; self.arrays.inputs];
+    pub fn evaluate(&self, state: &[f64]) -> (LookupAnswer<f64>, Vec<f64>) {
+        let mut inputs = vec![0.0; self.arrays.inputs()];
         let answer = self.arrays.view().evaluate(state, &mut inputs);
         (answer, inputs)
     }

@@ -1,6 +1,6 @@
 //! Laws, losses and refutations against solves of single states.
 
-use carom::explicit::{Answer, ExplicitProgram, ExplicitTable};
+use carom::explicit::{ExplicitProgram, ExplicitTable, LookupAnswer};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -23,7 +23,7 @@ proptest! {
         states in prop::collection::vec(prop::collection::vec(-1.0..=1.0_f64, 3), 12),
     ) {
         let table = table(&program);
-        prop_assert!(table.lookup().is_sound());
+        prop_assert!(table.double().view().is_sound());
         let report = *table.report();
         let sum = report.proved + report.unproved + report.refuted + report.open;
         prop_assert!((sum - 1.0).abs() < 1e-9, "{report:?}");
@@ -34,7 +34,7 @@ proptest! {
             let solution = BranchAndBound::default().solve(&built.model).unwrap();
             let (answer, plan) = table.evaluate(state);
             match answer {
-                Answer::Plan { loss } => {
+                LookupAnswer::Plan { loss } => {
                     let (cost, missed) = program.judge(&plan, state);
                     prop_assert!(missed <= 1e-6, "{missed} {plan:?}");
                     for b in &plan[program.columns..] {
@@ -47,8 +47,8 @@ proptest! {
                     prop_assert!(cost <= best + loss + 1e-6, "{cost} {best} {loss}");
                     prop_assert!(report.unproved > 0.0 || loss <= 0.1 + 0.01 * best.abs() + 1e-6);
                 }
-                Answer::NoPlan => prop_assert!(solution.is_infeasible()),
-                Answer::Open => prop_assert!(report.open > 0.0),
+                LookupAnswer::NoPlan => prop_assert!(solution.is_infeasible()),
+                LookupAnswer::Open => prop_assert!(report.open > 0.0),
                 answer => prop_assert!(false, "{answer:?}"),
             }
         }
