@@ -32,7 +32,9 @@ pub(crate) struct Evidence {
 impl Evidence {
     /// Evidence for a bound. `z` counts for columns that are no axes.
     pub(crate) fn bound(form: &ParametricForm, mut z: Vec<f64>, y: Vec<f64>) -> Self {
-        form.axes.iter().for_each(|&j| z[j] = 0.0);
+        for (j, z) in z.iter_mut().enumerate() {
+            *z = if form.is_axis[j] { 0.0 } else { z.clamp(form.lower[j], form.upper[j]) };
+        }
         let mut pz = form.times_quadratic(&z);
         form.axes.iter().for_each(|&j| pz[j] = 0.0);
         let own = |(j, (a, q)): (usize, (&f64, &f64))| if form.is_axis[j] { 0.0 } else { a + q };
@@ -83,7 +85,11 @@ impl Evidence {
         sides: [&[f64]; 2],
     ) -> f64 {
         let own = self.base(form, place, sides) + self.along(form, &place.at);
-        if self.is_ray { own } else { own + place.cost - 0.5 * dot(&self.z, &self.pz) }
+        if self.is_ray {
+            own
+        } else {
+            own + place.cost - form.lacked - 0.5 * dot(&self.z, &self.pz)
+        }
     }
 }
 
@@ -153,6 +159,6 @@ pub(crate) fn bound(
             return own;
         }
         let state = dot(&places[v].curved, &places[w].at) + places[v].linear + places[w].linear;
-        own - 0.5 * dot(&e.z, &f.pz) + 0.5 * state + form.offset
+        own - 0.5 * dot(&e.z, &f.pz) + 0.5 * state + form.offset - form.lacked
     })
 }

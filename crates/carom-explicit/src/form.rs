@@ -7,6 +7,9 @@ use carom_model::{Error, ErrorKind};
 /// The most parameters of a set: the cells of a box are n! simplices to begin with.
 const MOST_AXES: usize = 6;
 
+/// The rounding of entries of `P`, relative to the sum of their column.
+const ENTRY_ROUNDING: f64 = 4e-15;
+
 /// A row `lower <= terms <= upper`.
 #[derive(Debug, Clone)]
 pub(crate) struct FormRow {
@@ -31,6 +34,10 @@ pub(crate) struct ParametricForm {
     pub(crate) quadratic: Vec<Vec<(usize, f64)>>,
     pub(crate) linear: Vec<f64>,
     pub(crate) offset: f64,
+    /// What the diagonal of `P` may lack of being semidefinite by rounding, and what that is over
+    /// the bounds of the columns.
+    pub(crate) lack: Vec<f64>,
+    pub(crate) lacked: f64,
     /// 1 if the model minimises, -1 if it maximises.
     pub(crate) sign: f64,
 }
@@ -68,6 +75,8 @@ impl ParametricForm {
             quadratic: vec![Vec::new(); n],
             linear: vec![0.0; n],
             offset: sign * model.objective().affine().offset(),
+            lack: vec![0.0; n],
+            lacked: 0.0,
             sign,
         };
         for variable in model.variables() {
@@ -165,6 +174,14 @@ impl ParametricForm {
             }
         }
         self.quadratic.iter_mut().for_each(|column| column.sort_by_key(|entry| entry.0));
+        for j in (0..self.columns()).filter(|j| !self.is_axis[*j]) {
+            let own = self.quadratic[j].iter().filter(|entry| !self.is_axis[entry.0]);
+            if own.clone().any(|entry| entry.0 != j) {
+                let sum: f64 = own.map(|entry| entry.1.abs()).sum();
+                self.lack[j] = ENTRY_ROUNDING * sum;
+                self.lacked += 0.5 * self.lack[j] * (self.upper[j] - self.lower[j]).powi(2);
+            }
+        }
         Ok(())
     }
 

@@ -5,6 +5,7 @@ mod bounds;
 mod build;
 mod builder;
 mod c_source;
+mod certificate;
 mod corner;
 mod form;
 mod integer_tree;
