@@ -27,6 +27,32 @@ pub struct LookupArrays<T> {
     pub(crate) input_rounding: f64,
 }
 
+/// An input of a law, as an affine expression of the columns of a plan.
+#[derive(Debug, Clone)]
+pub(crate) struct LawOutput {
+    pub(crate) offset: f64,
+    pub(crate) terms: Vec<(usize, f64)>,
+}
+
+impl LawOutput {
+    /// Its value, without a zero of its own sign.
+    fn value(&self, x: &[f64]) -> f64 {
+        let sum = self.terms.iter().fold(self.offset, |sum, &(j, a)| sum + a * x[j]);
+        sum + 0.0
+    }
+
+    pub(crate) fn text(&self, form: &ParametricForm) -> String {
+        match self.terms[..] {
+            [(j, 1.0)] if self.offset == 0.0 => form.names[j].clone(),
+            _ => {
+                let terms = self.terms.iter().map(|&(j, a)| format!("{a} {}", form.names[j]));
+                let terms = terms.chain((self.offset != 0.0).then(|| self.offset.to_string()));
+                terms.collect::<Vec<_>>().join(" + ")
+            }
+        }
+    }
+}
+
 /// Numbers things that are the same alike.
 struct Numbered<K> {
     known: HashMap<K, u32>,
@@ -58,7 +84,7 @@ fn units_off(ends: [f64; 2], device: [f64; 3], units: f64, rounding: f64) -> f64
 }
 
 impl LookupArrays<f64> {
-    pub(crate) fn new(form: &ParametricForm, partition: &Partition, outputs: &[usize]) -> Self {
+    pub(crate) fn new(form: &ParametricForm, partition: &Partition, outputs: &[LawOutput]) -> Self {
         let side = |of: &[f64]| form.axes.iter().map(|&j| of[j]).collect::<Vec<f64>>();
         let (lower, upper) = (side(&form.lower), side(&form.upper));
         let widths = upper.iter().zip(&lower);
@@ -95,10 +121,11 @@ impl LookupArrays<f64> {
                     let mut corners = Vec::with_capacity(law.plans.len());
                     for plan in &law.plans {
                         let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
-                        let bits = outputs.iter().map(|&j| (x[j] + 0.0).to_bits());
-                        let (number, is_new) = values.number(bits.collect::<Vec<u64>>());
+                        let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
+                        let (number, is_new) = values
+                            .number(own.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
                         if is_new {
-                            arrays.values.extend(outputs.iter().map(|&j| x[j] + 0.0));
+                            arrays.values.extend(own);
                         }
                         corners.push(number);
                     }

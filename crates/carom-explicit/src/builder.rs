@@ -3,13 +3,13 @@
 use std::fmt;
 
 use carom_model::internals::solver::StopToken;
-use carom_model::model::{Model, Variable};
+use carom_model::model::{Affine, Model, Variable};
 use carom_model::solver::Interrupt;
 use carom_model::{Error, ErrorKind};
 use carom_solver::reformulate;
 use web_time::{Duration, Instant};
 
-use crate::arrays::LookupArrays;
+use crate::arrays::{LawOutput, LookupArrays};
 use crate::build::{BuildGoal, Partition, PartitionCell, partition};
 use crate::corner::Workshop;
 use crate::form::{ParametricForm, refused};
@@ -59,7 +59,7 @@ type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
 #[must_use]
 pub struct ExplicitProgram<'a> {
     form: ParametricForm,
-    outputs: Vec<usize>,
+    outputs: Vec<LawOutput>,
     goal: BuildGoal,
     time_limit: Option<Duration>,
     interrupt: Interrupt,
@@ -79,7 +79,8 @@ impl<'a> ExplicitProgram<'a> {
     ///
     /// * `axes`: the parameters that range over the box of their declared ranges, at most six.
     ///   Other parameters have their current values.
-    /// * `outputs`: the variables that a look-up returns, such as the first inputs of a plan.
+    /// * `outputs`: what a look-up returns, such as the first inputs of a plan: variables or affine
+    ///   expressions, without axes.
     ///
     /// # Errors
     ///
@@ -90,19 +91,24 @@ impl<'a> ExplicitProgram<'a> {
     pub fn new(
         model: &Model,
         axes: impl IntoIterator<Item = Variable>,
-        outputs: impl IntoIterator<Item = Variable>,
+        outputs: impl IntoIterator<Item = impl Into<Affine>>,
     ) -> Result<Self, Error> {
         let axes: Vec<Variable> = axes.into_iter().collect();
         let lowered = reformulate::lower(model)?;
         let form = ParametricForm::of(lowered.model(), &axes)?;
         let mut columns = Vec::new();
         for output in outputs {
-            let variable = model.variable_ref(output)?;
-            if form.is_axis[output.index()] {
-                let what = format!("the axis `{}` as an output", variable.name());
-                return Err(refused(what, "it is known before the look-up"));
+            let output: Affine = output.into();
+            let mut own = LawOutput { offset: output.offset(), terms: Vec::new() };
+            for (variable, a) in output.terms() {
+                let name = model.variable_ref(variable)?.name();
+                if form.is_axis[variable.index()] {
+                    let what = format!("the axis `{name}` in an output");
+                    return Err(refused(what, "add it to the inputs behind the look-up"));
+                }
+                own.terms.push((variable.index(), a));
             }
-            columns.push(output.index());
+            columns.push(own);
         }
         if columns.is_empty() {
             let what = "the number of outputs of a table".to_owned();
@@ -220,15 +226,15 @@ fn remarks(
     form: &ParametricForm,
     report: &TableReport,
     [absolute, relative]: [f64; 2],
-    outputs: &[usize],
+    outputs: &[LawOutput],
 ) -> Vec<String> {
     let mut remarks = Vec::new();
     for &j in &form.axes {
         let (name, lower, upper) = (&form.names[j], form.lower[j], form.upper[j]);
         remarks.push(format!("state `{name}` from {lower} to {upper}"));
     }
-    for &j in outputs {
-        remarks.push(format!("input `{}`", form.names[j]));
+    for output in outputs {
+        remarks.push(format!("input `{}`", output.text(form)));
     }
     let TableReport { cells, laws, .. } = report;
     remarks.push(format!("{cells} cells, {laws} laws"));

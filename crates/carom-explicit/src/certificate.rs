@@ -160,7 +160,13 @@ impl ExplicitTable {
         writeln!(out, "lack {}", entries(form.lack.iter().copied()))?;
         writeln!(out, "loss {:?} {:?}", self.goal[0], self.goal[1])?;
         writeln!(out, "tolerance {PLAN_TOLERANCE:?}")?;
-        writeln!(out, "inputs {}{}", self.outputs.len(), numbers(&self.outputs))
+        writeln!(out, "inputs {}", self.outputs.len())?;
+        for output in &self.outputs {
+            write!(out, "i {:?} {}", output.offset, output.terms.len())?;
+            output.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
+            writeln!(out)?;
+        }
+        Ok(())
     }
 }
 

@@ -3,7 +3,7 @@
 use carom_embedded::LookupAnswer;
 use web_time::Duration;
 
-use crate::arrays::LookupArrays;
+use crate::arrays::{LawOutput, LookupArrays};
 use crate::build::Partition;
 use crate::form::ParametricForm;
 
@@ -40,7 +40,7 @@ pub struct TableReport {
 pub struct ExplicitTable {
     pub(crate) form: ParametricForm,
     pub(crate) partition: Partition,
-    pub(crate) outputs: Vec<usize>,
+    pub(crate) outputs: Vec<LawOutput>,
     /// The absolute and the relative loss that was asked for.
     pub(crate) goal: [f64; 2],
     pub(crate) report: TableReport,

@@ -89,10 +89,14 @@ impl Statement {
         statement.tolerance = size(&mut words, "the tolerance")?;
         words.end()?;
         let mut words = lines.expect("inputs")?;
-        for _ in 0..words.count("the number of inputs")? {
-            words.index("column", n)?;
-        }
+        let inputs = words.count("the number of inputs")?;
         words.end()?;
+        for _ in 0..inputs {
+            let mut words = lines.expect("i")?;
+            words.number("the constant")?;
+            words.entries(n)?;
+            words.end()?;
+        }
         for bits in [53, 24] {
             Device::read(lines, &statement)?.check(&statement, bits)?;
         }

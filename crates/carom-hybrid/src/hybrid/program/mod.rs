@@ -15,6 +15,7 @@
 mod costs;
 mod integer_horizon;
 mod memory;
+mod open_start;
 mod owner;
 mod plan;
 mod require;
