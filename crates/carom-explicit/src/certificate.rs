@@ -51,15 +51,21 @@ fn numbers<T: std::fmt::Debug>(values: &[T]) -> String {
     values.iter().map(|value| format!(" {value:?}")).collect()
 }
 
-fn write_device<T: LookupNumber + std::fmt::Debug>(
+/// The numbers of a device as they are, not as the shortest digits that are rounded to them.
+fn exact<T: Copy + Into<f64>>(values: &[T]) -> String {
+    let values: Vec<f64> = values.iter().map(|&value| value.into()).collect();
+    numbers(&values)
+}
+
+fn write_device<T: LookupNumber + Into<f64>>(
     out: &mut impl Write,
     bits: u32,
     arrays: &LookupArrays<T>,
 ) -> io::Result<()> {
     writeln!(out, "device {bits} {}", T::UNITS)?;
-    writeln!(out, "lower{}", numbers(&arrays.lower))?;
-    writeln!(out, "upper{}", numbers(&arrays.upper))?;
-    writeln!(out, "scale{}", numbers(&arrays.scale))?;
+    writeln!(out, "lower{}", exact(&arrays.lower))?;
+    writeln!(out, "upper{}", exact(&arrays.upper))?;
+    writeln!(out, "scale{}", exact(&arrays.scale))?;
     let (state, input) = (numbers(&arrays.state_rounding), arrays.input_rounding);
     writeln!(out, "rounding{state} {input:?}")
 }
