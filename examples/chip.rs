@@ -60,18 +60,18 @@ fn thermostat() -> Result<ExplicitTable, Error> {
     room.dwell(on, 2, None)?;
     room.dwell(off, 2, None)?;
     let heats = room.acting(on)?;
-    let mut program = room.program(6)?;
+    let mut program = room.program(5)?;
     program.start([off.equals(1.0)])?;
     let start = program.open_start([(warm, 14.0..=26.0)])?;
     let price = program.model_mut().parameter("price", 1.0, 0.0, 2.0)?;
     let mut cost: Quadratic = program.sum((warm - 20.0).square())?;
-    for t in 0..6 {
+    for t in 0..5 {
         cost += program.at(heats, t)? * price;
     }
     program.minimize(cost)?;
     let input = program.at(heats, 0)?;
     let axes = start.into_iter().chain([price]);
-    ExplicitProgram::new(program.model(), axes, [input])?.with_loss(0.05, 0.02)?.build()
+    ExplicitProgram::new(program.model(), axes, [input])?.with_loss(0.1, 0.03)?.build()
 }
 
 /// A pole on a cart between soft walls, linearised (arXiv 1910.08251), with a short horizon.
@@ -85,26 +85,47 @@ fn pole(horizon: usize) -> Result<ExplicitTable, Error> {
     let u = cart.input("u", -3.0, 3.0)?; // N
     let flow = |push: Affine| {
         let turned = rate + step * (20.0 * angle + u + push);
-        [(x, x + step * v), (v, v + step * (10.0 * angle + u)), (angle, angle + step * rate), (rate, turned)]
+        [
+            (x, x + step * v),
+            (v, v + step * (10.0 * angle + u)),
+            (angle, angle + step * rate),
+            (rate, turned),
+        ]
     };
     let tip = x - angle;
-    cart.mode("free")?.next(flow(0.0.into()))?.guard(tip.clone().le(0.5))?.guard(tip.clone().ge(-0.5))?;
+    cart.mode("free")?
+        .next(flow(0.0.into()))?
+        .guard(tip.clone().le(0.5))?
+        .guard(tip.clone().ge(-0.5))?;
     cart.mode("right")?.next(flow(50.0 * (tip.clone() - 0.5)))?.guard(tip.clone().ge(0.5))?;
     cart.mode("left")?.next(flow(50.0 * (tip.clone() + 0.5)))?.guard(tip.le(-0.5))?;
     let mut program = cart.program(horizon)?;
     let cost = program.sum(x.square() + angle.square() + 0.1 * u.square())?;
-    program.minimize(cost + program.end(x.square() + v.square() + 5.0 * angle.square() + rate.square())?)?;
-    let start = program.open_start([(x, -0.6..=0.6), (v, -0.5..=0.5), (angle, -0.15..=0.15), (rate, -0.5..=0.5)])?;
+    program.minimize(
+        cost + program.end(x.square() + v.square() + 5.0 * angle.square() + rate.square())?,
+    )?;
+    let start = program.open_start([
+        (x, -0.6..=0.6),
+        (v, -0.5..=0.5),
+        (angle, -0.15..=0.15),
+        (rate, -0.5..=0.5),
+    ])?;
     let input = program.at(u, 0)?;
-    ExplicitProgram::new(program.model(), start, [input])?.with_loss(0.1, 0.05)?
-        .with_finest(1.0 / 16.0)?.with_cell_limit(20_000)
+    ExplicitProgram::new(program.model(), start, [input])?
+        .with_loss(0.2, 0.1)?
+        .with_finest(1.0 / 16.0)?
+        .with_cell_limit(100_000)
         .build()
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1);
-    let systems: [(&str, fn() -> Result<ExplicitTable, Error>); 4] =
-        [("wall", wall), ("converter", converter), ("thermostat", thermostat), ("pole", || pole(2))];
+    let systems: [(&str, fn() -> Result<ExplicitTable, Error>); 4] = [
+        ("wall", wall),
+        ("converter", converter),
+        ("thermostat", thermostat),
+        ("pole", || pole(2)),
+    ];
     println!("system      cells   bytes  depth  seconds  within ε  larger  no plan   open");
     for (name, build) in systems {
         let table = build()?;
@@ -127,7 +148,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             std::fs::write(path("h"), header)?;
             std::fs::write(path("c"), source)?;
             std::fs::write(path("rs"), single.rust_source(&name.to_uppercase())?)?;
-            table.write_certificate(std::io::BufWriter::new(std::fs::File::create(path("table"))?))?;
+            table.write_certificate(std::io::BufWriter::new(std::fs::File::create(path(
+                "table",
+            ))?))?;
         }
     }
     Ok(())

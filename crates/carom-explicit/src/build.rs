@@ -7,7 +7,7 @@ use carom_model::internals::solver::StopToken;
 
 use crate::bounds::{self, Coefficients};
 use crate::corner::{Corner, CornerOptimum, Workshop};
-use crate::proof_of_cell::{CellClaim, CellProof, NoProof};
+use crate::proof_of_cell::{CellClaim, CellProof, NoProof, square};
 use crate::relaxed::CornerRelaxation;
 use crate::simplex_cell::{BOX_UNITS, kuhn, midpoint, orders, squared_length};
 
@@ -92,6 +92,13 @@ impl Trial {
         goal.loss(&self.cost) - self.slack()
     }
 
+    /// Whether another law costs less at a corner by more than a loss that is allowed.
+    fn is_dearer(&self, other: &Trial, goal: BuildGoal) -> bool {
+        let allowed = self.allowed(goal);
+        let corner = |v: usize| self.cost[square(v)] - other.cost[square(v)] > allowed;
+        (0..self.plans.len()).any(corner)
+    }
+
     fn law(self, proof: CellProof, goal: BuildGoal) -> PartitionCell {
         let (loss, allowed) = (proof.loss.max(0.0) + self.slack(), goal.loss(&self.cost));
         PartitionCell::Plan(CellLaw { plans: self.plans, loss, allowed, proof })
@@ -173,7 +180,9 @@ impl Workshop {
         }
         let mut waiting = cell.tried.clone();
         let (mut seen, mut trials, mut failed) = (Vec::new(), Vec::new(), Vec::new());
-        let mut has_optima = false;
+        let (mut has_optima, mut proofs) = (false, 0);
+        // The best integers of corners come first for the halves.
+        let mut good = Vec::new();
         loop {
             for number in std::mem::take(&mut waiting) {
                 if !seen.contains(&number) {
@@ -183,8 +192,15 @@ impl Workshop {
             }
             // The cheapest one is last.
             trials.sort_by(|a: &Trial, b: &Trial| b.sum.total_cmp(&a.sum));
-            let next = if failed.len() < MOST_LAWS_TRIED { trials.pop() } else { None };
+            let next = if proofs < MOST_LAWS_TRIED { trials.pop() } else { None };
             if let Some(trial) = next {
+                // Where another law is cheaper by more at a corner, there is no proof.
+                let mut others = trials.iter().chain(&failed);
+                if others.any(|other| trial.is_dearer(other, goal)) {
+                    failed.push(trial);
+                    continue;
+                }
+                proofs += 1;
                 match self
                     .prove(corners, CellClaim::Loss(&trial.cost, trial.allowed(goal), trial.number))
                 {
@@ -194,7 +210,7 @@ impl Workshop {
                 failed.push(trial);
                 continue;
             }
-            if has_optima || failed.len() >= MOST_LAWS_TRIED {
+            if has_optima || proofs >= MOST_LAWS_TRIED {
                 break;
             }
             has_optima = true;
@@ -211,15 +227,26 @@ impl Workshop {
                 _ => None,
             };
             waiting.extend(optima.iter().filter_map(best));
+            good = waiting.clone();
             if optima.contains(&CornerOptimum::NoPlan) {
                 // No law holds at a corner without a plan, and some may in a half.
-                seen.append(&mut waiting);
                 break;
             }
         }
         if room && self.can_be_cut(cell, goal) {
-            seen.truncate(MOST_INHERITED);
-            return (None, seen);
+            failed.append(&mut trials);
+            failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+            good.extend(failed.iter().map(|trial| trial.number));
+            good.extend(seen);
+            let mut known = Vec::new();
+            good.retain(|number| {
+                !known.contains(number) && {
+                    known.push(*number);
+                    true
+                }
+            });
+            good.truncate(MOST_INHERITED);
+            return (None, good);
         }
         failed.append(&mut trials);
         let Some(trial) = failed.into_iter().min_by(|a, b| a.sum.total_cmp(&b.sum)) else {

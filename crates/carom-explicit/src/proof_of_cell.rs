@@ -70,7 +70,7 @@ const MOST_CELL_STEPS: usize = 2_000;
 const RAY_FACTORS: [f64; 3] = [1.0, 4.0, 32.0];
 
 /// The position of the pair (v, v) among coefficients.
-fn square(v: usize) -> usize {
+pub(crate) fn square(v: usize) -> usize {
     v * (v + 3) / 2
 }
 
