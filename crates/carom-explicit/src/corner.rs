@@ -8,7 +8,6 @@ use crate::bounds::CornerPlace;
 use crate::form::ParametricForm;
 use crate::integer_tree::IntegerTree;
 use crate::relaxed::{CornerRelaxation, CornerRelaxer};
-use crate::simplex_cell::BOX_UNITS;
 
 /// The best integers of a corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,11 +61,7 @@ impl Workshop {
             return corner;
         }
         let form = &self.form;
-        let state = |(&j, &k): (&usize, &i64)| {
-            let share = k as f64 / BOX_UNITS as f64;
-            form.lower[j] + (form.upper[j] - form.lower[j]) * share
-        };
-        let at = form.axes.iter().zip(&units).map(state).collect();
+        let at = form.state(&units);
         let corner = Rc::new(Corner {
             units: units.clone(),
             place: CornerPlace::new(form, at),

@@ -4,6 +4,8 @@ use carom_model::internals::semidefinite::negative_direction;
 use carom_model::model::{Model, Variable};
 use carom_model::{Error, ErrorKind};
 
+use crate::simplex_cell::BOX_UNITS;
+
 /// The most parameters of a set: the cells of a box are n! simplices to begin with.
 const MOST_AXES: usize = 6;
 
@@ -188,6 +190,15 @@ impl ParametricForm {
     /// Number of columns.
     pub(crate) fn columns(&self) -> usize {
         self.lower.len()
+    }
+
+    /// The state at a corner.
+    pub(crate) fn state(&self, units: &[i64]) -> Vec<f64> {
+        let own = |(&j, &units): (&usize, &i64)| {
+            let share = units as f64 / BOX_UNITS as f64;
+            self.lower[j] + (self.upper[j] - self.lower[j]) * share
+        };
+        self.axes.iter().zip(units).map(own).collect()
     }
 
     /// `P x`.

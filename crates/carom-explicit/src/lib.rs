@@ -19,4 +19,4 @@ mod table;
 pub use arrays::LookupArrays;
 pub use builder::{ExplicitProgram, TableProgress};
 pub use carom_embedded::{LookupAnswer, LookupLeaf, LookupNode, LookupNumber, LookupTable};
-pub use table::{ExplicitTable, TableReport};
+pub use table::{ExplicitTable, TableCell, TableReport};

@@ -4,8 +4,10 @@ use carom_embedded::LookupAnswer;
 use web_time::Duration;
 
 use crate::arrays::{LawOutput, LookupArrays};
-use crate::build::Partition;
+use crate::build::{Partition, PartitionCell};
 use crate::form::ParametricForm;
+use crate::relaxed::CornerRelaxation;
+use crate::simplex_cell::{kuhn, midpoint, orders};
 
 /// The size of a table, and what is proved of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +34,19 @@ pub struct TableReport {
     pub relaxations: u64,
     /// The time that the build took.
     pub duration: Duration,
+}
+
+/// A cell of a table: a simplex of the box.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TableCell {
+    /// Its corners, one more than axes, an entry an axis, in their units.
+    pub corners: Vec<Vec<f64>>,
+    /// What a look-up answers inside.
+    pub answer: LookupAnswer<f64>,
+    /// The integers of the plan, in the order of the lowered model's variables; empty without a
+    /// plan.
+    pub integers: Vec<f64>,
 }
 
 /// A table of laws for a box of parameters, made by
@@ -81,5 +96,38 @@ impl ExplicitTable {
         let mut inputs = vec![0.0; self.arrays.inputs()];
         let answer = self.arrays.view().evaluate(state, &mut inputs);
         (answer, inputs)
+    }
+
+    /// The cells, for pictures and statistics.
+    pub fn cells(&self) -> impl Iterator<Item = TableCell> + '_ {
+        let orders = orders(self.form.axes.len());
+        let mut corners: Vec<Vec<Vec<i64>>> = orders.iter().map(|order| kuhn(order)).collect();
+        self.partition.cells.iter().enumerate().filter_map(move |(number, cell)| {
+            let own = std::mem::take(corners.get_mut(number)?);
+            let state = |units: &Vec<i64>| self.form.state(units);
+            let leaf = |answer, integers| {
+                Some(TableCell { corners: own.iter().map(state).collect(), answer, integers })
+            };
+            match cell {
+                PartitionCell::Cut { edge: [i, j], .. } => {
+                    let middle = midpoint(&own[*i], &own[*j])?;
+                    for replaced in [*j, *i] {
+                        let mut half = own.clone();
+                        half[replaced].clone_from(&middle);
+                        corners.push(half);
+                    }
+                    None
+                }
+                PartitionCell::Open => leaf(LookupAnswer::Open, Vec::new()),
+                PartitionCell::NoPlan(_) => leaf(LookupAnswer::NoPlan, Vec::new()),
+                PartitionCell::Plan(law) => {
+                    let first = law.plans.first().map(|plan| &**plan);
+                    let Some(CornerRelaxation::Solved { x, .. }) = first else { return None };
+                    let whole = x.iter().zip(&self.form.integral).filter(|(_, whole)| **whole);
+                    let integers = whole.map(|(x, _)| *x).collect();
+                    leaf(LookupAnswer::Plan { loss: law.loss }, integers)
+                }
+            }
+        })
     }
 }
