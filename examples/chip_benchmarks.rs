@@ -128,10 +128,10 @@ fn pole() -> Result<System, Error> {
         cost + program.end(x.square() + v.square() + 5.0 * angle.square() + rate.square())?,
     )?;
     let axes = program.open_start([
-        (x, -0.6..=0.6),
-        (v, -0.5..=0.5),
-        (angle, -0.15..=0.15),
-        (rate, -0.5..=0.5),
+        (x, -0.55..=0.55),
+        (v, -0.2..=0.2),
+        (angle, -0.1..=0.1),
+        (rate, -0.2..=0.2),
     ])?;
     let input = program.at(u, 0)?;
     let table = ExplicitProgram::new(program.model(), axes.clone(), [input.clone()])?

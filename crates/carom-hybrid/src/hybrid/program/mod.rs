@@ -6,6 +6,7 @@
 //! | expressions of a system, taken at a sample | `program/sample.rs` |
 //! | starts, goals, way-points, time windows | `program/require.rs` |
 //! | the memory of the start | `program/memory.rs` |
+//! | the start as a parameter | `program/open_start.rs` |
 //! | sums over the steps, magnitudes, soft limits | `program/costs.rs` |
 //! | the first steps alone with whole integers | `program/integer_horizon.rs` |
 //! | certified plans | `program/plan.rs` |
