@@ -1,9 +1,9 @@
 //! Where a state is: in one of Kuhn's simplices of the box, and then in ever smaller halves.
 //!
 //! A state in a simplex is a mean of the corners with the weights `w >= 0`, in units. In Kuhn's
-//! simplices, the weights are the differences of the sorted coordinates. Where an edge (i, j) is cut
-//! in the middle m, the state is `w_i i + w_j j = (w_i - w_j) i + 2 w_j m`, if `w_i >= w_j`. So a
-//! cut takes a comparison and a subtraction of whole numbers, and rounds nothing.
+//! simplices, weights are the differences of the sorted coordinates. Where an edge (i, j) is cut in
+//! the middle m, the state is `w_i i + w_j j = (w_i - w_j) i + 2 w_j m`, if `w_i >= w_j`. So a cut
+//! takes a comparison and a subtraction of whole numbers, and rounds nothing.
 
 /// The most corners of a cell.
 pub(crate) const MOST_CORNERS: usize = 7;

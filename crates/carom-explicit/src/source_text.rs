@@ -8,7 +8,7 @@ use carom_model::{Error, ErrorKind};
 use crate::arrays::LookupArrays;
 
 /// Columns of a line of numbers.
-const LINE: usize = 96;
+const SOURCE_LINE: usize = 96;
 
 /// A number of a table, as text.
 pub(crate) trait SourceNumber: LookupNumber + Debug {
@@ -41,7 +41,7 @@ pub(crate) fn list<T>(entries: impl IntoIterator<Item = T>, text: impl Fn(T) -> 
     let mut length = 0;
     for entry in entries {
         let entry = text(entry);
-        let starts = length == 0 || length + entry.len() + 2 > LINE;
+        let starts = length == 0 || length + entry.len() + 2 > SOURCE_LINE;
         all += if starts { "\n    " } else { " " };
         length = if starts { 4 } else { length + 1 } + entry.len() + 1;
         all += &entry;

@@ -2,5 +2,6 @@
 
 mod certificates;
 mod laws;
+mod limits;
 mod programs;
 mod sources;
