@@ -73,6 +73,9 @@ struct WaitingCell {
     number: usize,
 }
 
+/// The edge that is cut, and the corners of the halves.
+type CutCell = ([usize; 2], [Vec<Rc<Corner>>; 2]);
+
 /// A law that is not proved yet.
 struct Trial {
     number: usize,
@@ -284,7 +287,7 @@ impl Workshop {
     }
 
     /// The edge that is cut, and the corners of the halves.
-    fn halves(&mut self, cell: &WaitingCell) -> Option<([usize; 2], [Vec<Rc<Corner>>; 2])> {
+    fn halves(&mut self, cell: &WaitingCell) -> Option<CutCell> {
         let [i, j] = longest_edge(&cell.corners).0;
         let middle = midpoint(&cell.corners[i].units, &cell.corners[j].units)?;
         let middle = self.corner(middle);

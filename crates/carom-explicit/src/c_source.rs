@@ -91,9 +91,33 @@ enum {name}_answer {name}_evaluate(
     text
 }
 
+/// The look-up in C, with words between `@` for what differs between tables.
+const LOOK_UP: &str = include_str!("look_up_c.txt");
+
+fn look_up<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> String {
+    let [_, number_type] = T::TYPES;
+    let words = [
+        ("name", name.to_owned()),
+        ("upper", name.to_ascii_uppercase()),
+        ("number_type", number_type.to_owned()),
+        ("suffix", T::SUFFIX.to_owned()),
+        ("units", T::UNITS.to_string()),
+        ("share", format!("{:?}", T::share(1))),
+        ("leaf", LookupTable::<T>::LEAF.to_string()),
+        ("depth", arrays.depth.to_string()),
+        ("corners", (arrays.lower.len() + 1).to_string()),
+        ("inputs", arrays.inputs.to_string()),
+        ("NO_PLAN", NO_PLAN.to_string()),
+        ("OPEN", OPEN.to_string()),
+    ];
+    let set =
+        |text: String, (word, value): &(&str, String)| text.replace(&format!("@{word}@"), value);
+    words.iter().fold(LOOK_UP.to_owned(), set)
+}
+
 fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<[String; 2], Error> {
     check_name(name)?;
-    let (upper, [_, number_type], suffix) = (name.to_ascii_uppercase(), T::TYPES, T::SUFFIX);
+    let [_, number_type] = T::TYPES;
     let law = |leaf: &LookupLeaf<T>| match leaf {
         LookupLeaf::Plan { law, .. } => *law,
         LookupLeaf::NoPlan => NO_PLAN,
@@ -129,102 +153,6 @@ fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<[Stri
     let (laws, values) = (&arrays.laws, &arrays.values);
     array("uint32_t", 4, "laws", laws.len(), list(laws, whole));
     array(number_type, real, "values", values.len(), list(values.iter().copied(), number));
-    let leaf = LookupTable::<T>::LEAF;
-    let (depth, share) = (arrays.depth, T::share(1));
-    text += &format!(
-        "enum {name}_answer {name}_evaluate(
-    const {number_type} state[{upper}_STATES], {number_type} inputs[{upper}_INPUTS], {number_type} *loss)
-{{
-    uint32_t sorted[{upper}_STATES];
-    uint32_t axes[{upper}_STATES];
-    uint32_t weights[{upper}_STATES + 1];
-    uint32_t order = 0U;
-    uint32_t before = {units}U;
-    uint32_t at;
-    uint32_t law;
-    int a;
-    int k;
-    int m;
-    for (a = 0; a < {upper}_STATES; a++) {{
-        if (!(lower[a] <= state[a] && state[a] <= upper[a])) {{
-            return {upper}_OUTSIDE;
-        }}
-    }}
-    /* Coordinates in whole units, the largest first. */
-    for (a = 0; a < {upper}_STATES; a++) {{
-        const {number_type} scaled = (state[a] - lower[a]) * scale[a];
-        uint32_t moving = (uint32_t)(scaled + 0.5{suffix});
-        uint32_t axis = (uint32_t)a;
-        if (moving > {units}U) {{
-            moving = {units}U;
-        }}
-        for (k = 0; k < a; k++) {{
-            if (sorted[k] < moving) {{
-                const uint32_t other = sorted[k];
-                const uint32_t other_axis = axes[k];
-                sorted[k] = moving;
-                axes[k] = axis;
-                moving = other;
-                axis = other_axis;
-            }}
-        }}
-        sorted[a] = moving;
-        axes[a] = axis;
-    }}
-    /* The weights of the corners of the simplex, and its number. */
-    for (k = 0; k < {upper}_STATES; k++) {{
-        uint32_t earlier = 0U;
-        weights[k] = before - sorted[k];
-        before = sorted[k];
-        for (a = k; a < {upper}_STATES; a++) {{
-            if (axes[a] < axes[k]) {{
-                earlier++;
-            }}
-        }}
-        order = order * (uint32_t)({upper}_STATES - k) + earlier;
-    }}
-    weights[{upper}_STATES] = before;
-    at = roots[order];
-    /* At most {depth} halves. */
-    while (at < {leaf}U) {{
-        const uint32_t i = edges[2U * at];
-        const uint32_t j = edges[2U * at + 1U];
-        if (weights[i] >= weights[j]) {{
-            weights[i] -= weights[j];
-            weights[j] *= 2U;
-            at = halves[2U * at];
-        }} else {{
-            weights[j] -= weights[i];
-            weights[i] *= 2U;
-            at = halves[2U * at + 1U];
-        }}
-    }}
-    at -= {leaf}U;
-    law = leaf_law[at];
-    if (law == {NO_PLAN}U) {{
-        return {upper}_NO_PLAN;
-    }}
-    if (law == {OPEN}U) {{
-        return {upper}_OPEN;
-    }}
-    for (m = 0; m < {upper}_INPUTS; m++) {{
-        inputs[m] = 0.0{suffix};
-    }}
-    for (k = 0; k <= {upper}_STATES; k++) {{
-        const {number_type} share = ({number_type})weights[k] * {share}{suffix};
-        const uint32_t first = laws[law * {corners}U + (uint32_t)k] * {inputs}U;
-        for (m = 0; m < {upper}_INPUTS; m++) {{
-            inputs[m] = inputs[m] + share * values[first + (uint32_t)m];
-        }}
-    }}
-    *loss = leaf_loss[at];
-    return {upper}_PLAN;
-}}
-",
-        units = T::UNITS,
-        share = format_args!("{share:?}"),
-        corners = n + 1,
-        inputs = arrays.inputs,
-    );
+    text += &look_up(arrays, name);
     Ok([header(arrays, name, bytes), text])
 }

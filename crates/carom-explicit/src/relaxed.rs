@@ -142,12 +142,15 @@ impl CornerProgram {
         let columns: Vec<usize> = (0..n).filter(is_free).collect();
         let mut position = vec![usize::MAX; n];
         columns.iter().enumerate().for_each(|(k, &j)| position[j] = k);
-        let mut reduced = Reduced::default();
-        reduced.rows = Compressed { start: vec![0], ..Compressed::default() };
-        reduced.quadratic = Compressed { start: vec![0], ..Compressed::default() };
-        reduced.spread = 1.0;
-        reduced.lower = columns.iter().map(|&j| lower[j]).collect();
-        reduced.upper = columns.iter().map(|&j| upper[j]).collect();
+        let none = Compressed { start: vec![0], ..Compressed::default() };
+        let mut reduced = Reduced {
+            rows: none.clone(),
+            quadratic: none,
+            spread: 1.0,
+            lower: columns.iter().map(|&j| lower[j]).collect(),
+            upper: columns.iter().map(|&j| upper[j]).collect(),
+            ..Reduced::default()
+        };
         let mut kept = Vec::new();
         for (i, row) in form.rows.iter().enumerate() {
             let mut fixed = 0.0;

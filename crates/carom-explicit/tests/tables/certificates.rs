@@ -48,6 +48,25 @@ proptest! {
     }
 }
 
+/// A plan with another value of a column.
+fn with_entry(line: &str, column: &str, value: f64) -> String {
+    let words: Vec<&str> = line.split(' ').skip(2).collect();
+    let pairs = words.chunks(2).filter(|pair| pair[0] != column);
+    let mut pairs: Vec<String> = pairs.map(|pair| pair.join(" ")).collect();
+    pairs.push(format!("{column} {value}"));
+    format!("x {} {}", pairs.len(), pairs.join(" "))
+}
+
+/// Multipliers of the other sign.
+fn turned(line: &str) -> String {
+    let turn = |(at, word): (usize, &str)| match at >= 3 && at % 2 == 1 {
+        true if word.starts_with('-') => word[1..].to_owned(),
+        true => format!("-{word}"),
+        false => word.to_owned(),
+    };
+    line.split(' ').enumerate().map(turn).collect::<Vec<_>>().join(" ")
+}
+
 /// A damage that makes a certificate wrong, by its kind; `None` if there is nothing to damage.
 fn damaged(text: &str, kind: usize, place: usize, program: &Program) -> Option<String> {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -75,11 +94,7 @@ fn damaged(text: &str, kind: usize, place: usize, program: &Program) -> Option<S
             };
             // Axes are the first columns of the model.
             let column = (program.axes + column).to_string();
-            let words: Vec<&str> = lines[k].split(' ').skip(2).collect();
-            let pairs = words.chunks(2).filter(|pair| pair[0] != column);
-            let mut pairs: Vec<String> = pairs.map(|pair| pair.join(" ")).collect();
-            pairs.push(format!("{column} {}", if kind == 0 { 0.5 } else { 7.0 }));
-            lines[k] = format!("x {} {}", pairs.len(), pairs.join(" "));
+            lines[k] = with_entry(&lines[k], &column, if kind == 0 { 0.5 } else { 7.0 });
         }
         // A line of the cells is gone.
         2 => {
@@ -119,13 +134,7 @@ fn damaged(text: &str, kind: usize, place: usize, program: &Program) -> Option<S
             if !lines[k].contains('.') {
                 return None;
             }
-            let words: Vec<&str> = lines[k].split(' ').collect();
-            let turned = words.iter().enumerate().map(|(at, word)| match at >= 3 && at % 2 == 1 {
-                true if word.starts_with('-') => word[1..].to_owned(),
-                true => format!("-{word}"),
-                false => (*word).to_owned(),
-            });
-            lines[k] = turned.collect::<Vec<_>>().join(" ");
+            lines[k] = turned(&lines[k]);
         }
         // A state is rounded by less.
         8 => {

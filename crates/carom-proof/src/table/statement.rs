@@ -21,14 +21,16 @@ pub(super) struct Column {
     pub(super) linear: f64,
 }
 
+/// A row: lower limit, upper limit, terms.
+type TableRow = (f64, f64, Vec<(u32, f64)>);
+
 /// `min 1/2 x'Px + q'x + offset` over rows and bounds.
 #[derive(Debug)]
 pub(super) struct Statement {
     pub(super) columns: Vec<Column>,
     /// The columns of the axes.
     pub(super) axes: Vec<usize>,
-    /// Lower limit, upper limit, terms.
-    pub(super) rows: Vec<(f64, f64, Vec<(u32, f64)>)>,
+    pub(super) rows: Vec<TableRow>,
     pub(super) offset: f64,
     /// The loss that is asked for: absolute, and relative to the least cost.
     pub(super) loss: [f64; 2],
