@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // At most 0.05 or 2 % dearer than the best plan, whatever the state.
     let explicit = ExplicitProgram::new(program.model(), start, [input])?.with_loss(0.05, 0.02)?;
-    let table = explicit.with_finest(1.0 / 64.0)?.build()?;
+    let table = explicit.with_finest(1.0 / 64.0)?.build();
     let (report, single) = (table.report(), table.single());
     println!("{} cells, {} bytes, {} comparisons", report.cells, single.bytes(), report.depth);
     println!("{:.1} % within the loss", 100.0 * report.proved);

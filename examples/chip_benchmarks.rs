@@ -41,7 +41,7 @@ fn wall() -> Result<System, Error> {
     let input = program.at(u, 0)?;
     let table = ExplicitProgram::new(program.model(), axes.clone(), [input.clone()])?
         .with_loss(0.02, 0.02)?
-        .build()?;
+        .build();
     Ok(System { program, axes, input, table })
 }
 
@@ -63,7 +63,7 @@ fn converter() -> Result<System, Error> {
     let input = program.at(on, 0)?;
     let table = ExplicitProgram::new(program.model(), axes.clone(), [input.clone()])?
         .with_loss(0.02, 0.05)?
-        .build()?;
+        .build();
     Ok(System { program, axes, input, table })
 }
 
@@ -93,7 +93,7 @@ fn thermostat() -> Result<System, Error> {
     axes.push(price);
     let table = ExplicitProgram::new(program.model(), axes.clone(), [input.clone()])?
         .with_loss(0.1, 0.03)?
-        .build()?;
+        .build();
     Ok(System { program, axes, input, table })
 }
 
@@ -138,7 +138,7 @@ fn pole() -> Result<System, Error> {
         .with_loss(0.2, 0.1)?
         .with_finest(1.0 / 16.0)?
         .with_cell_limit(100_000)
-        .build()?;
+        .build();
     Ok(System { program, axes, input, table })
 }
 

@@ -25,6 +25,8 @@ pub struct LookupArrays<T> {
     pub(crate) remarks: Vec<String>,
     pub(crate) state_rounding: Vec<f64>,
     pub(crate) input_rounding: f64,
+    /// The largest sum of magnitudes behind an input, and its number of terms and two more.
+    largest: [f64; 2],
 }
 
 /// An input of a law, as an affine expression of the columns of a plan.
@@ -39,6 +41,11 @@ impl LawOutput {
     fn value(&self, x: &[f64]) -> f64 {
         let sum = self.terms.iter().fold(self.offset, |sum, &(j, a)| sum + a * x[j]);
         sum + 0.0
+    }
+
+    /// The sum of the magnitudes of its terms.
+    fn size(&self, x: &[f64]) -> f64 {
+        self.terms.iter().fold(self.offset.abs(), |sum, &(j, a)| sum + (a * x[j]).abs())
     }
 
     pub(crate) fn text(&self, form: &ParametricForm) -> String {
@@ -102,6 +109,7 @@ impl LookupArrays<f64> {
             remarks: Vec::new(),
             state_rounding: Vec::new(),
             input_rounding: 0.0,
+            largest: [0.0; 2],
         };
         let mut values = Numbered { known: HashMap::new() };
         let mut laws = Numbered { known: HashMap::new() };
@@ -122,6 +130,11 @@ impl LookupArrays<f64> {
                     for plan in &law.plans {
                         let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
                         let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
+                        for output in outputs {
+                            let [size, terms] = &mut arrays.largest;
+                            *size = size.max(output.size(x));
+                            *terms = terms.max(output.terms.len() as f64 + 2.0);
+                        }
                         let (number, is_new) = values
                             .number(own.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
                         if is_new {
@@ -199,15 +212,16 @@ impl LookupArrays<f64> {
             inputs: self.inputs,
             depth: self.depth,
             remarks: self.remarks.clone(),
+            largest: self.largest,
         }
     }
 
-    /// The most by which an input may be off: a rounding of the values, one of each product, and
-    /// one of each sum.
+    /// The most by which an input may be off: where it is computed from a plan, where it is stored,
+    /// in the product with each weight, and in each sum.
     fn largest_sum_error(&self, rounding: f64) -> f64 {
-        let largest = self.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let [size, terms] = self.largest;
         let corners = self.lower.len() as f64 + 1.0;
-        (corners + 3.0) * rounding * largest
+        ((corners + 3.0) * rounding + terms * DOUBLE_UNIT) * size * (1.0 + 1e-9)
     }
 }
 

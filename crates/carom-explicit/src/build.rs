@@ -1,4 +1,5 @@
-//! The partition: cells wait in a queue, and each becomes a leaf or is cut through its longest edge.
+//! The partition: cells wait in a queue, and each becomes a leaf or is cut through its longest
+//! edge.
 
 use std::collections::VecDeque;
 use std::rc::Rc;

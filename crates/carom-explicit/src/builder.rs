@@ -49,7 +49,7 @@ type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
 /// model.add("move", rest.equals(x + u))?;
 /// model.minimize(rest.square() + 0.1 * (up + down))?;
 ///
-/// let table = ExplicitProgram::new(&model, [x], [u])?.with_loss(0.05, 0.0)?.build()?;
+/// let table = ExplicitProgram::new(&model, [x], [u])?.with_loss(0.05, 0.0)?.build();
 /// let (answer, input) = table.evaluate(&[2.0]);
 /// assert!(matches!(answer, LookupAnswer::Plan { loss } if loss <= 0.05));
 /// assert!((input[0] + 2.0).abs() < 0.3);
@@ -168,7 +168,8 @@ impl<'a> ExplicitProgram<'a> {
     /// The most cells. When there are as many, cells that would be cut become leaves with whatever
     /// is proved of them. The default is a million.
     pub fn with_cell_limit(mut self, cells: usize) -> Self {
-        self.goal.cells = cells;
+        // Numbers of cells have 31 bits.
+        self.goal.cells = cells.min(1 << 30);
         self
     }
 
@@ -194,11 +195,8 @@ impl<'a> ExplicitProgram<'a> {
     ///
     /// A limit is no error: [`TableReport`] says which share of the set is proved, and the look-up
     /// answers [`LookupAnswer::Open`](crate::LookupAnswer::Open) for states that are not decided.
-    ///
-    /// # Errors
-    ///
-    /// None at present.
-    pub fn build(self) -> Result<ExplicitTable, Error> {
+    #[must_use]
+    pub fn build(self) -> ExplicitTable {
         let ExplicitProgram { form, outputs, goal, time_limit, interrupt, watch } = self;
         let began = Instant::now();
         let token = StopToken::new(time_limit, &interrupt);
@@ -217,7 +215,7 @@ impl<'a> ExplicitProgram<'a> {
         (report.relaxations, report.duration) = (shop.solved, began.elapsed());
         let goal = [goal.absolute, goal.relative];
         arrays.remarks = remarks(&shop.form, &report, goal, &outputs);
-        Ok(ExplicitTable { form: shop.form, partition, outputs, goal, report, arrays })
+        ExplicitTable { form: shop.form, partition, outputs, goal, report, arrays }
     }
 }
 

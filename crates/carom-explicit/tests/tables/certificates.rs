@@ -17,7 +17,7 @@ fn table(program: &Program) -> ExplicitTable {
     let explicit = ExplicitProgram::new(&built.model, built.axes, built.outputs).unwrap();
     let finest = if program.axes == 3 { 0.75 } else { 1.0 / 8.0 };
     let explicit = explicit.with_loss(0.1, 0.01).unwrap().with_finest(finest).unwrap();
-    explicit.with_cell_limit(120).build().unwrap()
+    explicit.with_cell_limit(120).build()
 }
 
 fn certificate(table: &ExplicitTable) -> String {
@@ -139,7 +139,7 @@ fn damaged(text: &str, kind: usize, place: usize, program: &Program) -> Option<S
         // A state is rounded by less.
         8 => {
             let k = one("rounding")?;
-            let at = 1 + place % program.axes;
+            let at = 1 + place % (program.axes + 1);
             let own: f64 = word(k, at).parse().ok()?;
             lines[k] = with(k, at, &(own / 10.0).to_string());
         }

@@ -11,7 +11,7 @@ fn table(program: &Program) -> ExplicitTable {
     let explicit = ExplicitProgram::new(&built.model, built.axes, built.outputs).unwrap();
     let finest = if program.axes == 3 { 0.5 } else { 1.0 / 16.0 };
     let explicit = explicit.with_loss(0.1, 0.01).unwrap().with_finest(finest).unwrap();
-    explicit.with_cell_limit(400).build().unwrap()
+    explicit.with_cell_limit(400).build()
 }
 
 proptest! {

@@ -79,7 +79,7 @@ fn variables_have_bounds() {
     assert!(message(&error).contains("`u`, which has no bound on a side"), "{error}");
     // Bounds that rows imply are enough.
     model.add("below", (u + x).le(3.0)).unwrap();
-    let table = ExplicitProgram::new(&model, [x], [u]).unwrap().build().unwrap();
+    let table = ExplicitProgram::new(&model, [x], [u]).unwrap().build();
     let (answer, inputs) = table.evaluate(&[0.25]);
     assert!(answer.has_inputs() && (inputs[0] - 0.25).abs() < 1e-2);
 }
@@ -101,7 +101,7 @@ fn losses_and_edges_are_checked() {
 fn a_limit_leaves_the_rest_open() {
     let (model, x, u) = steps();
     let new = || ExplicitProgram::new(&model, [x], [u]).unwrap();
-    let whole = new().build().unwrap();
+    let whole = new().build();
     assert!(whole.report().proved > 0.9, "{:?}", whole.report());
     let interrupt = Interrupt::new();
     let watch = |progress: &carom::explicit::TableProgress| {
@@ -109,14 +109,14 @@ fn a_limit_leaves_the_rest_open() {
             interrupt.trigger();
         }
     };
-    let part = new().with_interrupt(&interrupt).with_progress(watch).build().unwrap();
+    let part = new().with_interrupt(&interrupt).with_progress(watch).build();
     let report = part.report();
     assert!(report.open > 0.0 && report.cells < whole.report().cells, "{report:?}");
-    let late = new().with_time_limit(Duration::ZERO).build().unwrap();
+    let late = new().with_time_limit(Duration::ZERO).build();
     assert_eq!(late.evaluate(&[0.0]).0, LookupAnswer::Open);
     assert_eq!(late.report().open, 1.0);
     // With few cells there are laws, whose losses are larger.
-    let few = new().with_loss(1e-6, 0.0).unwrap().with_cell_limit(4).build().unwrap();
+    let few = new().with_loss(1e-6, 0.0).unwrap().with_cell_limit(4).build();
     assert!(few.report().cells <= 4 && few.report().unproved > 0.0, "{:?}", few.report());
     let (answer, _) = few.evaluate(&[0.3]);
     assert!(matches!(answer, LookupAnswer::Plan { loss } if loss > 1e-6), "{answer:?}");
@@ -130,7 +130,7 @@ fn a_limit_leaves_the_rest_open() {
 #[test]
 fn maximisation_is_minimisation_of_the_negative() {
     let (mut model, x, u) = steps();
-    let table = |model: &Model| ExplicitProgram::new(model, [x], [u]).unwrap().build().unwrap();
+    let table = |model: &Model| ExplicitProgram::new(model, [x], [u]).unwrap().build();
     let least = table(&model);
     let rest = model.variables().find(|v| v.name().to_string() == "rest").unwrap().id();
     let used: Vec<Variable> = ["up", "down"]

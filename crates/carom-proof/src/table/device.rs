@@ -1,5 +1,6 @@
 //! What a device rounds.
 
+use super::evidence::product;
 use super::statement::Statement;
 use crate::exact::{Dyadic, Sum};
 use crate::text::{Lines, Refusal, rejected};
@@ -16,6 +17,8 @@ pub(super) struct Device {
     scale: Vec<f64>,
     /// By how much the state of the law differs from the state, in its unit.
     rounding: Vec<f64>,
+    /// By how much an input differs from that of the plan.
+    input: f64,
 }
 
 impl Device {
@@ -27,20 +30,45 @@ impl Device {
         let bits = words.count("the number of bits")?;
         let units = words.count("the number of units")?;
         words.end()?;
+        let mut input = 0.0;
         let mut read = |keyword: &str| {
             let mut words = lines.expect(keyword)?;
             let all = statement.axes.iter().map(|_| words.number("a number"));
             let all = all.collect::<Result<Vec<f64>, Refusal>>()?;
             if keyword == "rounding" {
-                // That of inputs, which the numbers of a table have to bear out.
-                words.number("a number")?;
+                input = words.number("a number")?;
             }
             words.end()?;
             Ok::<_, Refusal>(all)
         };
         let (lower, upper) = (read("lower")?, read("upper")?);
         let (scale, rounding) = (read("scale")?, read("rounding")?);
-        Ok(Device { bits, units, lower, upper, scale, rounding })
+        Ok(Device { bits, units, lower, upper, scale, rounding, input })
+    }
+
+    /// Checks that the inputs at a corner are rounded by no more than is said.
+    ///
+    /// An input is a sum of terms, computed with 53 bits; it is stored, multiplied by a weight, and
+    /// added once for each corner, with the device's bits. Weights are shares, so that between
+    /// corners the error is at most that of the largest input.
+    pub(super) fn check_inputs(&self, statement: &Statement, x: &[Dyadic]) -> Result<(), Refusal> {
+        let mut sum = Sum::default();
+        let unit = |bits: usize| 1.0 / (1_u64 << bits) as f64;
+        let steps = statement.axes.len() as f64 + 4.0;
+        for (offset, terms) in &statement.inputs {
+            let factor = steps * unit(self.bits) + (terms.len() as f64 + 2.0) * unit(53);
+            sum.subtract(self.input, 1.0);
+            sum.add(offset.abs(), factor);
+            for &(j, a) in terms {
+                let x = &x[j as usize];
+                let size = if x.sign() == Ordering::Less { x.negated() } else { x.clone() };
+                sum.add(&product(&size, &Dyadic::from_f64(a.abs()))?, factor);
+            }
+            if sum.take_sign()? == Ordering::Greater {
+                return rejected("an input is rounded by more than is said");
+            }
+        }
+        Ok(())
     }
 
     /// Checks that a state is rounded by no more than is said.

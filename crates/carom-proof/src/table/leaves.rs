@@ -76,6 +76,9 @@ impl Checked {
                 }
             }
         }
+        for device in &statement.devices {
+            device.check_inputs(statement, &x)?;
+        }
         let mut px = Vec::with_capacity(x.len());
         for column in &statement.columns {
             column.squares.iter().for_each(|&(k, p)| sum.add(p, &x[k]));

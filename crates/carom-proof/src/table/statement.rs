@@ -36,6 +36,10 @@ pub(super) struct Statement {
     pub(super) loss: [f64; 2],
     /// What rows and bounds may be missed by.
     pub(super) tolerance: f64,
+    /// The inputs of a look-up: constants and terms of columns that are no axes.
+    pub(super) inputs: Vec<(f64, Vec<(u32, f64)>)>,
+    /// Those with 64 bits and with 32.
+    pub(super) devices: Vec<Device>,
     /// What the cost may lack of being convex, over the bounds of the columns.
     pub(super) lack: Dyadic,
 }
@@ -72,6 +76,8 @@ impl Statement {
             offset: 0.0,
             loss: [0.0; 2],
             tolerance: 0.0,
+            inputs: Vec::new(),
+            devices: Vec::new(),
             lack: Dyadic::zero(),
         };
         for axis in 0..count {
@@ -95,12 +101,17 @@ impl Statement {
         words.end()?;
         for _ in 0..inputs {
             let mut words = lines.expect("i")?;
-            words.number("the constant")?;
-            words.entries(n)?;
+            let own = (words.number("the constant")?, words.entries(n)?);
             words.end()?;
+            if own.1.iter().any(|entry| statement.columns[entry.0 as usize].axis.is_some()) {
+                return rejected("an input has an axis in it");
+            }
+            statement.inputs.push(own);
         }
         for bits in [53, 24] {
-            Device::read(lines, &statement)?.check(&statement, bits)?;
+            let device = Device::read(lines, &statement)?;
+            device.check(&statement, bits)?;
+            statement.devices.push(device);
         }
         Ok(statement)
     }
