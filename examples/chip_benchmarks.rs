@@ -221,7 +221,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let count = arguments.next().map_or(Ok(100), |word| word.parse())?;
     let folder = arguments.next();
-    let systems: [(&str, fn() -> Result<System, Error>); 4] =
+    type Build = fn() -> Result<System, Error>;
+    let systems: [(&str, Build); 4] =
         [("wall", wall), ("converter", converter), ("thermostat", thermostat), ("pole", pole)];
     println!(
         "system      cells    bytes  depth  seconds  within  larger  no plan  open    \

@@ -130,16 +130,13 @@ impl LookupArrays<f64> {
                     for plan in &law.plans {
                         let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
                         let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
-                        for output in outputs {
-                            let [size, terms] = &mut arrays.largest;
-                            *size = size.max(output.size(x));
-                            *terms = terms.max(output.terms.len() as f64 + 2.0);
-                        }
-                        let (number, is_new) = values
-                            .number(own.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
+                        let bits: Vec<u64> = own.iter().map(|value| value.to_bits()).collect();
+                        let (number, is_new) = values.number(bits);
                         if is_new {
                             arrays.values.extend(own);
                         }
+                        // Also of those with the same sum of other terms.
+                        outputs.iter().for_each(|output| arrays.measure(output, x));
                         corners.push(number);
                     }
                     let (number, is_new) = laws.number(corners.clone());
@@ -214,6 +211,13 @@ impl LookupArrays<f64> {
             remarks: self.remarks.clone(),
             largest: self.largest,
         }
+    }
+
+    /// Counts an input among the largest ones.
+    fn measure(&mut self, output: &LawOutput, x: &[f64]) {
+        let [size, terms] = &mut self.largest;
+        *size = size.max(output.size(x));
+        *terms = terms.max(output.terms.len() as f64 + 2.0);
     }
 
     /// The most by which an input may be off: where it is computed from a plan, where it is stored,
