@@ -51,16 +51,16 @@ fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<Strin
     for line in said(arrays, arrays.bytes()) {
         text += &format!("/// {line}.\n///\n");
     }
-    text.truncate(text.len() - 5);
+    text.truncate(text.len() - 4);
     text += &format!(
         "#[rustfmt::skip]\npub const {name}: carom_embedded::LookupTable<{number_type}> = {{\n"
     );
     text += "use carom_embedded::{LookupLeaf, LookupNode, LookupTable};\n";
     text += "const LEAF: u32 = LookupTable::<f32>::LEAF;\n";
-    text += "const fn n(i: u8, j: u8, first: u32, second: u32) -> LookupNode {\n    \
+    text += "#[allow(dead_code)]\nconst fn n(i: u8, j: u8, first: u32, second: u32) -> LookupNode {\n    \
              LookupNode { edge: [i, j], next: [first, second] }\n}\n";
     text += &format!(
-        "const fn p(law: u32, loss: {number_type}) -> LookupLeaf<{number_type}> {{\n    \
+        "#[allow(dead_code)]\nconst fn p(law: u32, loss: {number_type}) -> LookupLeaf<{number_type}> {{\n    \
          LookupLeaf::Plan {{ law, loss }}\n}}\nLookupTable {{\n"
     );
     let mut array = |field: &str, entries: String| {

@@ -37,7 +37,7 @@ fn agrees(table: &ExplicitTable, proved: &ProvedTable) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 16, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn certificates_are_accepted(program in programs()) {

@@ -15,7 +15,7 @@ fn table(program: &Program) -> ExplicitTable {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn laws_keep_rows_and_lose_little(

@@ -7,7 +7,7 @@ use carom::explicit::{ExplicitProgram, LookupAnswer};
 use carom::prelude::*;
 
 /// Move x to 0 by a step of 1, up or down, or rest; and its names.
-fn steps() -> (Model, Variable, Variable) {
+pub(crate) fn steps() -> (Model, Variable, Variable) {
     let mut model = Model::new("steps");
     let x = model.parameter("x", 0.0, -3.0, 3.0).unwrap();
     let u = model.continuous("u", -1.0, 1.0).unwrap();

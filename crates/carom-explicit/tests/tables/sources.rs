@@ -8,6 +8,7 @@ use carom::explicit::{ExplicitProgram, ExplicitTable, LookupAnswer};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 
+use crate::limits::steps;
 use crate::programs::programs;
 
 /// Tables that have plans, states without a plan, and open ones.
@@ -189,6 +190,30 @@ fn rust_sources_hold_the_numbers_of_the_table() {
         let values: Vec<f32> =
             values.filter(|v| !v.is_empty()).map(|v| v.parse().unwrap()).collect();
         assert_eq!(values, table.single().view().values);
+    }
+}
+
+/// The table of `steps` as it was written.
+mod written {
+    include!("steps_law.rs");
+}
+
+#[test]
+fn written_tables_are_constants() {
+    let (model, x, u) = steps();
+    let table = ExplicitProgram::new(&model, [x], [u]).unwrap().build().single();
+    let text = table.rust_source("STEPS").unwrap();
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tables/steps_law.rs");
+    if std::env::var_os("CAROM_WRITE_TABLES").is_some() {
+        std::fs::write(path, text).unwrap();
+        return;
+    }
+    for k in 0..=60 {
+        let state = [k as f32 / 10.0 - 3.0];
+        let (mut own, mut other) = ([0.0], [0.0]);
+        let answer = table.view().evaluate(&state, &mut own);
+        assert_eq!(word(&answer), word(&written::STEPS.evaluate(&state, &mut other)));
+        assert!((own[0] - other[0]).abs() < 1e-5, "{state:?} {own:?} {other:?}");
     }
 }
 
