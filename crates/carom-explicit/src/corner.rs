@@ -72,6 +72,11 @@ impl Workshop {
         corner
     }
 
+    /// Whether the build is to end.
+    pub(crate) fn is_over(&self) -> bool {
+        self.relaxer.is_over()
+    }
+
     /// Forgets corners that no cell has.
     pub(crate) fn sweep(&mut self) {
         self.corners.retain(|_, corner| corner.strong_count() > 0);
@@ -104,6 +109,9 @@ impl Workshop {
         let mut is_complete = true;
         let mut waiting = vec![IntegerTree::WHOLE];
         for _ in 0..MOST_BOXES {
+            if self.is_over() {
+                break;
+            }
             let Some(number) = waiting.pop() else {
                 return match best {
                     Some((_, number)) => CornerOptimum::Best(number),

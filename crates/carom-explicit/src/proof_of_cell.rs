@@ -94,7 +94,7 @@ impl Workshop {
         let mut proof = CellProof { steps: Vec::new(), loss: 0.0 };
         let mut waiting = vec![IntegerTree::WHOLE];
         while let Some(number) = waiting.pop() {
-            if proof.steps.len() >= MOST_CELL_STEPS {
+            if proof.steps.len() >= MOST_CELL_STEPS || self.is_over() {
                 return Err(NoProof { better: None });
             }
             let (relaxed, is_cheaper) = match self.close(corners, number, claim) {

@@ -50,6 +50,11 @@ impl CornerRelaxer {
         CornerRelaxer { methods, token }
     }
 
+    /// Whether the build is to end.
+    pub(crate) fn is_over(&self) -> bool {
+        self.token.is_over()
+    }
+
     /// Solves the relaxation of a box of columns at a corner.
     pub(crate) fn solve(
         &mut self,

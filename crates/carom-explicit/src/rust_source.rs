@@ -53,14 +53,14 @@ fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<Strin
     }
     text.truncate(text.len() - 4);
     text += &format!(
-        "#[rustfmt::skip]\npub const {name}: carom_embedded::LookupTable<{number_type}> = {{\n"
+        "#[rustfmt::skip]\n#[allow(clippy::all, dead_code)]\npub const {name}: carom_embedded::LookupTable<{number_type}> = {{\n"
     );
     text += "use carom_embedded::{LookupLeaf, LookupNode, LookupTable};\n";
     text += "const LEAF: u32 = LookupTable::<f32>::LEAF;\n";
-    text += "#[allow(dead_code)]\nconst fn n(i: u8, j: u8, first: u32, second: u32) -> LookupNode {\n    \
+    text += "const fn n(i: u8, j: u8, first: u32, second: u32) -> LookupNode {\n    \
              LookupNode { edge: [i, j], next: [first, second] }\n}\n";
     text += &format!(
-        "#[allow(dead_code)]\nconst fn p(law: u32, loss: {number_type}) -> LookupLeaf<{number_type}> {{\n    \
+        "const fn p(law: u32, loss: {number_type}) -> LookupLeaf<{number_type}> {{\n    \
          LookupLeaf::Plan {{ law, loss }}\n}}\nLookupTable {{\n"
     );
     let mut array = |field: &str, entries: String| {

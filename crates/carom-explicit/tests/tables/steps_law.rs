@@ -16,14 +16,13 @@
 ///
 /// an input is rounded by at most 3.0e-7.
 #[rustfmt::skip]
+#[allow(clippy::all, dead_code)]
 pub const STEPS: carom_embedded::LookupTable<f32> = {
 use carom_embedded::{LookupLeaf, LookupNode, LookupTable};
 const LEAF: u32 = LookupTable::<f32>::LEAF;
-#[allow(dead_code)]
 const fn n(i: u8, j: u8, first: u32, second: u32) -> LookupNode {
     LookupNode { edge: [i, j], next: [first, second] }
 }
-#[allow(dead_code)]
 const fn p(law: u32, loss: f32) -> LookupLeaf<f32> {
     LookupLeaf::Plan { law, loss }
 }
