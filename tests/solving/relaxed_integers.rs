@@ -7,7 +7,7 @@ use crate::common::enumeration::optimum;
 use crate::common::generate::{Shape, case};
 use crate::common::quadratic_program::Minimum;
 use carom::prelude::*;
-use carom::reformulate::relaxed;
+use carom::reformulate::{lower, relaxed};
 use proptest::prelude::*;
 
 /// Agreement of objectives, relative and absolute.
@@ -102,6 +102,12 @@ proptest! {
         let (mut solver, control) = (BranchAndBound::default(), &mut Control::default());
         let prepared = solver.prepare(&model).unwrap().solve(&[], control).unwrap();
         assert_alike(&prepared, &found, "prepared")?;
+        // So does the lowered one, which every other use of the model begins with.
+        let lowered = lower(&model).unwrap();
+        let is_whole = |v: &Variable| lowered.model().variable_ref(*v).unwrap().kind().is_integral();
+        prop_assert!(told.iter().all(|variable| !is_whole(variable)));
+        let own = lowered.solve(&model, &mut BranchAndBound::default()).unwrap();
+        assert_alike(&own, &found, "lowered")?;
     }
 
     /// Of a model of rows, by enumeration of the integers that are left.

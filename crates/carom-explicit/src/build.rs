@@ -170,7 +170,8 @@ pub(crate) fn partition(
 }
 
 impl Workshop {
-    /// What a cell becomes; `None` if it is to be cut, with integers to try in its halves.
+    /// Decides a cell: it becomes a leaf, or, if the first is `None`, is cut. Then the second has
+    /// integers to try in its halves.
     fn decide(
         &mut self,
         cell: &WaitingCell,

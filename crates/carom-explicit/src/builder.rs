@@ -1,4 +1,4 @@
-//! What is asked of a table, and its build.
+//! A table that is asked for: its program, its limits, and its build.
 
 use std::fmt;
 
@@ -111,10 +111,7 @@ impl<'a> ExplicitProgram<'a> {
             columns.push(own);
         }
         if columns.is_empty() {
-            let what = "the number of outputs of a table".to_owned();
-            let (lower, range) = (Some(1.0), "at least 1".to_owned());
-            let kind = ErrorKind::OutOfRange { what, value: 0.0, lower, upper: None, range };
-            return Err(kind.into());
+            return Err(Error::out_of_range("the number of outputs of a table", 0.0, 1.0..));
         }
         let goal =
             BuildGoal { absolute: 1e-3, relative: 1e-2, finest: 1.0 / 256.0, cells: 1_000_000 };
@@ -138,11 +135,9 @@ impl<'a> ExplicitProgram<'a> {
     pub fn with_loss(mut self, absolute: f64, relative: f64) -> Result<Self, Error> {
         let is_one = |value: f64| value.is_finite() && value >= 0.0;
         if !is_one(absolute) || !is_one(relative) || absolute + relative == 0.0 {
-            let what = "the loss of a table".to_owned();
             let value = if is_one(absolute) { relative } else { absolute };
-            let range = "finite, not negative, and not 0 both absolutely and relatively".to_owned();
-            let kind = ErrorKind::OutOfRange { what, value, lower: Some(0.0), upper: None, range };
-            return Err(kind.into());
+            let range = "finite, not negative, and not 0 both absolutely and relatively";
+            return Err(Error::out_of_range_in_words("the loss of a table", value, 0.0.., range));
         }
         (self.goal.absolute, self.goal.relative) = (absolute, relative);
         Ok(self)
@@ -157,9 +152,7 @@ impl<'a> ExplicitProgram<'a> {
     /// [`ErrorKind::OutOfRange`] for numbers that are not between 1e-6 and 1.
     pub fn with_finest(mut self, share: f64) -> Result<Self, Error> {
         if !(1e-6..=1.0).contains(&share) {
-            let what = "the finest edge of a table".to_owned();
-            let (lower, upper, range) = (Some(1e-6), Some(1.0), "from 1e-6 to 1".to_owned());
-            return Err(ErrorKind::OutOfRange { what, value: share, lower, upper, range }.into());
+            return Err(Error::out_of_range("the finest edge of a table", share, 1e-6..=1.0));
         }
         self.goal.finest = share;
         Ok(self)
@@ -219,7 +212,7 @@ impl<'a> ExplicitProgram<'a> {
     }
 }
 
-/// What the sources of a table say of it.
+/// Lines that the sources of a table say of it.
 fn remarks(
     form: &ParametricForm,
     report: &TableReport,
@@ -249,7 +242,7 @@ fn remarks(
     remarks
 }
 
-/// What is proved of a partition; laws, relaxations and time are left out.
+/// The proved shares of a partition; laws, relaxations and time are left out.
 fn report(partition: &Partition) -> TableReport {
     let mut report = TableReport {
         cells: 0,

@@ -36,8 +36,8 @@ pub(crate) struct ParametricForm {
     pub(crate) quadratic: Vec<Vec<(usize, f64)>>,
     pub(crate) linear: Vec<f64>,
     pub(crate) offset: f64,
-    /// What the diagonal of `P` may lack of being semidefinite by rounding, and what that is over
-    /// the bounds of the columns.
+    /// By how much the diagonal of `P` may be too small to be semidefinite, because of rounding, and
+    /// what that adds to the cost over the bounds of the columns.
     pub(crate) lack: Vec<f64>,
     pub(crate) lacked: f64,
     /// 1 if the model minimises, -1 if it maximises.
@@ -58,11 +58,8 @@ impl ParametricForm {
             return Err(refused(what, "state norms as rows, such as the sides of a polygon"));
         }
         if axes.is_empty() || axes.len() > MOST_AXES {
-            let (value, upper) = (axes.len() as f64, Some(MOST_AXES as f64));
-            let range = format!("from 1 to {MOST_AXES}");
-            let what = "the number of axes of a table".to_owned();
-            let kind = ErrorKind::OutOfRange { what, value, lower: Some(1.0), upper, range };
-            return Err(kind.into());
+            let (what, value) = ("the number of axes of a table", axes.len() as f64);
+            return Err(Error::out_of_range(what, value, 1.0..=MOST_AXES as f64));
         }
         let n = model.variable_count();
         let sign = model.sense().sign();

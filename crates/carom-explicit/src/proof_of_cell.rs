@@ -34,7 +34,7 @@ pub(crate) struct NoProof {
     pub(crate) better: Option<usize>,
 }
 
-/// What is to be proved of a cell.
+/// A claim about a cell that is to be proved.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum CellClaim<'a> {
     /// A plan of this cost loses at most so much. It has the integers of the last number.

@@ -1,4 +1,4 @@
-//! What sources in Rust and C have in common: lists of numbers, names, remarks.
+//! The common parts of sources in Rust and C: lists of numbers, names, remarks.
 
 use std::fmt::{Debug, Write};
 
@@ -14,7 +14,7 @@ const SOURCE_LINE: usize = 96;
 pub(crate) trait SourceNumber: LookupNumber + Debug {
     /// The names of the type in Rust and in C.
     const TYPES: [&'static str; 2];
-    /// What ends a number in C.
+    /// The end of a number in C.
     const SUFFIX: &'static str;
     fn is_infinite(self) -> bool;
 }
@@ -65,7 +65,7 @@ pub(crate) fn check_name(name: &str) -> Result<(), Error> {
     .into())
 }
 
-/// What a source says of its table, line by line.
+/// Lines that a source says of its table.
 pub(crate) fn said<T>(arrays: &LookupArrays<T>, bytes: usize) -> Vec<String> {
     let mut lines = arrays.remarks.clone();
     let (states, depth) = (arrays.lower.len(), arrays.depth);

@@ -42,7 +42,7 @@ pub struct TableReport {
 pub struct TableCell {
     /// Its corners, one more than axes, an entry an axis, in their units.
     pub corners: Vec<Vec<f64>>,
-    /// What a look-up answers inside.
+    /// The answer of a look-up inside.
     pub answer: LookupAnswer<f64>,
     /// The integers of the plan, in the order of the lowered model's variables; empty without a
     /// plan.

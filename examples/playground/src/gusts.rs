@@ -30,10 +30,12 @@ pub fn plan(
 
 /// The plan, with flights through random gusts.
 fn fly(task: &SceneTask, plan: &RobustPlan) -> Result<Motion, Error> {
-    let (mut dice, mut arrived, mut flights) = (Dice(0x9e37_79b9_7f4a_7c15), 0, Vec::new());
+    // The same flights for everybody.
+    let (mut dice, mut arrived, mut flights) = (Disturbance::new([0.0..=1.0], 1), 0, Vec::new());
     let check = |arrived| PlanCheck::EveryGust { flights: FLIGHTS, arrived };
     for _ in 0..FLIGHTS {
-        let flight = plan.simulate(&mut |range| range.lower + dice.roll() * range.width())?;
+        let mut share = || dice.next_value().first().copied().unwrap_or(0.5);
+        let flight = plan.simulate(&mut |range| range.lower + share() * range.width())?;
         arrived += usize::from(flight.kept && is_at_goal(task, &flight.run.states));
         let motion = Motion::of_run(task, &flight.run, check(0))?;
         let mut corners = Vec::new();
@@ -60,16 +62,4 @@ fn is_at_goal(task: &SceneTask, states: &[(String, Vec<f64>)]) -> bool {
     goals.zip(states).all(|(goal, (_, values))| {
         values.last().is_some_and(|end| goal.lower - MISS <= *end && *end <= goal.upper + MISS)
     })
-}
-
-/// Numbers from 0 to 1, by xorshift (Marsaglia, Xorshift RNGs, 2003): the same flights for everybody.
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }

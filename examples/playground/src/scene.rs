@@ -124,7 +124,7 @@ fn contradiction(task: &SceneTask, scene: &Scene, steps: usize) -> Option<String
     })
 }
 
-/// What has to go for a plan of so many steps.
+/// Says without which part there is a plan of so many steps.
 fn in_the_way(
     task: &SceneTask,
     stated: fn(&SceneTask) -> Result<Scene, Error>,

@@ -15,7 +15,7 @@ fn code(answer: &str) -> String {
 
 fn check(name: &str, code: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name);
-    let text = format!("//! What the page shows as the program of a task.\n\n{code}");
+    let text = format!("//! The program that the page shows for a task.\n\n{code}");
     if std::env::var_os("UPDATE").is_some() {
         std::fs::write(&path, &text).unwrap();
     }

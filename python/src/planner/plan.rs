@@ -1,7 +1,7 @@
 //! Plans, and what a search for the shortest one has found.
 
 use carom::hybrid::reach::{ReachSets, Tube};
-use carom::hybrid::{HybridPlan, HybridRun, RobustPlan, ShortestHorizon};
+use carom::hybrid::{Disturbance, HybridPlan, HybridRun, RobustPlan, ShortestHorizon};
 use carom::interval::Interval;
 use carom::picture::Chart;
 use carom::solution::Solution;
@@ -110,15 +110,10 @@ impl Plan {
         seed: u64,
     ) -> PyResult<Option<(Vec<(String, Bound<'py, PyByteArray>)>, bool)>> {
         let Some(robust) = &self.robust else { return Ok(None) };
-        // SplitMix64 (Steele, Lea and Flood, Fast splittable pseudorandom number generators, 2014).
-        let mut state = seed;
+        let mut dice = Disturbance::new([0.0..=1.0], seed);
         let mut draw = |range: Interval| {
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = state;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            let part = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-            range.lower + part * (range.upper - range.lower)
+            let share = dice.next_value().first().copied().unwrap_or(0.5);
+            range.lower + share * (range.upper - range.lower)
         };
         let flown = done(robust.simulate(&mut draw))?;
         let states = flown.run.states.iter();

@@ -1,4 +1,4 @@
-//! What a table refuses, and what it leaves open.
+//! Refusals of tables, and limits that leave some states open.
 
 use std::time::Duration;
 

@@ -90,7 +90,12 @@ fn single_numbers_differ_by_their_rounding() {
 }
 
 /// Compiles a table in C, and compares it with the look-up.
-fn compare_c(texts: [String; 2], is_double: bool, states: &[Vec<f64>], table: &ExplicitTable) {
+fn assert_c_agrees(
+    texts: [String; 2],
+    is_double: bool,
+    states: &[Vec<f64>],
+    table: &ExplicitTable,
+) {
     let folder = tempfile::tempdir().unwrap();
     let [header, source] = texts;
     let number = if is_double { "double" } else { "float" };
@@ -175,8 +180,8 @@ fn c_agrees_bit_for_bit() {
     for table in tables() {
         let axes = table.double().state_rounding().len();
         let states = states(axes, 2000);
-        compare_c(table.double().c_source("law").unwrap(), true, &states, &table);
-        compare_c(table.single().c_source("law").unwrap(), false, &states, &table);
+        assert_c_agrees(table.double().c_source("law").unwrap(), true, &states, &table);
+        assert_c_agrees(table.single().c_source("law").unwrap(), false, &states, &table);
     }
 }
 

@@ -247,14 +247,12 @@ impl Model {
         self.variables().filter(|variable| variable.data.relaxed).map(|variable| variable.id())
     }
 
-    /// The model with continuous variables in the place of relaxed integers. Only rows may speak of
-    /// them.
+    /// Puts continuous variables in the place of relaxed integers. Only rows may speak of them.
     #[doc(hidden)]
-    pub fn with_relaxed_as_continuous(mut self) -> Model {
+    pub fn make_relaxed_continuous(&mut self) {
         let relaxed = self.stored.variables.iter_mut().filter(|data| data.relaxed);
         relaxed.for_each(|data| data.kind = VariableKind::Continuous);
         self.touch();
-        self
     }
 
     /// The model with every variable continuous. If it has only rows, this is its relaxation.

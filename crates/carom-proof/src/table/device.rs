@@ -1,4 +1,4 @@
-//! What a device rounds.
+//! Roundings of a device.
 
 use super::evidence::product;
 use super::statement::Statement;

@@ -17,7 +17,7 @@ use crate::text::{Failure, Lines, Refusal, unreadable};
 use std::fmt;
 use std::io::BufRead;
 
-/// What a table proves. Shares are parts of the box, from 0 to 1.
+/// The proved parts of a table. Shares are parts of the box, from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProvedTable {
     /// The number of cells that are not cut.

@@ -34,13 +34,13 @@ pub(super) struct Statement {
     pub(super) offset: f64,
     /// The loss that is asked for: absolute, and relative to the least cost.
     pub(super) loss: [f64; 2],
-    /// What rows and bounds may be missed by.
+    /// By how much rows and bounds may be missed.
     pub(super) tolerance: f64,
     /// The inputs of a look-up: constants and terms of columns that are no axes.
     pub(super) inputs: Vec<(f64, Vec<(u32, f64)>)>,
     /// Those with 64 bits and with 32.
     pub(super) devices: Vec<Device>,
-    /// What the cost may lack of being convex, over the bounds of the columns.
+    /// By how much the cost may miss being convex, over the bounds of the columns.
     pub(super) lack: Dyadic,
 }
 

@@ -42,12 +42,12 @@ pub fn relaxed(model: &Model) -> Result<Model, Error> {
     Ok(lower(model)?.model.with_continuous_variables())
 }
 
-/// The model as rows in which [relaxed integers](Model::relax_integer) are continuous; `None` if
-/// there are none.
+/// The model as rows, by which points are verified if it has [relaxed
+/// integers](Model::relax_integer); `None` if it has none.
 pub(crate) fn with_some_integers(model: &Model) -> Result<Option<Model>, Error> {
     let is_integral = |variable| model.variable_ref(variable).is_ok_and(|v| v.kind().is_integral());
     match model.relaxed_integers().any(is_integral) {
-        true => Ok(Some(lower(model)?.model.with_relaxed_as_continuous())),
+        true => Ok(Some(lower(model)?.model)),
         false => Ok(None),
     }
 }
