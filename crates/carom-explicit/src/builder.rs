@@ -2,10 +2,12 @@
 
 use std::fmt;
 
+use carom_model::Error;
+#[cfg(doc)]
+use carom_model::ErrorKind;
 use carom_model::internals::solver::StopToken;
 use carom_model::model::{Affine, Model, Variable};
 use carom_model::solver::Interrupt;
-use carom_model::{Error, ErrorKind};
 use carom_solver::reformulate;
 use web_time::{Duration, Instant};
 
