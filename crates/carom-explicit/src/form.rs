@@ -36,8 +36,8 @@ pub(crate) struct ParametricForm {
     pub(crate) quadratic: Vec<Vec<(usize, f64)>>,
     pub(crate) linear: Vec<f64>,
     pub(crate) offset: f64,
-    /// By how much the diagonal of `P` may be too small to be semidefinite, because of rounding, and
-    /// what that adds to the cost over the bounds of the columns.
+    /// By how much the diagonal of `P` may be too small to be semidefinite, because of rounding,
+    /// and what that adds to the cost over the bounds of the columns.
     pub(crate) lack: Vec<f64>,
     pub(crate) lacked: f64,
     /// 1 if the model minimises, -1 if it maximises.
