@@ -5,6 +5,10 @@ pub mod activity {
     pub use crate::activity::*;
 }
 
+pub mod elementary {
+    pub use crate::elementary::{Elementary, Line};
+}
+
 pub mod error {
     pub use crate::error::checks::{check_finite, check_length};
     pub use crate::error::range::FINITE_POSITIVE;

@@ -1,6 +1,6 @@
 //! Closed intervals with outward rounding: the arithmetic behind every big-M and every bound.
 
-use std::ops::{Add, Mul, Neg, RangeInclusive};
+use std::ops::{Add, Div, Mul, Neg, RangeInclusive};
 
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::rounding::{add_down, add_up, down, is_exact_product, up};
@@ -158,6 +158,43 @@ impl Mul<f64> for Interval {
             lower: if is_exact_product(low, factor, a) { a } else { down(a) },
             upper: if is_exact_product(high, factor, b) { b } else { up(b) },
         }
+    }
+}
+
+impl Mul for Interval {
+    type Output = Interval;
+
+    fn mul(self, other: Interval) -> Interval {
+        if self == Interval::point(0.0) || other == Interval::point(0.0) {
+            return Interval::point(0.0);
+        }
+        let ends = [self.lower, self.upper].map(|a| [other.lower, other.upper].map(|b| (a, b)));
+        let mut hull = Interval { lower: f64::INFINITY, upper: f64::NEG_INFINITY };
+        for (a, b) in ends.into_iter().flatten() {
+            // An infinite end times 0 is 0, because no member is infinite.
+            let product = if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
+            let exact = is_exact_product(a, b, product) || product == 0.0 && (a == 0.0 || b == 0.0);
+            let (low, high) = if exact { (product, product) } else { (down(product), up(product)) };
+            hull = hull.hull(Interval { lower: low, upper: high });
+        }
+        hull
+    }
+}
+
+impl Div for Interval {
+    type Output = Interval;
+
+    /// The whole line if the divisor contains 0 inside.
+    fn div(self, other: Interval) -> Interval {
+        if other.lower < 0.0 && other.upper > 0.0 || other == Interval::point(0.0) {
+            return Interval::REALS;
+        }
+        // Without a sign, the quotient by the end at 0 is infinite on the side of the others.
+        let (zero_low, zero_high) = (other.lower == 0.0, other.upper == 0.0);
+        let inverse = |v: f64| if v.is_infinite() { 0.0 } else { 1.0 / v };
+        let lower = if zero_high { f64::NEG_INFINITY } else { down(inverse(other.upper)) };
+        let upper = if zero_low { f64::INFINITY } else { up(inverse(other.lower)) };
+        self * Interval { lower, upper }
     }
 }
 

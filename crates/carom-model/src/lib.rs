@@ -5,6 +5,7 @@
 //! the guide.
 
 mod activity;
+mod elementary;
 pub mod error;
 #[doc(hidden)]
 pub mod internals;

@@ -13,6 +13,7 @@ mod lossy;
 mod lower;
 mod mip_start;
 mod multipliers;
+mod nonlinear;
 mod phases;
 mod prepared;
 mod presolve;
@@ -38,6 +39,7 @@ use crate::solution::Solution;
 use crate::solver::{Control, Options, Prepared, Solver, StopToken};
 use answer::answer;
 use mip_start::GivenStart;
+use nonlinear::{is_nonlinear, solve_nonlinear};
 use prepared::PreparedProgram;
 use proof::check_path;
 use refusals::Refusals;
@@ -98,6 +100,9 @@ impl Solver for BranchAndBound {
         let options = &self.options;
         options.check()?;
         check_path(options)?;
+        if is_nonlinear(model) {
+            return solve_nonlinear(model, options, control);
+        }
         if let Some(rows) = reformulate::with_some_integers(model)? {
             return self.solve_with(&rows, control);
         }

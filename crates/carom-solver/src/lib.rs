@@ -15,6 +15,7 @@ mod proof;
 pub mod reformulate;
 mod relaxation;
 mod search;
+mod spatial;
 
 pub use branch_and_bound::BranchAndBound;
 pub use carom_model;
@@ -22,6 +23,6 @@ pub use carom_model;
 #[cfg(feature = "serde")]
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    activity, error, interval, model, mutations, number, semidefinite, setters, solution, solver,
+    activity, elementary, error, interval, model, mutations, number, semidefinite, setters, solution, solver,
     sum, tolerance, union_find,
 };

@@ -91,6 +91,14 @@ impl Affine {
         }
     }
 
+    /// Divides by a number, which rounds less than multiplying by its inverse.
+    pub(crate) fn divide(&mut self, divisor: f64) {
+        self.constant /= divisor;
+        for (_, a) in &mut self.terms {
+            *a /= divisor;
+        }
+    }
+
     #[doc(hidden)]
     pub fn append(&mut self, other: &Affine, factor: f64) {
         self.constant += factor * other.constant;

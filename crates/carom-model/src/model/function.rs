@@ -3,6 +3,7 @@
 use super::affine::Affine;
 use super::ids::Variable;
 use super::piecewise::PiecewiseAffine;
+use crate::elementary::Elementary;
 
 /// The function that a variable equals, made by [`Model::product`](super::Model::product),
 /// [`absolute`](super::Model::absolute) and similar methods.
@@ -29,6 +30,17 @@ pub enum Function {
         /// The function.
         graph: PiecewiseAffine,
     },
+    /// An elementary function of an expression, which must lie in its domain.
+    Elementary {
+        /// The function.
+        function: Elementary,
+        /// The expression.
+        of: Affine,
+    },
+    /// The product of two expressions.
+    Bilinear([Affine; 2]),
+    /// An expression divided by another one, which must be other than 0.
+    Quotient([Affine; 2]),
 }
 
 impl Function {
@@ -45,6 +57,9 @@ impl Function {
                 of.iter().map(|e| e.evaluate(&value)).fold(f64::INFINITY, f64::min)
             }
             Function::Piecewise { of, graph } => graph.value_near(of.evaluate(&value)),
+            Function::Elementary { function, of } => function.value(of.evaluate(&value)),
+            Function::Bilinear([left, right]) => left.evaluate(&value) * right.evaluate(&value),
+            Function::Quotient([left, right]) => left.evaluate(&value) / right.evaluate(&value),
         }
     }
 
@@ -53,8 +68,10 @@ impl Function {
         match self {
             Function::Product { of, .. }
             | Function::Absolute(of)
-            | Function::Piecewise { of, .. } => std::slice::from_ref(of),
+            | Function::Piecewise { of, .. }
+            | Function::Elementary { of, .. } => std::slice::from_ref(of),
             Function::Maximum(of) | Function::Minimum(of) => of,
+            Function::Bilinear(of) | Function::Quotient(of) => of,
         }
     }
 
@@ -66,8 +83,18 @@ impl Function {
         }
     }
 
+    /// Whether it is neither affine nor piecewise affine, so that rows only enclose it.
+    #[doc(hidden)]
+    pub fn is_smooth(&self) -> bool {
+        matches!(
+            self,
+            Function::Elementary { .. } | Function::Bilinear(_) | Function::Quotient(_)
+        )
+    }
+
     /// The function with its variables named.
-    pub(crate) fn text(&self, name: &dyn Fn(Variable) -> String) -> String {
+    #[doc(hidden)]
+    pub fn text(&self, name: &dyn Fn(Variable) -> String) -> String {
         let list = |of: &[Affine]| of.iter().map(|e| e.text(name)).collect::<Vec<_>>().join(", ");
         match self {
             Function::Product { factor, of } => format!("{} * ({})", name(*factor), of.text(name)),
@@ -78,6 +105,13 @@ impl Function {
                 let points = graph.points().iter().map(|(x, y)| format!("({x}, {y})"));
                 let points = points.collect::<Vec<_>>().join(" ");
                 format!("f({}) through {points}", of.text(name))
+            }
+            Function::Elementary { function, of } => function.text(&of.text(name)),
+            Function::Bilinear([left, right]) => {
+                format!("({}) * ({})", left.text(name), right.text(name))
+            }
+            Function::Quotient([left, right]) => {
+                format!("({}) / ({})", left.text(name), right.text(name))
             }
         }
     }

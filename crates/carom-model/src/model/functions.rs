@@ -16,6 +16,7 @@ use super::refs::FunctionRef;
 use super::store::FunctionData;
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
+use crate::interval::Interval;
 
 impl Model {
     /// Adds a variable that equals `factor * of` for a binary or integer `factor`.
@@ -177,13 +178,14 @@ impl Model {
         data.map(|data| FunctionRef { variable: &self.stored.variables[data.result.index()], data })
     }
 
-    fn define(&mut self, name: Name, function: Function) -> Result<Variable, Error> {
+    pub(super) fn define(&mut self, name: Name, function: Function) -> Result<Variable, Error> {
         self.check_function(&name, &function)?;
-        let lower = match function {
-            Function::Absolute(_) => 0.0,
-            _ => f64::NEG_INFINITY,
+        let range = match &function {
+            Function::Absolute(_) => Interval::new(0.0, f64::INFINITY),
+            Function::Elementary { function, .. } => function.range(Interval::REALS),
+            _ => Interval::REALS,
         };
-        let result = self.variable(name, VariableKind::Continuous, lower, f64::INFINITY)?;
+        let result = self.variable(name, VariableKind::Continuous, range.lower, range.upper)?;
         self.stored.functions.push(FunctionData { result, function });
         self.touch();
         Ok(result)

@@ -21,6 +21,7 @@ pub mod mps;
 pub(crate) mod name;
 pub(crate) mod name_table;
 pub mod nl;
+mod nonlinear;
 mod objective;
 mod operators;
 mod parameter;
@@ -60,7 +61,9 @@ pub use ids::{
 pub use indicator::{Consequent, Implication, Implications, Reification, Reified};
 pub use literal::Literal;
 pub use logic::{Logic, at_least, at_most, exactly};
+pub use crate::elementary::{Elementary, OwnFunction, SmoothFunction};
 pub use name::Name;
+pub use nonlinear::{Nonlinear, NonlinearRow};
 #[doc(alias("piecewise linear", "PWL"))]
 pub use piecewise::PiecewiseAffine;
 pub use quadratic::Quadratic;

@@ -5,6 +5,7 @@ use super::conic::NormSum;
 use super::convexity::Convexity;
 use super::ids::Variable;
 use super::name::Name;
+use super::nonlinear::Nonlinear;
 use super::quadratic::Quadratic;
 use super::sense::Sense;
 use super::store::Model;
@@ -58,10 +59,24 @@ impl Model {
             let family = name.family();
             self.variable_names.has_family(family) || self.statement_names.has_family(family)
         });
-        let expression = expression.into();
+        let mut expression = expression.into();
+        let nonlinear = expression.take_nonlinear();
         self.all_or_nothing(|model| {
             let expression = expression.with_variables(model, sense, &name)?;
-            model.set_quadratic_objective(sense, expression)
+            if nonlinear.is_zero() {
+                return model.set_quadratic_objective(sense, expression);
+            }
+            let place = Name::from("objective");
+            let mut sum = nonlinear.define_parts(model, &place)?;
+            sum.append(&expression, 1.0);
+            let sum = sum.compacted();
+            match model.convexity(sense, &sum.products()) {
+                Ok(_) => model.set_quadratic_objective(sense, sum),
+                Err(_) => {
+                    let affine = Nonlinear::from(sum).define(model, &place)?;
+                    model.set_quadratic_objective(sense, affine.into())
+                }
+            }
         })
     }
 

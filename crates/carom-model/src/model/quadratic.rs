@@ -92,6 +92,13 @@ impl Quadratic {
         }
     }
 
+    pub(crate) fn divide(&mut self, divisor: f64) {
+        self.affine.divide(divisor);
+        for (_, _, q) in &mut self.products {
+            *q /= divisor;
+        }
+    }
+
     #[doc(hidden)]
     pub fn append(&mut self, other: &Quadratic, factor: f64) {
         self.products.extend(other.products.iter().map(|&(a, b, q)| (a, b, factor * q)));

@@ -36,6 +36,8 @@ pub struct Model {
     pub(super) is_convex_within_bounds: bool,
     /// The words with which new names begin, empty for most models.
     pub(super) scope: String,
+    /// The variables of parts of nonlinear expressions, by the text of their function.
+    pub(super) parts: BTreeMap<String, Variable>,
     /// The names of the handles of each system that it describes, by their tag.
     pub(super) systems: Vec<(ModelTag, Arc<[String]>)>,
 }
@@ -217,6 +219,7 @@ impl Model {
             revision: fresh_revision(),
             is_convex_within_bounds: false,
             scope: String::new(),
+            parts: BTreeMap::new(),
             systems: Vec::new(),
         }
     }
@@ -415,6 +418,7 @@ impl Model {
             revision: fresh_revision(),
             is_convex_within_bounds: self.is_convex_within_bounds,
             scope: String::new(),
+            parts: BTreeMap::new(),
             systems: Vec::new(),
         }
     }
@@ -433,7 +437,8 @@ impl Model {
         let functions = stored.functions.len();
         let result = add(self);
         if result.is_err() {
-            let Model { stored, variable_names, statement_names, .. } = self;
+            let Model { stored, variable_names, statement_names, parts, .. } = self;
+            parts.retain(|_, part| part.index() < variables);
             stored.functions.truncate(functions);
             for data in stored.variables.drain(variables..) {
                 variable_names.remove(&data.name);

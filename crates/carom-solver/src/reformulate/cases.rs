@@ -276,7 +276,10 @@ fn of_function(model: &Model, function: &FunctionRef<'_>, domain: &Domain) -> Op
                 return None;
             }
         }
-        Function::Piecewise { .. } => return None,
+        Function::Piecewise { .. }
+        | Function::Elementary { .. }
+        | Function::Bilinear(_)
+        | Function::Quotient(_) => return None,
     };
     Some(Alternatives { cases, only })
 }

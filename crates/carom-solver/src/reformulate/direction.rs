@@ -15,7 +15,7 @@ use crate::model::{Affine, Function, FunctionRef, Model, StoredConic, Variable};
 
 /// The relation between a function and its variable in the lowered model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Tie {
+pub(crate) enum Tie {
     /// `w = f`.
     Exact,
     /// `w >= f`; the point is restored by lowering `w`.
@@ -92,7 +92,7 @@ impl Harm {
 }
 
 /// The tie of each function, in the order of the model.
-pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
+pub(crate) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
     if model.function_count() == 0 {
         return Ok(Vec::new());
     }
@@ -103,7 +103,7 @@ pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
     let mut ties = vec![Tie::Exact; functions.len()];
     for (k, function) in functions.iter().enumerate().rev() {
         ties[k] = tie(model, function, &harm)?;
-        mark(function.function(), ties[k], &mut harm);
+        mark(model, function.function(), ties[k], &mut harm)?;
     }
     Ok(ties)
 }
@@ -118,6 +118,8 @@ fn tie(model: &Model, function: &FunctionRef<'_>, harm: &Harm) -> Result<Tie, Er
             (graph.bends(1.0), graph.bends(-1.0))
         }
         Function::Product { .. } => (false, false),
+        // Their rows are those of the search, which follows curvature by itself.
+        Function::Elementary { .. } | Function::Bilinear(_) | Function::Quotient(_) => (true, true),
     };
     let bounds = model.variable_ref(result)?.bounds();
     let range = range(model, function.function())?;
@@ -132,17 +134,23 @@ fn tie(model: &Model, function: &FunctionRef<'_>, harm: &Harm) -> Result<Tie, Er
 }
 
 /// Records what a function requires of its arguments.
-fn mark(function: &Function, tie: Tie, harm: &mut Harm) {
-    let monotone = matches!(function, Function::Maximum(_) | Function::Minimum(_));
+fn mark(model: &Model, function: &Function, tie: Tie, harm: &mut Harm) -> Result<(), Error> {
+    // 1 if the function rises with its arguments, -1 if it falls.
+    let slope = match function {
+        Function::Maximum(_) | Function::Minimum(_) => 1.0,
+        Function::Elementary { function, of } => function.direction(model.range(of)?),
+        _ => 0.0,
+    };
     function.factor().into_iter().for_each(|factor| harm.any(factor));
     for (variable, coefficient) in function.expressions().iter().flat_map(Affine::terms) {
         match tie {
             // `w >= e` and `w <= e` for each argument.
-            Tie::Above if monotone => harm.rise(variable, coefficient),
-            Tie::Below if monotone => harm.rise(variable, -coefficient),
+            Tie::Above if slope != 0.0 => harm.rise(variable, slope * coefficient),
+            Tie::Below if slope != 0.0 => harm.rise(variable, -slope * coefficient),
             _ => harm.any(variable),
         }
     }
+    Ok(())
 }
 
 /// The values of a function over the current bounds, rounded outward.
@@ -177,6 +185,9 @@ pub(super) fn range(model: &Model, function: &Function) -> Result<Interval, Erro
                 Interval::REALS
             }
         }
+        Function::Elementary { function, of } => function.range(model.range(of)?),
+        Function::Bilinear([left, right]) => model.range(left)? * model.range(right)?,
+        Function::Quotient([left, right]) => model.range(left)? / model.range(right)?,
     })
 }
 

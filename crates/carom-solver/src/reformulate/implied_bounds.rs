@@ -211,7 +211,10 @@ fn add_rows(rows: &mut Model, function: &FunctionRef<'_>) -> Result<(), Error> {
         Function::Minimum(of) => {
             of.iter().try_for_each(|e| add_row(rows, function, (result - e, none, 0.0)))
         }
-        Function::Product { .. } => Ok(()),
+        Function::Product { .. }
+        | Function::Elementary { .. }
+        | Function::Bilinear(_)
+        | Function::Quotient(_) => Ok(()),
         Function::Piecewise { of, graph } => {
             let (domain, values) = (graph.domain(), graph.values_within(none, any));
             add_row(rows, function, (of.clone(), domain.lower, domain.upper))?;

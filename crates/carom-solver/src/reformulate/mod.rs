@@ -57,7 +57,7 @@ use crate::interval::Interval;
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{LeafBox, Outcome, Solution};
 use crate::solver::{Solver, StopToken, uninterrupted};
-use direction::Tie;
+pub(crate) use direction::{Tie, ties};
 use implied_bounds::ImpliedBounds;
 use linear_program::Maximizer;
 use lowering::Lowering;
@@ -205,6 +205,31 @@ fn lower_by(model: &Model, method: Option<Method>) -> Result<Lowered, Error> {
 ///
 /// As for [`lower`], from the statements before the one at which it stopped.
 pub(crate) fn lower_until(
+    model: &Model,
+    method: Option<Method>,
+    token: &StopToken,
+) -> Result<Option<Lowered>, Error> {
+    match model.functions().find(|function| function.function().is_smooth()) {
+        None => lower_rows(model, method, token),
+        Some(function) => Err(ErrorKind::Unsupported {
+            solver: "a model of rows".to_owned(),
+            what: format!("the function `{}`, which rows only enclose", function.name()),
+            help: "solve the model itself with `BranchAndBound`".to_owned(),
+        }
+        .into()),
+    }
+}
+
+/// Lowers a model but for its smooth functions, whose variables get the bounds of their values and
+/// no rows.
+pub(crate) fn lower_around_functions(
+    model: &Model,
+    token: &StopToken,
+) -> Result<Option<Lowered>, Error> {
+    lower_rows(model, None, token)
+}
+
+fn lower_rows(
     model: &Model,
     method: Option<Method>,
     token: &StopToken,

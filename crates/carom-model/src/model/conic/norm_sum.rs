@@ -10,6 +10,7 @@ use crate::model::checks::finite;
 use crate::model::ids::{Constraint, Variable};
 use crate::model::literal::Literal;
 use crate::model::name::Name;
+use crate::model::nonlinear::Nonlinear;
 use crate::model::operators::assigning;
 use crate::model::quadratic::Quadratic;
 use crate::model::sense::Sense;
@@ -17,7 +18,8 @@ use crate::model::statement::{SealedStatement, Statement};
 use crate::model::store::Model;
 use crate::{scaling, sums};
 
-/// A quadratic expression plus multiples of norms, such as `norm([ux, uy]) + 0.5 * t`.
+/// A quadratic or nonlinear expression plus multiples of norms, such as
+/// `norm([ux, uy]) + 0.5 * t`.
 ///
 /// An objective may be one, and a row may say that one is at most something. Each norm becomes a
 /// variable that is [at least the norm](Model::norm), so norms are added where a sum is pressed
@@ -40,6 +42,7 @@ use crate::{scaling, sums};
 pub struct NormSum {
     norms: Vec<(f64, Norm)>,
     rest: Quadratic,
+    nonlinear: Nonlinear,
 }
 
 /// The statement that a sum of norms is at most something, made by [`NormSum::le`].
@@ -65,11 +68,13 @@ impl NormSum {
     fn append(&mut self, other: &NormSum, factor: f64) {
         self.norms.extend(other.norms.iter().map(|(weight, norm)| (factor * weight, norm.clone())));
         self.rest.append(&other.rest, factor);
+        self.nonlinear.append(&other.nonlinear, factor);
     }
 
     fn scale(&mut self, factor: f64) {
         self.norms.iter_mut().for_each(|(weight, _)| *weight *= factor);
         self.rest.scale(factor);
+        self.nonlinear.scale(factor);
     }
 
     /// The sum with other expressions in its norms and beside them.
@@ -82,10 +87,17 @@ impl NormSum {
         let norms =
             self.norms.iter().map(|(weight, norm)| Ok((*weight, norm.try_map(&mut entry)?)));
         let norms = norms.collect::<Result<_, Error>>()?;
-        Ok(NormSum { norms, rest: rest(&self.rest)? })
+        let nonlinear = self.nonlinear.try_map(&mut entry)?;
+        Ok(NormSum { norms, rest: rest(&self.rest)?, nonlinear })
     }
 
-    /// The expression with a variable `name[k]` in the place of each norm.
+    /// Takes the nonlinear part out.
+    pub(in crate::model) fn take_nonlinear(&mut self) -> Nonlinear {
+        std::mem::take(&mut self.nonlinear)
+    }
+
+    /// The expression with a variable `name[k]` in the place of each norm, without its nonlinear
+    /// part.
     ///
     /// # Errors
     ///
@@ -97,7 +109,7 @@ impl NormSum {
         sense: Sense,
         name: &Name,
     ) -> Result<Quadratic, Error> {
-        let NormSum { norms, mut rest } = self;
+        let NormSum { norms, mut rest, .. } = self;
         for (k, (weight, norm)) in norms.into_iter().enumerate() {
             finite(weight, "the factor of a norm", name)?;
             if sense.sign() * weight < 0.0 {
@@ -124,7 +136,10 @@ impl Statement for NormSumRow {
     fn add_to(self, model: &mut Model, name: Name) -> Result<Constraint, Error> {
         model.all_or_nothing(|model| {
             let norms = name.suffixed("_norm");
-            let sum = self.sum.with_variables(model, Sense::Minimize, &norms)?;
+            let mut sum = self.sum;
+            let nonlinear = sum.take_nonlinear().define(model, &name)?;
+            let mut sum = sum.with_variables(model, Sense::Minimize, &norms)?;
+            sum.append(&nonlinear.into(), 1.0);
             if !sum.products().is_empty() {
                 let (row, comparison) = (name.to_string(), "has squares or products beside norms");
                 let help = "state what they are at most as a row of its own, with a variable";
@@ -137,13 +152,25 @@ impl Statement for NormSumRow {
 
 impl<T: Into<Quadratic>> From<T> for NormSum {
     fn from(rest: T) -> Self {
-        NormSum { norms: Vec::new(), rest: rest.into() }
+        NormSum { rest: rest.into(), ..NormSum::default() }
+    }
+}
+
+impl From<Nonlinear> for NormSum {
+    fn from(nonlinear: Nonlinear) -> Self {
+        NormSum { nonlinear, ..NormSum::default() }
+    }
+}
+
+impl From<&Nonlinear> for NormSum {
+    fn from(nonlinear: &Nonlinear) -> Self {
+        NormSum::from(nonlinear.clone())
     }
 }
 
 impl From<Norm> for NormSum {
     fn from(norm: Norm) -> Self {
-        NormSum { norms: vec![(1.0, norm)], rest: Quadratic::zero() }
+        NormSum { norms: vec![(1.0, norm)], ..NormSum::default() }
     }
 }
 

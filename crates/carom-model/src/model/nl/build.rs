@@ -3,12 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::cursor::Cursor;
-use super::polynomial::Polynomial;
 use super::read::{NlFile, NlMember};
 use crate::error::Error;
-use crate::model::affine::Affine;
 use crate::model::ids::Variable;
-use crate::model::quadratic::Quadratic;
 use crate::model::store::Model;
 use crate::model::stored::StoredRow;
 use crate::model::text::read::Read;
@@ -16,7 +13,7 @@ use crate::model::variable::VariableKind;
 
 /// Makes the model that a file describes.
 pub(super) fn model(file: NlFile, cursor: &Cursor<'_>) -> Result<Read, Error> {
-    let mut model = Model::new(&*file.header.name);
+    let mut model = Model::empty(file.header.name.clone(), file.tag);
     let mut variables = Vec::with_capacity(file.header.columns);
     for (k, bounds) in file.bounds.iter().enumerate() {
         let is_integer = file.header.integers.iter().any(|range| range.contains(&k));
@@ -40,27 +37,22 @@ pub(super) fn model(file: NlFile, cursor: &Cursor<'_>) -> Result<Read, Error> {
                 .push_constraint(("c", k).into(), StoredRow { terms: Vec::new(), lower, upper })?;
             continue;
         }
-        let (name, left) = (("c", k), quadratic(&row, &variables));
-        match row.products.is_empty() {
-            true => _ = model.add(name, left.affine().within(limits.lower, limits.upper))?,
-            false => _ = model.add(name, left.within(limits.lower, limits.upper))?,
+        let (name, left) = (("c", k), row.quadratic(file.tag));
+        if row.functions.is_zero() && row.products.is_empty() {
+            model.add(name, left.affine().within(limits.lower, limits.upper))?;
+        } else if !row.functions.is_zero()
+            || model.add(name, left.within(limits.lower, limits.upper)).is_err()
+        {
+            // Squares and products that are no cone are functions, too.
+            let left = row.into_nonlinear(file.tag);
+            model.add(name, left.within(limits.lower, limits.upper))?;
         }
     }
     sets(&mut model, &file.sets, &variables, cursor)?;
-    let objective = quadratic(&file.objective.into_polynomial(), &variables);
+    let objective = file.objective.into_polynomial().into_nonlinear(file.tag);
     model.set_objective(file.sense, objective)?;
     let start = file.start.into_iter().map(|(column, value)| (variables[column], value));
     Ok(Read { model, warnings: file.warnings, start: start.collect() })
-}
-
-fn quadratic(polynomial: &Polynomial, variables: &[Variable]) -> Quadratic {
-    let mut affine = Affine::constant(polynomial.constant);
-    polynomial.linear.iter().for_each(|&(k, a)| affine.add_term(a, variables[k]));
-    let mut sum = Quadratic::from(affine);
-    for &((i, j), factor) in &polynomial.products {
-        sum.add_product(factor, variables[i], variables[j]);
-    }
-    sum
 }
 
 /// Adds the ordered sets, of which a positive number is of the first kind and a negative one of the

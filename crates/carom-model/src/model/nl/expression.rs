@@ -5,10 +5,14 @@ use super::cursor::Cursor;
 use super::operators::{Operator, not_taken, refused};
 use super::polynomial::Polynomial;
 use crate::error::Error;
+use crate::model::ids::ModelTag;
+use crate::model::nonlinear::Nonlinear;
 
 /// The columns and defined variables to which expressions refer.
 #[derive(Debug)]
 pub(super) struct Known {
+    /// The model that is to be.
+    pub(super) tag: ModelTag,
     pub(super) columns: usize,
     /// Names of functions from outside, by number.
     pub(super) functions: Vec<Option<String>>,
@@ -23,9 +27,6 @@ struct OpenOperator {
     missing: usize,
     arguments: Vec<Polynomial>,
 }
-
-const TOO_MANY_DEGREES: &str = "expressions have to be affine or quadratic: replace the product by a column and \
-                                rows, or by a piecewise linear function";
 
 /// Reads an expression.
 pub(super) fn read(cursor: &mut Cursor<'_>, known: &Known) -> Result<Polynomial, Error> {
@@ -70,7 +71,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, known: &Known) -> Result<Polynomial,
                 open.push(last);
                 break;
             }
-            value = last.value(cursor)?;
+            value = last.value(cursor, known.tag)?;
         }
     }
 }
@@ -101,7 +102,7 @@ fn function(cursor: &mut Cursor<'_>, known: &Known, place: usize) -> Error {
 
 impl OpenOperator {
     /// The value of an operator whose arguments are all there.
-    fn value(self, cursor: &Cursor<'_>) -> Result<Polynomial, Error> {
+    fn value(self, cursor: &Cursor<'_>, tag: ModelTag) -> Result<Polynomial, Error> {
         let (operator, place) = (self.operator, self.place);
         let mut arguments = self.arguments.into_iter();
         let mut next = || arguments.next().unwrap_or_default();
@@ -117,45 +118,83 @@ impl OpenOperator {
             Operator::Negate => Ok(next().scaled(-1.0)),
             Operator::Times => {
                 let (left, right) = (next(), next());
-                let product = left.times(right);
-                product.ok_or_else(|| not_taken(cursor, place, "*", TOO_MANY_DEGREES))
+                Ok(left.times(right, tag))
             }
-            Operator::Square => square(next(), cursor, place),
+            Operator::Square => {
+                let base = next();
+                Ok(power(base.merged(), 2.0, tag))
+            }
             Operator::Divide => {
                 let (left, right) = (next(), next().merged());
                 match right.as_constant() {
                     Some(by) if by != 0.0 => Ok(divided(left, by)),
                     Some(_) => Err(cursor.error(place, "the expression divides by 0")),
-                    None => Err(not_taken(
-                        cursor,
-                        place,
-                        "/",
-                        "it divides by a variable: multiply the row by it, where its sign is known",
-                    )),
+                    None => {
+                        let (left, right) = (left.into_nonlinear(tag), right.into_nonlinear(tag));
+                        Ok(Polynomial::of(left / right))
+                    }
                 }
             }
             Operator::Power => {
                 let (base, exponent) = (next().merged(), next().merged());
-                match (base.as_constant(), exponent.as_constant()) {
-                    (_, Some(0.0)) => Ok(Polynomial::constant(1.0)),
-                    (_, Some(1.0)) => Ok(base),
-                    (Some(base), Some(exponent)) => Ok(Polynomial::constant(base.powf(exponent))),
-                    (None, Some(2.0)) => square(base, cursor, place),
-                    _ => Err(not_taken(
-                        cursor,
-                        place,
-                        "^",
-                        "of powers, squares are taken: replace it by a piecewise linear function",
-                    )),
-                }
+                Ok(match (base.as_constant(), exponent.as_constant()) {
+                    (Some(base), Some(exponent)) => Polynomial::constant(base.powf(exponent)),
+                    (None, Some(exponent)) => power(base, exponent, tag),
+                    (Some(base), None) if base > 0.0 => {
+                        Polynomial::of((exponent.into_nonlinear(tag) * base.ln()).exp())
+                    }
+                    (Some(_), None) => {
+                        let help = "a power with a base that is not positive has no value between \
+                                    whole exponents";
+                        return Err(not_taken(cursor, place, "^", help));
+                    }
+                    (None, None) => {
+                        let (base, exponent) =
+                            (base.into_nonlinear(tag), exponent.into_nonlinear(tag));
+                        Polynomial::of((exponent * base.ln()).exp())
+                    }
+                })
+            }
+            Operator::Minimum | Operator::Maximum => {
+                let sign = if operator == Operator::Maximum { 1.0 } else { -1.0 };
+                let mut all = std::iter::from_fn(|| arguments.next());
+                let first = all.next().unwrap_or_default().scaled(sign).into_nonlinear(tag);
+                let most = all.fold(first, |most, other| {
+                    most.max(other.scaled(sign).into_nonlinear(tag))
+                });
+                Ok(Polynomial::of(most * sign))
+            }
+            Operator::Absolute => Ok(Polynomial::of(next().into_nonlinear(tag).abs())),
+            Operator::DecimalLogarithm => {
+                let scale = std::f64::consts::LOG10_E;
+                Ok(Polynomial::of(next().into_nonlinear(tag).ln() * scale))
+            }
+            Operator::Atan2 => {
+                let (y, x) = (next().into_nonlinear(tag), next().into_nonlinear(tag));
+                Ok(Polynomial::of(y.atan2(x)))
+            }
+            Operator::Elementary(function) => {
+                let of = next().merged();
+                Ok(match of.as_constant() {
+                    Some(x) => Polynomial::constant(function.function().value(x)),
+                    None => {
+                        let of = of.into_nonlinear(tag);
+                        Polynomial::of(Nonlinear::elementary(function.function(), of))
+                    }
+                })
             }
         }
     }
 }
 
-fn square(base: Polynomial, cursor: &Cursor<'_>, place: usize) -> Result<Polynomial, Error> {
-    let square = base.clone().times(base);
-    square.ok_or_else(|| not_taken(cursor, place, "^", TOO_MANY_DEGREES))
+/// A power with a constant exponent.
+fn power(base: Polynomial, exponent: f64, tag: ModelTag) -> Polynomial {
+    match exponent {
+        0.0 => Polynomial::constant(1.0),
+        1.0 => base,
+        2.0 if base.products.is_empty() && base.functions.is_zero() => base.clone().times(base, tag),
+        _ => Polynomial::of(base.into_nonlinear(tag).pow(exponent)),
+    }
 }
 
 /// Each coefficient is divided, which rounds once.
@@ -163,5 +202,6 @@ fn divided(mut left: Polynomial, by: f64) -> Polynomial {
     left.constant /= by;
     left.linear.iter_mut().for_each(|(_, a)| *a /= by);
     left.products.iter_mut().for_each(|(_, q)| *q /= by);
+    left.functions = left.functions / by;
     left
 }

@@ -1,6 +1,7 @@
 //! The operators of expressions: which are taken, and the names of the others.
 
 use super::cursor::Cursor;
+use crate::elementary::Elementary;
 use crate::error::{Error, ErrorKind};
 
 /// An operator that makes affine and quadratic expressions of such.
@@ -14,6 +15,48 @@ pub(super) enum Operator {
     Negate,
     Sum,
     Square,
+    Minimum,
+    Maximum,
+    Absolute,
+    DecimalLogarithm,
+    Atan2,
+    Elementary(NlFunction),
+}
+
+/// A function of one expression.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NlFunction {
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Exp,
+    Ln,
+    Sqrt,
+}
+
+impl NlFunction {
+    pub(super) fn function(self) -> Elementary {
+        match self {
+            NlFunction::Sin => Elementary::Sin,
+            NlFunction::Cos => Elementary::Cos,
+            NlFunction::Tan => Elementary::Tan,
+            NlFunction::Asin => Elementary::Asin,
+            NlFunction::Acos => Elementary::Acos,
+            NlFunction::Atan => Elementary::Atan,
+            NlFunction::Sinh => Elementary::Sinh,
+            NlFunction::Cosh => Elementary::Cosh,
+            NlFunction::Tanh => Elementary::Tanh,
+            NlFunction::Exp => Elementary::Exp,
+            NlFunction::Ln => Elementary::Ln,
+            NlFunction::Sqrt => Elementary::Power(0.5),
+        }
+    }
 }
 
 impl Operator {
@@ -28,6 +71,24 @@ impl Operator {
             16 => Operator::Negate,
             54 => Operator::Sum,
             77 => Operator::Square,
+            78 => Operator::Power,
+            11 => Operator::Minimum,
+            12 => Operator::Maximum,
+            15 => Operator::Absolute,
+            37 => Operator::Elementary(NlFunction::Tanh),
+            38 => Operator::Elementary(NlFunction::Tan),
+            39 => Operator::Elementary(NlFunction::Sqrt),
+            40 => Operator::Elementary(NlFunction::Sinh),
+            41 => Operator::Elementary(NlFunction::Sin),
+            42 => Operator::DecimalLogarithm,
+            43 => Operator::Elementary(NlFunction::Ln),
+            44 => Operator::Elementary(NlFunction::Exp),
+            45 => Operator::Elementary(NlFunction::Cosh),
+            46 => Operator::Elementary(NlFunction::Cos),
+            48 => Operator::Atan2,
+            49 => Operator::Elementary(NlFunction::Atan),
+            51 => Operator::Elementary(NlFunction::Asin),
+            53 => Operator::Elementary(NlFunction::Acos),
             _ => return None,
         })
     }
@@ -35,22 +96,23 @@ impl Operator {
     /// The number of arguments, or `None` if the file says it.
     pub(super) fn arity(self) -> Option<usize> {
         match self {
-            Operator::Sum => None,
-            Operator::Negate | Operator::Square => Some(1),
+            Operator::Sum | Operator::Minimum | Operator::Maximum => None,
+            Operator::Negate
+            | Operator::Square
+            | Operator::Absolute
+            | Operator::DecimalLogarithm
+            | Operator::Elementary(_) => Some(1),
             _ => Some(2),
         }
     }
 }
 
 /// The names of operators that are refused, by number.
-const OTHERS: [(i64, &str); 54] = [
+const OTHERS: [(i64, &str); 37] = [
     (4, "mod"),
     (6, "less"),
-    (11, "min"),
-    (12, "max"),
     (13, "floor"),
     (14, "ceil"),
-    (15, "abs"),
     (20, "or"),
     (21, "and"),
     (22, "<"),
@@ -61,23 +123,9 @@ const OTHERS: [(i64, &str); 54] = [
     (30, "!="),
     (34, "not"),
     (35, "if"),
-    (37, "tanh"),
-    (38, "tan"),
-    (39, "sqrt"),
-    (40, "sinh"),
-    (41, "sin"),
-    (42, "log10"),
-    (43, "log"),
-    (44, "exp"),
-    (45, "cosh"),
-    (46, "cos"),
     (47, "atanh"),
-    (48, "atan2"),
-    (49, "atan"),
     (50, "asinh"),
-    (51, "asin"),
     (52, "acosh"),
-    (53, "acos"),
     (55, "div"),
     (56, "precision"),
     (57, "round"),

@@ -1,13 +1,21 @@
-//! Polynomials of degree two over the columns of a file, in which an expression ends.
+//! Polynomials of degree two over the columns of a file, with nonlinear expressions beside them, in
+//! which an expression ends.
 
-/// `constant + sum a_j x_j + sum q_jk x_j x_k`, with terms in any order, some of them several
-/// times.
-#[derive(Debug, Clone, Default, PartialEq)]
+use crate::model::affine::Affine;
+use crate::model::ids::{ModelTag, Variable};
+use crate::model::nonlinear::Nonlinear;
+use crate::model::quadratic::Quadratic;
+
+/// `constant + sum a_j x_j + sum q_jk x_j x_k + functions`, with terms in any order, some of them
+/// several times.
+#[derive(Debug, Clone, Default)]
 pub(super) struct Polynomial {
     pub(super) constant: f64,
     pub(super) linear: Vec<(usize, f64)>,
     /// Products with the smaller column first.
     pub(super) products: Vec<((usize, usize), f64)>,
+    /// What is not quadratic, over the variables of the model that is to be.
+    pub(super) functions: Nonlinear,
 }
 
 impl Polynomial {
@@ -21,13 +29,15 @@ impl Polynomial {
 
     /// The value, if it is a constant.
     pub(super) fn as_constant(&self) -> Option<f64> {
-        (self.linear.is_empty() && self.products.is_empty()).then_some(self.constant)
+        let is_constant = self.linear.is_empty() && self.products.is_empty();
+        (is_constant && self.functions.is_zero()).then_some(self.constant)
     }
 
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.constant *= factor;
         self.linear.iter_mut().for_each(|(_, a)| *a *= factor);
         self.products.iter_mut().for_each(|(_, q)| *q *= factor);
+        self.functions.scale(factor);
         self
     }
 
@@ -39,20 +49,46 @@ impl Polynomial {
         self.constant += other.constant;
         self.linear.append(&mut other.linear);
         self.products.append(&mut other.products);
+        self.functions.append(&other.functions, 1.0);
         self
     }
 
-    /// The product, or `None` if its degree is more than two.
-    pub(super) fn times(self, other: Polynomial) -> Option<Self> {
+    /// The quadratic part over the variables of a model.
+    pub(super) fn quadratic(&self, tag: ModelTag) -> Quadratic {
+        let mut affine = Affine::constant(self.constant);
+        self.linear.iter().for_each(|&(k, a)| affine.add_term(a, Variable::new(k, tag)));
+        let mut sum = Quadratic::from(affine);
+        for &((i, j), factor) in &self.products {
+            sum.add_product(factor, Variable::new(i, tag), Variable::new(j, tag));
+        }
+        sum
+    }
+
+    /// The whole over the variables of a model.
+    pub(super) fn into_nonlinear(self, tag: ModelTag) -> Nonlinear {
+        let mut whole = Nonlinear::from(self.quadratic(tag));
+        whole.append(&self.functions, 1.0);
+        whole
+    }
+
+    /// A nonlinear expression.
+    pub(super) fn of(functions: Nonlinear) -> Self {
+        Polynomial { functions, ..Polynomial::default() }
+    }
+
+    /// The product; a nonlinear expression if its degree is more than two.
+    pub(super) fn times(self, other: Polynomial, tag: ModelTag) -> Self {
         let (left, right) = (self.merged(), other.merged());
         if let Some(factor) = right.as_constant() {
-            return Some(left.scaled(factor));
+            return left.scaled(factor);
         }
         if let Some(factor) = left.as_constant() {
-            return Some(right.scaled(factor));
+            return right.scaled(factor);
         }
-        if !left.products.is_empty() || !right.products.is_empty() {
-            return None;
+        let is_affine = |of: &Polynomial| of.products.is_empty() && of.functions.is_zero();
+        if !is_affine(&left) || !is_affine(&right) {
+            let (left, right) = (left.into_nonlinear(tag), right.into_nonlinear(tag));
+            return Polynomial::of(Nonlinear::product(left, right));
         }
         let mut product = Polynomial::constant(left.constant * right.constant);
         for &(i, a) in &left.linear {
@@ -64,7 +100,7 @@ impl Polynomial {
         };
         product.linear = by(&left.linear, right.constant);
         product.linear.extend(by(&right.linear, left.constant));
-        Some(product)
+        product
     }
 
     /// With each term once, and none that is 0.

@@ -7,6 +7,7 @@ use super::operators::not_taken;
 use super::polynomial::Polynomial;
 use crate::error::Error;
 use crate::interval::Interval;
+use crate::model::ids::ModelTag;
 use crate::model::sense::Sense;
 use crate::model::text::read::Warning;
 
@@ -22,6 +23,8 @@ pub(super) struct NlFile {
     pub(super) sets: Vec<NlMember>,
     pub(super) start: Vec<(usize, f64)>,
     pub(super) warnings: Vec<Warning>,
+    /// The model that is to be.
+    pub(super) tag: ModelTag,
 }
 
 /// A row or an objective: its linear part and the rest.
@@ -77,7 +80,9 @@ impl NlFile {
                 format!("{count} {what} are more than the file has bytes; correct the header"),
             ));
         }
+        let tag = ModelTag::fresh();
         let known = Known {
+            tag,
             columns: header.columns,
             functions: vec![None; header.functions],
             definitions: vec![None; header.definitions],
@@ -97,6 +102,7 @@ impl NlFile {
                 sets: vec![NlMember::default(); header.columns],
                 start: Vec::new(),
                 warnings: Vec::new(),
+                tag,
                 header,
             },
         };

@@ -1,0 +1,263 @@
+//! Nonlinear expressions: sums of a quadratic expression and of functions of other expressions.
+//!
+//! A model holds no expression trees. A statement with a nonlinear expression becomes one about
+//! variables, each of which is an elementary [`Function`](super::Function) of affine expressions
+//! (`define.rs`), so that all else in the crate sees rows and functions.
+
+mod define;
+mod operators;
+mod row;
+
+use std::sync::Arc;
+
+pub use row::NonlinearRow;
+
+use super::affine::Affine;
+use super::quadratic::Quadratic;
+use crate::error::Error;
+use crate::elementary::{Elementary, OwnFunction, SmoothFunction};
+
+/// A nonlinear expression: functions, products and quotients of expressions, and sums of them.
+///
+/// Made by functions of variables and expressions, such as [`sin`](Self::sin), by quotients, and by
+/// products of more than two. Expressions share their parts: a clone is cheap, and a part that
+/// occurs twice is one variable of the model.
+///
+/// ```
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("cannon");
+/// let angle = model.continuous("angle", 0.0, 1.5)?; // rad
+/// let speed = model.continuous("speed", 0.0, 20.0)?; // m/s
+/// let g = 9.81; // m/s²
+/// let width = speed * speed * (2.0 * angle).sin() / g;
+/// model.add("target", width.ge(30.0))?; // m
+/// model.minimize(speed)?;
+/// let solution = BranchAndBound::default().solve(&model)?;
+/// assert!((solution.value(speed)? - (30.0 * g).sqrt()).abs() < 1e-3);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+#[must_use = "an expression does nothing until it is minimised or compared"]
+pub struct Nonlinear {
+    rest: Quadratic,
+    parts: Vec<(f64, Arc<Part>)>,
+}
+
+/// A function of expressions.
+#[derive(Debug)]
+enum Part {
+    Elementary(Elementary, Nonlinear),
+    Product(Nonlinear, Nonlinear),
+    Quotient(Nonlinear, Nonlinear),
+    Absolute(Nonlinear),
+    Maximum(Nonlinear, Nonlinear),
+}
+
+impl Nonlinear {
+    /// The expression 0.
+    pub fn zero() -> Self {
+        Nonlinear::default()
+    }
+
+    /// Whether it has no terms and no constant.
+    pub(in crate::model) fn is_zero(&self) -> bool {
+        self.parts.is_empty() && self.rest == Quadratic::zero()
+    }
+
+    fn of(part: Part) -> Self {
+        Nonlinear { rest: Quadratic::zero(), parts: vec![(1.0, Arc::new(part))] }
+    }
+
+    pub(in crate::model) fn elementary(function: Elementary, of: Nonlinear) -> Self {
+        Nonlinear::of(Part::Elementary(function, of))
+    }
+
+    /// The product of two expressions.
+    pub(in crate::model) fn product(left: Nonlinear, right: Nonlinear) -> Self {
+        match (left.as_affine(), right.as_affine()) {
+            (Some(left), Some(right)) => Quadratic::product(left, right).into(),
+            (Some(factor), None) if factor.terms().is_empty() => right * factor.offset(),
+            (None, Some(factor)) if factor.terms().is_empty() => left * factor.offset(),
+            _ => Nonlinear::of(Part::Product(left, right)),
+        }
+    }
+
+    pub(in crate::model) fn quotient(left: Nonlinear, right: Nonlinear) -> Self {
+        match right.as_affine() {
+            Some(divisor) if divisor.terms().is_empty() => {
+                let divisor = divisor.offset();
+                let mut quotient = left;
+                quotient.rest.divide(divisor);
+                quotient.parts.iter_mut().for_each(|(factor, _)| *factor /= divisor);
+                quotient
+            }
+            _ => Nonlinear::of(Part::Quotient(left, right)),
+        }
+    }
+
+    /// The expression, if it is affine.
+    fn as_affine(&self) -> Option<&Affine> {
+        let is_affine = self.parts.is_empty() && self.rest.products().is_empty();
+        is_affine.then(|| self.rest.affine())
+    }
+
+    pub(in crate::model) fn scale(&mut self, factor: f64) {
+        self.rest.scale(factor);
+        self.parts.iter_mut().for_each(|(of, _)| *of *= factor);
+    }
+
+    pub(in crate::model) fn append(&mut self, other: &Nonlinear, factor: f64) {
+        self.rest.append(&other.rest, factor);
+        self.parts.extend(other.parts.iter().map(|(of, part)| (factor * of, part.clone())));
+    }
+
+    /// The expression with other expressions in the places of its affine ones.
+    pub(in crate::model) fn try_map(
+        &self,
+        entry: &mut dyn FnMut(&Affine) -> Result<Affine, Error>,
+    ) -> Result<Nonlinear, Error> {
+        let mut mapped = Nonlinear::from(entry(self.rest.affine())?);
+        for (first, second, factor) in self.rest.products() {
+            let (first, second) = (entry(&first.into())?, entry(&second.into())?);
+            mapped.rest.append(&Quadratic::product(&first, &second), factor);
+        }
+        for (factor, part) in &self.parts {
+            let part = match &**part {
+                Part::Elementary(function, of) => {
+                    Part::Elementary(function.clone(), of.try_map(entry)?)
+                }
+                Part::Product(a, b) => Part::Product(a.try_map(entry)?, b.try_map(entry)?),
+                Part::Quotient(a, b) => Part::Quotient(a.try_map(entry)?, b.try_map(entry)?),
+                Part::Absolute(of) => Part::Absolute(of.try_map(entry)?),
+                Part::Maximum(a, b) => Part::Maximum(a.try_map(entry)?, b.try_map(entry)?),
+            };
+            mapped.parts.push((*factor, Arc::new(part)));
+        }
+        Ok(mapped)
+    }
+
+    /// The larger of two expressions, in their unit.
+    pub fn max(&self, other: impl Into<Nonlinear>) -> Nonlinear {
+        Nonlinear::of(Part::Maximum(self.clone(), other.into()))
+    }
+
+    /// The smaller of two expressions, in their unit.
+    pub fn min(&self, other: impl Into<Nonlinear>) -> Nonlinear {
+        -(-self.clone()).max(-other.into())
+    }
+
+    /// The square of the expression.
+    pub fn square(&self) -> Nonlinear {
+        match self.as_affine() {
+            Some(affine) => affine.square().into(),
+            None => self.pow(2.0),
+        }
+    }
+}
+
+impl From<Quadratic> for Nonlinear {
+    fn from(rest: Quadratic) -> Self {
+        Nonlinear { rest, parts: Vec::new() }
+    }
+}
+
+/// The functions of one expression.
+macro_rules! functions {
+    ($operand:ty) => {
+        impl $operand {
+            /// The sine of an angle in rad.
+            pub fn sin(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Sin, self.into())
+            }
+
+            /// The cosine of an angle in rad.
+            pub fn cos(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Cos, self.into())
+            }
+
+            /// The tangent of an angle in rad. A solve refuses a range of angles with a pole.
+            pub fn tan(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Tan, self.into())
+            }
+
+            /// The angle in rad, from -π/2 to π/2, that has this sine, which must be from -1 to 1.
+            pub fn asin(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Asin, self.into())
+            }
+
+            /// The angle in rad, from 0 to π, that has this cosine, which must be from -1 to 1.
+            pub fn acos(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Acos, self.into())
+            }
+
+            /// The angle in rad, between -π/2 and π/2, that has this tangent.
+            pub fn atan(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Atan, self.into())
+            }
+
+            /// The angle in rad of the point with this second coordinate, for a first coordinate
+            /// that is greater than 0 within the bounds.
+            pub fn atan2(&self, x: impl Into<Nonlinear>) -> Nonlinear {
+                Nonlinear::quotient(self.into(), x.into()).atan()
+            }
+
+            /// The length of the vector of this and another expression, in their unit.
+            pub fn hypot(&self, other: impl Into<Nonlinear>) -> Nonlinear {
+                (Nonlinear::from(self).square() + other.into().square()).sqrt()
+            }
+
+            /// The hyperbolic sine.
+            pub fn sinh(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Sinh, self.into())
+            }
+
+            /// The hyperbolic cosine.
+            pub fn cosh(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Cosh, self.into())
+            }
+
+            /// The hyperbolic tangent.
+            pub fn tanh(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Tanh, self.into())
+            }
+
+            /// The exponential function.
+            pub fn exp(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Exp, self.into())
+            }
+
+            /// The natural logarithm of an expression that must be greater than 0.
+            pub fn ln(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Ln, self.into())
+            }
+
+            /// The square root of an expression that must be at least 0.
+            pub fn sqrt(&self) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Power(0.5), self.into())
+            }
+
+            /// A power. The expression must be at least 0 unless the exponent is whole, and other
+            /// than 0 if it is negative.
+            pub fn pow(&self, exponent: f64) -> Nonlinear {
+                Nonlinear::elementary(Elementary::Power(exponent), self.into())
+            }
+
+            /// The absolute value, in the unit of the expression.
+            pub fn abs(&self) -> Nonlinear {
+                Nonlinear::of(Part::Absolute(self.into()))
+            }
+
+            /// A function of one's own.
+            pub fn own(&self, function: impl SmoothFunction + 'static) -> Nonlinear {
+                let function = Elementary::Own(OwnFunction::new(function));
+                Nonlinear::elementary(function, self.into())
+            }
+        }
+    };
+}
+
+functions!(super::Variable);
+functions!(Affine);
+functions!(Quadratic);
+functions!(Nonlinear);

@@ -1,0 +1,146 @@
+//! Models with smooth functions: their statements become rows, and a search over boxes encloses the
+//! functions.
+
+use std::cell::RefCell;
+
+use crate::error::{Error, ErrorKind};
+use crate::model::Model;
+use crate::reformulate::{lower_around_functions, ties};
+use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Verification};
+use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
+use crate::spatial::{SpatialProgram, SpatialSearch};
+
+use super::refusals::Refusals;
+
+/// Whether a model has functions that rows only enclose.
+pub(super) fn is_nonlinear(model: &Model) -> bool {
+    model.functions().any(|function| function.function().is_smooth())
+}
+
+/// Solves a model with smooth functions.
+///
+/// # Errors
+///
+/// [`ErrorKind::Unsupported`] for what this search cannot do: rows that are found while it runs, a
+/// proof log, other processes. Those of lowering.
+pub(super) fn solve_nonlinear(
+    model: &Model,
+    options: &Options,
+    control: &mut Control<'_>,
+) -> Result<Solution, Error> {
+    refuse(options, control)?;
+    let token = &StopToken::new(options.time_limit, control.interrupt());
+    let Some(lowered) = lower_around_functions(model, token)? else {
+        let reason = token.ended().unwrap_or(crate::solution::Termination::Interrupted);
+        let bound = -model.sense().sign() * f64::INFINITY;
+        let outcome = Outcome::new(reason, None, bound, Statistics::default());
+        return Solution::new(model, outcome, options.feasibility);
+    };
+    let program = SpatialProgram::new(model, lowered.model().clone(), &ties(model)?)?;
+    let (sign, count) = (model.sense().sign(), model.variable_count());
+    let refusals = Refusals::default();
+    let restored = |x: &[f64]| {
+        let mut values = lowered.restore(x);
+        values.truncate(count);
+        Point::new(model, values).ok()
+    };
+    let accepts = |x: &[f64]| {
+        let Some(point) = restored(x) else { return false };
+        let check = Verification::of(model, &point, options.feasibility);
+        let holds = check.holds();
+        if !holds {
+            refusals.note(check);
+        }
+        holds
+    };
+    let starts: Vec<Vec<f64>> = control.start().map_or(Vec::new(), |given| {
+        let mut x = program.middle();
+        for (variable, value) in &given.values {
+            if model.variable_ref(*variable).is_ok() && value.is_finite() {
+                x[variable.index()] = *value;
+            }
+        }
+        vec![x]
+    });
+    let watched = RefCell::new(control);
+    let mut notify = |statistics: &Statistics, x: &[f64], value: f64, bound: f64| {
+        let mut control = watched.borrow_mut();
+        let (objective, bound) = (sign * value, sign * bound);
+        let progress = Progress::new(
+            statistics.nodes,
+            0,
+            statistics.relaxations,
+            Some(objective),
+            bound,
+            token.elapsed(),
+        );
+        control.report(&Event::Incumbent(progress));
+        if let Some(point) = restored(x).filter(|_| control.watches_incumbents()) {
+            let incumbent = Incumbent::new(&point, objective, Heuristic::Leaf, progress);
+            if control.report_incumbent(&incumbent).is_break() {
+                token.stop();
+            }
+        }
+    };
+    let search =
+        SpatialSearch { program: &program, options, token, accepts: &accepts, notify: &mut notify };
+    let mut found = search.run(&starts);
+    found.statistics.time = token.elapsed();
+    if let Some(column) = found.open_column {
+        return Err(missing_bound(model, &program, column));
+    }
+    let best = found.best.as_ref().and_then(|(x, _)| restored(x));
+    let values = best.map(|point| point.as_slice().to_vec());
+    let outcome = Outcome::new(found.termination, values, sign * found.bound, found.statistics);
+    let solution = Solution::new(model, outcome, options.feasibility)?;
+    Ok(solution.with_refused(refusals.take()))
+}
+
+fn refuse(options: &Options, control: &Control<'_>) -> Result<(), Error> {
+    let unsupported = |what: &str, help: &str| {
+        let (solver, what, help) = ("carom".to_owned(), what.to_owned(), help.to_owned());
+        Err(ErrorKind::Unsupported { solver, what, help }.into())
+    };
+    if control.lazy_constraints().is_some() || control.user_cuts().is_some() {
+        return unsupported(
+            "rows that are found while a model with smooth functions is solved",
+            "add all rows to the model",
+        );
+    }
+    if options.proof_path().is_some() {
+        return unsupported(
+            "a proof log of a model with smooth functions",
+            "solve it without one: its bound rests on enclosures that no log states",
+        );
+    }
+    if control.has_exchange() {
+        return unsupported(
+            "a tree of several processes for a model with smooth functions",
+            "solve it in one process",
+        );
+    }
+    Ok(())
+}
+
+/// The error that a relaxation has no bound, because a column has none.
+fn missing_bound(model: &Model, program: &SpatialProgram, column: usize) -> Error {
+    let names: Vec<String> = model.variables().map(|v| v.name().to_string()).collect();
+    let of = program.variables_of(column);
+    let user = of.first().copied().unwrap_or(column);
+    let function = model.functions().filter(|function| function.function().is_smooth());
+    let mut function = function.filter(|function| {
+        let terms = function.function().expressions().iter().flat_map(|e| e.terms());
+        terms.into_iter().any(|(variable, _)| variable.index() == user)
+    });
+    let name = |j: usize| names.get(j).cloned().unwrap_or_default();
+    let text = function.next().map(|function| function.function().text(&|v| name(v.index())));
+    let remedy: Vec<String> = of.iter().map(|&j| format!("`{}`", name(j))).collect();
+    ErrorKind::UnboundedFunction {
+        function: text.unwrap_or_else(|| name(user)),
+        variable: name(user),
+        bound: if program.has_lower(column) { "upper" } else { "lower" },
+        chain: String::new(),
+        remedy: remedy.join(" and "),
+    }
+    .into()
+}

@@ -1,0 +1,31 @@
+//! Spatial branch and bound: programs with functions that are neither affine nor piecewise affine.
+//!
+//! Each such function is a [`Term`](term::Term): a column that equals a function of one or two
+//! others. At a node, rows enclose it over the ranges of its arguments, so that the relaxation is
+//! linear. Splitting a range makes both enclosures tighter.
+//!
+//! * `program.rs`: a lowered program with its terms; `term.rs`: what a term is.
+//! * `enclosure.rs`: rows about a term over a box (McCormick 1976; tangents and chords).
+//! * `propagation.rs`: ranges of arguments from those of values, and the reverse.
+//! * `relaxation.rs`: the relaxation of a box, with rows that its point violates.
+//! * `bound_tightening.rs`: the range of a column over the relaxation.
+//! * `local.rs`: points from a sequence of linear programs.
+//! * `branching.rs`: where to split; `tree.rs`: open nodes; `search.rs`: the search;
+//!   `result.rs`: what it found.
+//!
+//! The overall method is that of Tawarmalani and Sahinidis, *Convexification and Global
+//! Optimization in Continuous and Mixed-Integer Nonlinear Programming* (2002).
+
+mod bound_tightening;
+mod branching;
+mod enclosure;
+mod local;
+mod program;
+mod propagation;
+mod relaxation;
+mod search;
+mod term;
+mod tree;
+
+pub(crate) use program::SpatialProgram;
+pub(crate) use search::SpatialSearch;

@@ -1,0 +1,147 @@
+//! A lowered program with its terms.
+
+use std::collections::BTreeMap;
+
+use super::term::{Shape, Term};
+use crate::error::Error;
+use crate::model::{Affine, Function, Model, Name, StoredRow, VariableKind};
+use crate::presolve::{Domain, Reduced};
+use crate::program::Program;
+use crate::reformulate::Tie;
+
+/// A lowered program with its terms. Columns are the variables of the model, those of the lowering,
+/// and those of arguments.
+#[derive(Debug)]
+pub(crate) struct SpatialProgram {
+    pub(super) program: Program,
+    /// By the order in which they depend on each other.
+    pub(super) terms: Vec<Term>,
+    /// Columns that equal affine expressions of columns.
+    arguments: Vec<ArgumentColumn>,
+    /// All rows and columns, without terms.
+    pub(super) base: Reduced,
+    /// Columns whose ranges enclosures depend on.
+    pub(super) spatial: Vec<usize>,
+}
+
+/// A column that equals an affine expression.
+#[derive(Debug)]
+struct ArgumentColumn {
+    column: usize,
+    of: Affine,
+}
+
+impl SpatialProgram {
+    /// The program of a model.
+    ///
+    /// # Arguments
+    ///
+    /// * `model`: for its smooth functions.
+    /// * `rows`: the lowered model, to which the columns of arguments are added.
+    /// * `ties`: by function of the model.
+    pub(crate) fn new(model: &Model, mut rows: Model, ties: &[Tie]) -> Result<Self, Error> {
+        let mut builder = Builder { arguments: Vec::new(), known: BTreeMap::new() };
+        let mut terms = Vec::new();
+        for (function, &tie) in model.functions().zip(ties) {
+            let result = function.result().index();
+            let name = function.name();
+            let mut column = |of: &Affine| builder.column(&mut rows, name, of);
+            let shape = match function.function() {
+                Function::Elementary { function, of } => {
+                    Shape::Elementary { function: function.clone(), of: column(of)? }
+                }
+                Function::Bilinear([a, b]) => Shape::Bilinear([column(a)?, column(b)?]),
+                Function::Quotient([a, b]) => Shape::Quotient([column(a)?, column(b)?]),
+                _ => continue,
+            };
+            terms.push(Term { result, shape, tie });
+        }
+        let program = Program::assemble(&rows)?;
+        let base = Reduced::whole(&program);
+        let mut spatial: Vec<usize> = terms.iter().flat_map(Term::arguments).copied().collect();
+        spatial.sort_unstable();
+        spatial.dedup();
+        Ok(SpatialProgram { program, terms, arguments: builder.arguments, base, spatial })
+    }
+
+    /// A point between the bounds of all columns.
+    pub(crate) fn middle(&self) -> Vec<f64> {
+        middle(&Domain::new(&self.program))
+    }
+
+    /// Whether a column has a lower bound before anything is propagated.
+    pub(crate) fn has_lower(&self, column: usize) -> bool {
+        self.program.lower[column].is_finite()
+    }
+
+    /// The variables of the expression that a column equals, or the column itself.
+    pub(crate) fn variables_of(&self, column: usize) -> Vec<usize> {
+        let argument = self.arguments.iter().find(|argument| argument.column == column);
+        let terms = argument.map(|argument| argument.of.terms());
+        terms.map_or(vec![column], |terms| terms.iter().map(|(v, _)| v.index()).collect())
+    }
+
+    /// Puts the columns of terms and arguments of a point on their functions, in the order in which
+    /// they depend on each other.
+    pub(super) fn settle(&self, x: &mut [f64]) {
+        // Arguments follow from variables, and terms from arguments. Terms are in order; an argument
+        // may depend on terms before it.
+        let mut next = 0;
+        for term in &self.terms {
+            while let Some(argument) = self.arguments.get(next) {
+                if !term.arguments().contains(&argument.column) {
+                    break;
+                }
+                x[argument.column] = argument.of.evaluate(|v| x[v.index()]);
+                next += 1;
+            }
+            x[term.result] = term.value(x);
+        }
+    }
+}
+
+struct Builder {
+    arguments: Vec<ArgumentColumn>,
+    known: BTreeMap<String, usize>,
+}
+
+impl Builder {
+    /// The column of an expression.
+    fn column(&mut self, rows: &mut Model, name: &Name, of: &Affine) -> Result<usize, Error> {
+        let terms = of.terms();
+        if let (&[(variable, 1.0)], 0.0) = (terms.as_slice(), of.offset()) {
+            return Ok(variable.index());
+        }
+        let key = of.to_string();
+        if let Some(&known) = self.known.get(&key) {
+            return Ok(known);
+        }
+        let range = rows.range(of)?;
+        let name = name.suffixed("_argument");
+        let mut name = name.free(|name| rows.variable_by_name(name.clone()).is_ok());
+        name = name.free(|name| rows.has_statement(name));
+        let (lower, upper) = (range.lower, range.upper);
+        let variable = rows.variable(name.clone(), VariableKind::Continuous, lower, upper)?;
+        let (mut terms, constant) = of.clone().into_parts();
+        terms.push((variable, -1.0));
+        let row = StoredRow { terms, lower: -constant, upper: -constant };
+        rows.push_constraint(name, row)?;
+        self.known.insert(key, variable.index());
+        self.arguments.push(ArgumentColumn { column: variable.index(), of: of.clone() });
+        Ok(variable.index())
+    }
+}
+
+/// A point of a box without a relaxed one.
+pub(super) fn middle(domain: &Domain) -> Vec<f64> {
+    let middle = |j: usize| {
+        let [lower, upper] = domain.bounds(j);
+        match (lower.is_finite(), upper.is_finite()) {
+            (true, true) => 0.5 * lower + 0.5 * upper,
+            (true, false) => lower,
+            (false, true) => upper,
+            (false, false) => 0.0,
+        }
+    };
+    (0..domain.column_count()).map(middle).collect()
+}

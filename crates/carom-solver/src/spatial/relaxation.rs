@@ -1,0 +1,162 @@
+//! The relaxation of a box: rows, and enclosures of the terms over it.
+
+use super::enclosure::{EnclosureRow, rows, separate};
+use super::program::SpatialProgram;
+use crate::presolve::{Domain, Reduced};
+use crate::relaxation::{
+    MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
+};
+use crate::solver::{Options, StopToken};
+
+/// Names of rows for each term, by which a basis knows them.
+const NAMES: usize = 64;
+
+/// Most rounds of rows at the root, and at other nodes.
+const ROOT_ROUNDS: usize = 20;
+const NODE_ROUNDS: usize = 5;
+
+/// The lift of the bound by a round, as a part of the gap to the cutoff or of its size, below which
+/// no other one follows.
+const LEAST_LIFT: f64 = 0.01;
+
+/// What is known of a box from its relaxation.
+pub(super) enum BoxVerdict {
+    /// No point of the box is better than the cutoff.
+    Refuted,
+    Stopped,
+    Relaxed(RelaxedBox),
+}
+
+/// A relaxed box.
+pub(super) struct RelaxedBox {
+    /// A proved bound.
+    pub(super) bound: f64,
+    /// The relaxed point, by column of the program; `None` if it is not near the bound.
+    pub(super) x: Option<Vec<f64>>,
+    /// The program that was solved, with its multipliers.
+    pub(super) reduced: Reduced,
+    pub(super) reduced_x: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    pub(super) warm: Option<WarmState>,
+}
+
+/// What a relaxation needs.
+pub(super) struct Relaxer<'a> {
+    pub(super) program: &'a SpatialProgram,
+    pub(super) options: &'a Options,
+    pub(super) token: &'a StopToken,
+}
+
+impl Relaxer<'_> {
+    /// The program of a box without the rows of terms.
+    pub(super) fn plain(&self, domain: &Domain) -> Reduced {
+        let mut reduced = self.program.base.clone();
+        for j in 0..domain.column_count() {
+            [reduced.lower[j], reduced.upper[j]] = domain.bounds(j);
+        }
+        reduced.wants_vertex = true;
+        reduced
+    }
+
+    /// The program of a box with rows that are tight at a point.
+    pub(super) fn enclosed(&self, domain: &Domain, at: Option<&[f64]>) -> (Reduced, Vec<usize>) {
+        let mut reduced = self.plain(domain);
+        let mut counts = vec![0; self.program.terms.len()];
+        for (k, term) in self.program.terms.iter().enumerate() {
+            for row in rows(term, domain, at) {
+                self.push(&mut reduced, k, &mut counts[k], &row);
+            }
+        }
+        (reduced, counts)
+    }
+
+    fn push(&self, reduced: &mut Reduced, term: usize, count: &mut usize, row: &EnclosureRow) {
+        reduced.rows.push(row.entries.iter().copied());
+        reduced.row_lower.push(row.lower);
+        reduced.row_upper.push(row.upper);
+        let first = self.program.program.row_count() + term * NAMES;
+        reduced.origin.push(first + (*count).min(NAMES - 1));
+        *count += 1;
+    }
+
+    /// Relaxes a box, in rounds.
+    ///
+    /// # Arguments
+    ///
+    /// * `at`: the point of the parent.
+    pub(super) fn relax(
+        &self,
+        cascade: &mut MethodCascade,
+        domain: &Domain,
+        (at, warm): (Option<&[f64]>, Option<&WarmState>),
+        cutoff: f64,
+        is_root: bool,
+    ) -> BoxVerdict {
+        let (mut reduced, mut counts) = self.enclosed(domain, at);
+        let rounds = if is_root { ROOT_ROUNDS } else { NODE_ROUNDS };
+        let mut warm = warm.cloned();
+        let mut best: Option<RelaxedBox> = None;
+        for round in 0..=rounds {
+            let question = RelaxationQuestion {
+                purpose: if is_root { Purpose::Root } else { Purpose::Node },
+                cutoff,
+                options: self.options,
+                constant: self.program.program.constant,
+                look_for_descent: false,
+                token: self.token,
+                warm: warm.as_ref(),
+            };
+            let verdict = cascade.solve(&mut reduced, &question);
+            let (bound, x, y, converged, state) = match verdict {
+                RelaxationVerdict::Refuted(_) => return BoxVerdict::Refuted,
+                RelaxationVerdict::Stopped => break,
+                RelaxationVerdict::Descent => break,
+                RelaxationVerdict::Relaxed { bound, x, y, converged, warm } => {
+                    (bound, x, y, converged, warm)
+                }
+            };
+            if bound >= cutoff {
+                return BoxVerdict::Refuted;
+            }
+            let last = best.as_ref().map_or(f64::NEG_INFINITY, |best| best.bound);
+            let lift = bound - last;
+            let point = converged.then(|| reduced.lift(&x));
+            let is_enough = round == rounds || !converged || {
+                let room = if cutoff.is_finite() { cutoff - last } else { last.abs().max(1.0) };
+                round > 1 && lift < LEAST_LIFT * room
+            };
+            warm = state.clone().or(warm);
+            if bound >= last {
+                best = Some(RelaxedBox {
+                    bound,
+                    x: point.clone(),
+                    reduced: reduced.clone(),
+                    reduced_x: x,
+                    y,
+                    warm: state,
+                });
+            } else if let (Some(best), Some(_)) = (&mut best, &point) {
+                best.x = point.clone();
+            }
+            let Some(point) = point.filter(|_| !is_enough) else { break };
+            let mut is_new = false;
+            for (k, term) in self.program.terms.iter().enumerate() {
+                let size = point[term.result].abs().max(1.0);
+                if term.violation(&point) <= 1e-7 * size {
+                    continue;
+                }
+                if let Some(row) = separate(term, domain, &point) {
+                    self.push(&mut reduced, k, &mut counts[k], &row);
+                    is_new = true;
+                }
+            }
+            if !is_new {
+                break;
+            }
+        }
+        match best {
+            Some(best) => BoxVerdict::Relaxed(best),
+            None => BoxVerdict::Stopped,
+        }
+    }
+}
