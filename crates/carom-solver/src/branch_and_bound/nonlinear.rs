@@ -30,13 +30,15 @@ pub(super) fn solve_nonlinear(
 ) -> Result<Solution, Error> {
     refuse(options, control)?;
     let token = &StopToken::new(options.time_limit, control.interrupt());
-    let Some(lowered) = lower_around_functions(model, token)? else {
+    let restated = with_affine_objective(model)?;
+    let stated = restated.as_ref().unwrap_or(model);
+    let Some(lowered) = lower_around_functions(stated, token)? else {
         let reason = token.ended().unwrap_or(crate::solution::Termination::Interrupted);
         let bound = -model.sense().sign() * f64::INFINITY;
         let outcome = Outcome::new(reason, None, bound, Statistics::default());
         return Solution::new(model, outcome, options.feasibility);
     };
-    let program = SpatialProgram::new(model, lowered.model().clone(), &ties(model)?)?;
+    let program = SpatialProgram::new(stated, lowered.model().clone(), &ties(stated)?)?;
     let (sign, count) = (model.sense().sign(), model.variable_count());
     let refusals = Refusals::default();
     let restored = |x: &[f64]| {
@@ -87,13 +89,27 @@ pub(super) fn solve_nonlinear(
     let mut found = search.run(&starts);
     found.statistics.time = token.elapsed();
     if let Some(column) = found.open_column {
-        return Err(missing_bound(model, &program, column));
+        return Err(missing_bound(stated, &program, column));
     }
     let best = found.best.as_ref().and_then(|(x, _)| restored(x));
     let values = best.map(|point| point.as_slice().to_vec());
     let outcome = Outcome::new(found.termination, values, sign * found.bound, found.statistics);
     let solution = Solution::new(model, outcome, options.feasibility)?;
     Ok(solution.with_refused(refusals.take()))
+}
+
+/// The model with variables for the squares and products of its objective, if they are squares of
+/// single variables, which tangents cut off quickly, or if they are not convex; `None` otherwise.
+fn with_affine_objective(model: &Model) -> Result<Option<Model>, Error> {
+    let products = model.objective().products();
+    let squares_only = products.iter().all(|(a, b, _)| a == b);
+    if products.is_empty() || !(squares_only || model.is_convex_within_bounds()) {
+        return Ok(None);
+    }
+    let mut stated = model.clone();
+    let affine = stated.nonlinear("objective", model.objective())?;
+    stated.set_objective(model.sense(), affine)?;
+    Ok(Some(stated))
 }
 
 fn refuse(options: &Options, control: &Control<'_>) -> Result<(), Error> {

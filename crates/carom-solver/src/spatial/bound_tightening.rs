@@ -13,6 +13,10 @@ const PASSES: usize = 3;
 /// The least part of its range that a column has to lose in a pass for another pass.
 const LEAST_GAIN: f64 = 0.1;
 
+/// The pivots that all passes may take, at least, and as a multiple of those of the root.
+const LEAST_PIVOTS: u64 = 3000;
+const PIVOTS: u64 = 40;
+
 /// What rounding may have cost a bound from reduced costs, relative (no unit).
 const ROUNDING: f64 = 1e-9;
 
@@ -23,17 +27,30 @@ pub(super) fn tighten_by_relaxations(
     cascade: &mut MethodCascade,
     propagator: &mut Propagator,
     domain: &mut Domain,
-    cutoff: f64,
+    (cutoff, x): (f64, Option<&[f64]>),
 ) -> Result<(), EmptyDomain> {
-    let SpatialProgram { program, spatial, .. } = relaxer.program;
+    let SpatialProgram { program, terms, .. } = relaxer.program;
+    // Columns whose terms are off, those with the largest misses first.
+    let mut off = vec![0.0_f64; program.column_count()];
+    for term in terms {
+        let violation = x.map_or(1.0, |x| term.violation(x) / x[term.result].abs().max(1.0));
+        let violation = if violation.is_nan() { 1.0 } else { violation };
+        for &column in term.arguments() {
+            off[column] = off[column].max(violation);
+        }
+    }
+    let mut columns: Vec<usize> = (0..off.len()).filter(|&j| off[j] > 1e-7).collect();
+    columns.sort_by(|&a, &b| off[b].total_cmp(&off[a]).then(a.cmp(&b)));
+    let most = cascade.iterations().saturating_mul(PIVOTS).max(LEAST_PIVOTS);
+    let most = cascade.iterations() + most;
     let mut warm = None;
     for _ in 0..PASSES {
         let mut gains = false;
-        for &column in spatial {
+        for &column in &columns {
             for is_upper in [false, true] {
                 let [lower, upper] = domain.bounds(column);
                 let width = upper - lower;
-                if relaxer.token.is_over() {
+                if relaxer.token.is_over() || cascade.iterations() > most {
                     return Ok(());
                 }
                 if width <= 1e-6 * lower.abs().max(1.0) {
@@ -54,7 +71,7 @@ pub(super) fn tighten_by_relaxations(
                 reduced.quadratic.value.clear();
                 reduced.quadratic.start.fill(0);
                 let question = RelaxationQuestion {
-                    purpose: Purpose::Node,
+                    purpose: if warm.is_some() { Purpose::Node } else { Purpose::Root },
                     cutoff: f64::INFINITY,
                     options: relaxer.options,
                     constant: 0.0,

@@ -99,8 +99,8 @@ fn spatial_split(
     }
     let can_split = |j: usize| {
         let [lower, upper] = domain.bounds(j);
-        upper - lower > NARROW * lower.abs().max(upper.abs()).max(1e-3)
-            && (!program.program.integral[j] || lower < upper)
+        let size = lower.abs().max(upper.abs()).max(1e-3);
+        upper - lower == f64::INFINITY || upper - lower > NARROW * size
     };
     let mean = history.mean(program.spatial.iter().copied());
     let score = |j: usize| {

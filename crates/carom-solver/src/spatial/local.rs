@@ -12,6 +12,12 @@ const MAX_STEPS: usize = 60;
 /// The radius at which a search ends, relative to the ranges of the columns (no unit).
 const LEAST_RADIUS: f64 = 1e-9;
 
+/// By how much rows are loosened, relative to their limits (no unit).
+const LOOSE: f64 = 1e-8;
+
+/// By how much they are loosened at most: less than the tolerance of any check.
+const MOST_LOOSE: f64 = 1e-7;
+
 /// A search for a point near another one.
 pub(super) struct LocalSearch<'a> {
     pub(super) relaxer: &'a Relaxer<'a>,
@@ -70,6 +76,7 @@ impl LocalSearch<'_> {
             let next = next[..first].to_vec();
             let (value, off) = self.merit(&next, penalty);
             if is_first {
+                self.relaxer.cut_cones(&mut reduced, &next);
                 // The first point keeps the rows, so that merits can be compared from here on.
                 (x, merit, is_first) = (next, value, false);
                 self.show(&x, accept);
@@ -86,6 +93,7 @@ impl LocalSearch<'_> {
                 }
                 return;
             }
+            self.relaxer.cut_cones(&mut reduced, &next);
             if gain > 0.1 * promise {
                 (x, merit) = (next, value);
                 self.show(&x, accept);
@@ -123,6 +131,13 @@ impl LocalSearch<'_> {
         let SpatialProgram { terms, spatial, program, .. } = self.relaxer.program;
         let mut reduced = self.relaxer.plain(self.domain);
         let first = reduced.columns.len();
+        // The point keeps the rows up to rounding only, and has to stay a point of the program.
+        for limit in reduced.row_lower.iter_mut().filter(|limit| limit.is_finite()) {
+            *limit -= (LOOSE * limit.abs().max(1.0)).min(MOST_LOOSE);
+        }
+        for limit in reduced.row_upper.iter_mut().filter(|limit| limit.is_finite()) {
+            *limit += (LOOSE * limit.abs().max(1.0)).min(MOST_LOOSE);
+        }
         if !is_first {
             for &j in spatial {
                 let [lower, upper] = self.domain.bounds(j);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::term::{Shape, Term};
 use crate::error::Error;
 use crate::model::{Affine, Function, Model, Name, StoredRow, VariableKind};
-use crate::presolve::{Domain, Reduced};
+use crate::presolve::{Domain, Reduced, ReducedCone};
 use crate::program::Program;
 use crate::reformulate::Tie;
 
@@ -18,8 +18,10 @@ pub(crate) struct SpatialProgram {
     pub(super) terms: Vec<Term>,
     /// Columns that equal affine expressions of columns.
     arguments: Vec<ArgumentColumn>,
-    /// All rows and columns, without terms.
+    /// All rows and columns, without terms and cones.
     pub(super) base: Reduced,
+    /// The cones, which relaxations cut off.
+    pub(super) cones: Vec<ReducedCone>,
     /// Columns whose ranges enclosures depend on.
     pub(super) spatial: Vec<usize>,
 }
@@ -57,11 +59,12 @@ impl SpatialProgram {
             terms.push(Term { result, shape, tie });
         }
         let program = Program::assemble(&rows)?;
-        let base = Reduced::whole(&program);
+        let mut base = Reduced::whole(&program);
+        let cones = std::mem::take(&mut base.cones);
         let mut spatial: Vec<usize> = terms.iter().flat_map(Term::arguments).copied().collect();
         spatial.sort_unstable();
         spatial.dedup();
-        Ok(SpatialProgram { program, terms, arguments: builder.arguments, base, spatial })
+        Ok(SpatialProgram { program, terms, arguments: builder.arguments, base, cones, spatial })
     }
 
     /// A point between the bounds of all columns.

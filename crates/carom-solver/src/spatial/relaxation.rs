@@ -2,11 +2,13 @@
 
 use super::enclosure::{EnclosureRow, rows, separate};
 use super::program::SpatialProgram;
+use std::cell::RefCell;
 use crate::presolve::{Domain, Reduced};
 use crate::relaxation::{
-    MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
+    ConeCut, MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
 };
 use crate::solver::{Options, StopToken};
+use crate::tolerance::largest_magnitude;
 
 /// Names of rows for each term, by which a basis knows them.
 const NAMES: usize = 64;
@@ -18,6 +20,9 @@ const NODE_ROUNDS: usize = 5;
 /// The lift of the bound by a round, as a part of the gap to the cutoff or of its size, below which
 /// no other one follows.
 const LEAST_LIFT: f64 = 0.01;
+
+/// The part of the largest value by which a point may be outside of a cone (no unit).
+const CONE_MISS: f64 = 1e-9;
 
 /// What is known of a box from its relaxation.
 pub(super) enum BoxVerdict {
@@ -40,14 +45,30 @@ pub(super) struct RelaxedBox {
     pub(super) warm: Option<WarmState>,
 }
 
+/// By how much rows of terms are loosened, relative to their limits (no unit).
+const LOOSE: f64 = 1e-9;
+
+/// Most cuts of cones that all relaxations begin with; later ones take the places of earlier ones.
+const MAX_CONE_CUTS: usize = 300;
+
 /// What a relaxation needs.
 pub(super) struct Relaxer<'a> {
     pub(super) program: &'a SpatialProgram,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
+    /// The cuts of cones so far, which hold in all boxes, and how many there have been.
+    cone_cuts: RefCell<(Vec<ConeCut>, usize)>,
 }
 
-impl Relaxer<'_> {
+impl<'a> Relaxer<'a> {
+    pub(super) fn new(
+        program: &'a SpatialProgram,
+        options: &'a Options,
+        token: &'a StopToken,
+    ) -> Self {
+        Relaxer { program, options, token, cone_cuts: RefCell::default() }
+    }
+
     /// The program of a box without the rows of terms.
     pub(super) fn plain(&self, domain: &Domain) -> Reduced {
         let mut reduced = self.program.base.clone();
@@ -55,7 +76,38 @@ impl Relaxer<'_> {
             [reduced.lower[j], reduced.upper[j]] = domain.bounds(j);
         }
         reduced.wants_vertex = true;
+        for (k, cut) in self.cone_cuts.borrow().0.iter().enumerate() {
+            self.push_cone_cut(&mut reduced, k, cut);
+        }
         reduced
+    }
+
+    fn push_cone_cut(&self, reduced: &mut Reduced, k: usize, cut: &ConeCut) {
+        reduced.rows.push(cut.terms.iter().copied());
+        reduced.row_lower.push(f64::NEG_INFINITY);
+        reduced.row_upper.push(0.0);
+        let first = self.program.program.row_count() + self.program.terms.len() * NAMES;
+        reduced.origin.push(first + k);
+    }
+
+    /// Cuts off the cones that a point is outside of. Whether there is one.
+    pub(super) fn cut_cones(&self, reduced: &mut Reduced, x: &[f64]) -> bool {
+        let mut is_new = false;
+        for cone in &self.program.cones {
+            let Some(cut) = ConeCut::at(cone, x) else { continue };
+            if cut.violation(x) <= CONE_MISS * largest_magnitude(x).max(1.0) {
+                continue;
+            }
+            is_new = true;
+            let (cuts, count) = &mut *self.cone_cuts.borrow_mut();
+            let place = *count % MAX_CONE_CUTS;
+            *count += 1;
+            // In this program, an older one that it replaces stays, and its name is taken.
+            let is_free = place == cuts.len();
+            self.push_cone_cut(reduced, if is_free { place } else { MAX_CONE_CUTS + place }, &cut);
+            if is_free { cuts.push(cut) } else { cuts[place] = cut }
+        }
+        is_new
     }
 
     /// The program of a box with rows that are tight at a point.
@@ -72,8 +124,12 @@ impl Relaxer<'_> {
 
     fn push(&self, reduced: &mut Reduced, term: usize, count: &mut usize, row: &EnclosureRow) {
         reduced.rows.push(row.entries.iter().copied());
-        reduced.row_lower.push(row.lower);
-        reduced.row_upper.push(row.upper);
+        // Rows below and above a narrow range would contradict each other by rounding.
+        let slack = |limit: f64| LOOSE * limit.abs().max(1.0);
+        let is_finite = |limit: f64| limit.is_finite();
+        let (lower, upper) = (row.lower, row.upper);
+        reduced.row_lower.push(if is_finite(lower) { lower - slack(lower) } else { lower });
+        reduced.row_upper.push(if is_finite(upper) { upper + slack(upper) } else { upper });
         let first = self.program.program.row_count() + term * NAMES;
         reduced.origin.push(first + (*count).min(NAMES - 1));
         *count += 1;
@@ -98,7 +154,8 @@ impl Relaxer<'_> {
         let mut best: Option<RelaxedBox> = None;
         for round in 0..=rounds {
             let question = RelaxationQuestion {
-                purpose: if is_root { Purpose::Root } else { Purpose::Node },
+                // Without a basis, the simplex method solves roots only.
+                purpose: if warm.is_some() { Purpose::Node } else { Purpose::Root },
                 cutoff,
                 options: self.options,
                 constant: self.program.program.constant,
@@ -139,7 +196,7 @@ impl Relaxer<'_> {
                 best.x = point.clone();
             }
             let Some(point) = point.filter(|_| !is_enough) else { break };
-            let mut is_new = false;
+            let mut is_new = self.cut_cones(&mut reduced, &point);
             for (k, term) in self.program.terms.iter().enumerate() {
                 let size = point[term.result].abs().max(1.0);
                 if term.violation(&point) <= 1e-7 * size {

@@ -17,6 +17,9 @@ use crate::solver::{Options, StopToken};
 /// Nodes after which a local search follows, while no point is known; it doubles.
 const LOCAL_INTERVAL: u64 = 4;
 
+/// Random starts of local searches at the root, if no point is known.
+const RANDOM_STARTS: usize = 6;
+
 /// The longest way down before the node with the least bound is next.
 const MAX_PLUNGE: u32 = 12;
 
@@ -72,7 +75,7 @@ impl SpatialSearch<'_> {
             propagator: Propagator::new(&program.program),
             history: SplitHistory::new(program.program.column_count()),
             open: OpenNodes::default(),
-            relaxer: Relaxer { program, options, token },
+            relaxer: Relaxer::new(program, options, token),
         };
         let mut root = Domain::new(&program.program);
         state.statistics.threads = 1;
@@ -162,6 +165,8 @@ impl SpatialSearch<'_> {
             domain.set_upper(j as usize, upper);
         }
         let mut cutoff = self.cutoff(state);
+        // What is removed from now on is no better than the cutoff.
+        state.close(cutoff);
         state.propagator.set_cutoff(&program.program, cutoff);
         let from = if is_root { None } else { Some(mark) };
         if propagate(program, &mut state.propagator, &mut domain, from).is_err() {
@@ -226,6 +231,9 @@ impl SpatialSearch<'_> {
             if is_root || nodes.is_power_of_two() || (all_whole && nodes % interval == 0) {
                 self.improve(state, domain, x);
             }
+            if is_root {
+                self.try_random_starts(state, domain);
+            }
         }
         let cutoff = self.cutoff(state);
         if relaxed.bound >= cutoff {
@@ -233,6 +241,7 @@ impl SpatialSearch<'_> {
             state.close(relaxed.bound);
             return None;
         }
+        state.close(cutoff);
         let mark = domain.mark();
         let mut moves =
             tighten_by_reduced_costs(program, &mut state.cascade, relaxed, domain, cutoff);
@@ -241,7 +250,8 @@ impl SpatialSearch<'_> {
         let mut is_empty = moves && propagate(program, propagator, domain, Some(mark)).is_err();
         if is_root && !is_empty {
             let (relaxer, cascade) = (&state.relaxer, &mut state.cascade);
-            let result = tighten_by_relaxations(relaxer, cascade, propagator, domain, cutoff);
+            let x = relaxed.x.as_deref();
+            let result = tighten_by_relaxations(relaxer, cascade, propagator, domain, (cutoff, x));
             is_empty = result.is_err();
             state.count();
             if !is_empty {
@@ -347,6 +357,27 @@ impl SpatialSearch<'_> {
             state.best = Some((x.to_vec(), value));
             let bound = state.open.bound().unwrap_or(f64::NEG_INFINITY).min(value);
             (self.notify)(&state.statistics, x, value, bound);
+        }
+    }
+
+    /// Looks for points from random ones, as long as none is known.
+    fn try_random_starts(&mut self, state: &mut State<'_>, domain: &Domain) {
+        let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+        for _ in 0..RANDOM_STARTS {
+            if state.best.is_some() || self.token.is_over() {
+                return;
+            }
+            let place = |j: usize| {
+                random ^= random << 13;
+                random ^= random >> 7;
+                random ^= random << 17;
+                let part = (random >> 11) as f64 / (1_u64 << 53) as f64;
+                let [lower, upper] = domain.bounds(j);
+                let (lower, upper) = (lower.max(upper.min(0.0) - 10.0), upper.min(lower.max(0.0) + 10.0));
+                lower + part * (upper - lower)
+            };
+            let start: Vec<f64> = (0..domain.column_count()).map(place).collect();
+            self.improve(state, domain, &start);
         }
     }
 
