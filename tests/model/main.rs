@@ -10,6 +10,7 @@ mod cones;
 mod conic_conditions;
 mod constant_rows;
 mod disjunctions;
+mod elementary;
 mod fragments;
 mod functions;
 mod implied_bounds;

@@ -29,6 +29,7 @@ mod large_coefficients;
 mod lazy_constraints;
 mod limits;
 mod multipliers;
+mod nonlinear;
 mod notes;
 mod open_integers;
 mod open_semicontinuous;

@@ -23,6 +23,6 @@ pub use carom_model;
 #[cfg(feature = "serde")]
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    activity, elementary, error, interval, model, mutations, number, semidefinite, setters, solution, solver,
-    sum, tolerance, union_find,
+    activity, elementary, error, interval, model, mutations, number, semidefinite, setters,
+    solution, solver, sum, tolerance, union_find,
 };

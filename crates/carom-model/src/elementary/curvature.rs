@@ -24,18 +24,6 @@ const MAX_PIECES: usize = 12;
 const INFLECTION: f64 = 1e-14;
 
 impl Elementary {
-    /// The curvature over a range inside the domain.
-    #[doc(hidden)]
-    pub(crate) fn curvature(&self, x: Interval) -> Curvature {
-        match self {
-            Elementary::Own(own) => own.curvature(x),
-            _ => match self.pieces(x).as_slice() {
-                [(_, curvature)] => *curvature,
-                _ => Curvature::Unknown,
-            },
-        }
-    }
-
     /// The parts of a range inside the domain, in order, with the curvature of each.
     pub(super) fn pieces(&self, x: Interval) -> Vec<(Interval, Curvature)> {
         use Curvature::{Concave, Convex};
@@ -48,7 +36,8 @@ impl Elementary {
                 true => vec![(x, Curvature::Unknown)],
                 false => {
                     // Concave to the left of a multiple of π and convex to the right of it.
-                    let middle = if x.is_bounded() { (0.5 * (x.lower + x.upper) / PI).round() } else { 0.0 };
+                    let middle =
+                        if x.is_bounded() { (0.5 * (x.lower + x.upper) / PI).round() } else { 0.0 };
                     split(x, middle * PI, Concave, Convex)
                 }
             },

@@ -1,15 +1,19 @@
 //! The arguments at which a function has values of an interval, within what is known of them.
 
-use super::{Elementary, is_odd, is_whole};
+use super::{Elementary, VALUE_ROUNDING, is_odd, is_whole};
 use crate::interval::Interval;
 
 impl Elementary {
     /// An interval that contains all arguments of a range whose values lie in another one; empty
     /// (with crossed ends) if there is none.
+    #[doc(hidden)]
     pub fn inverse(&self, y: Interval, x: Interval) -> Interval {
         let x = x.intersection(self.domain());
         let values = self.range(x);
-        let y = y.intersection(values);
+        // A value in floats may be a little off the true one.
+        let rounding = VALUE_ROUNDING * y.lower.abs().min(y.upper.abs());
+        let rounding = if rounding.is_finite() { rounding } else { 0.0 };
+        let y = Interval::new(y.lower - rounding, y.upper + rounding).intersection(values);
         if x.is_empty() || y.is_empty() {
             return Interval::new(f64::INFINITY, f64::NEG_INFINITY);
         }
@@ -20,9 +24,7 @@ impl Elementary {
             Elementary::Exp => Elementary::Ln.range(y),
             Elementary::Ln => Elementary::Exp.range(y),
             Elementary::Sinh => inverse_of(y, f64::asinh),
-            Elementary::Tanh => {
-                inverse_of(y.intersection(Interval::new(-1.0, 1.0)), f64::atanh)
-            }
+            Elementary::Tanh => inverse_of(y.intersection(Interval::new(-1.0, 1.0)), f64::atanh),
             Elementary::Cosh => {
                 let most = inverse_of(Interval::new(1.0, y.upper), f64::acosh).upper;
                 Interval::new(-most, most)
@@ -98,8 +100,10 @@ fn roots(p: f64, y: Interval, x: Interval) -> Interval {
             let of = if v > 0.0 && v.is_finite() { v.ln().abs() } else { 0.0 };
             v.abs() * f64::EPSILON * (8.0 + 4.0 * of * p.abs())
         };
-        let lower = if found.lower.is_finite() { found.lower - slack(found.lower) } else { found.lower };
-        let upper = if found.upper.is_finite() { found.upper + slack(found.upper) } else { found.upper };
+        let lower =
+            if found.lower.is_finite() { found.lower - slack(found.lower) } else { found.lower };
+        let upper =
+            if found.upper.is_finite() { found.upper + slack(found.upper) } else { found.upper };
         Interval::new(lower.max(0.0), upper)
     };
     let positive = Interval::new(0.0, f64::INFINITY);

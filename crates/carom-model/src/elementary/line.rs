@@ -37,6 +37,7 @@ impl Elementary {
     /// * `x`: the range; parts outside the domain do not count.
     /// * `at`: the argument of the range at which the line is to be tight.
     /// * `is_below`: which of the two.
+    #[doc(hidden)]
     pub fn line(&self, x: Interval, at: f64, is_below: bool) -> Option<Line> {
         let x = x.intersection(self.domain());
         if x.is_empty() || self.has_pole_in(x) {
@@ -137,9 +138,9 @@ impl Signed<'_> {
             }
             hull.push(next);
         }
-        let is_convex = pieces.iter().any(|(piece, curvature)| {
-            *curvature == Curvature::Convex && piece.contains(at)
-        });
+        let is_convex = pieces
+            .iter()
+            .any(|(piece, curvature)| *curvature == Curvature::Convex && piece.contains(at));
         // A sample on the hull, in a convex piece: the tangent is the envelope.
         if is_convex && hull.iter().any(|(p, _)| *p == at) {
             return self.tangent(x, at);
@@ -189,10 +190,7 @@ impl Signed<'_> {
         let to = |end: f64, missed: f64| match (end - place == 0.0, missed == 0.0) {
             (true, _) | (_, true) => 0.0,
             _ => {
-                let reach = Interval::new(
-                    (end - place).next_down(),
-                    (end - place).next_up(),
-                );
+                let reach = Interval::new((end - place).next_down(), (end - place).next_up());
                 (reach * missed).lower
             }
         };

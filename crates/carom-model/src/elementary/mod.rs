@@ -182,7 +182,11 @@ impl Elementary {
             Elementary::Power(p) if x.lower >= 0.0 => p.signum(),
             Elementary::Power(p) if is_odd(*p) && *p > 0.0 => 1.0,
             Elementary::Power(p) if x.upper <= 0.0 && is_whole(*p) => {
-                if is_odd(*p) { p.signum() } else { -p.signum() }
+                if is_odd(*p) {
+                    p.signum()
+                } else {
+                    -p.signum()
+                }
             }
             Elementary::Own(own) => {
                 let slope = own.function().slope_range(x);

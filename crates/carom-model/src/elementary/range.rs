@@ -26,12 +26,8 @@ impl Elementary {
                 true => Interval::REALS,
                 false => rising(x, f64::tan),
             },
-            Elementary::Asin => {
-                rising(x, f64::asin).intersection(Interval::new(-1.6, 1.6))
-            }
-            Elementary::Acos => {
-                -rising(-x, |x| -(-x).acos()).intersection(Interval::new(-3.2, 0.0))
-            }
+            Elementary::Asin => rising(x, f64::asin).intersection(Interval::new(-1.6, 1.6)),
+            Elementary::Acos => rising(-x, |t| (-t).acos()).intersection(Interval::new(0.0, 3.2)),
             Elementary::Atan => rising(x, f64::atan).intersection(Interval::new(-1.6, 1.6)),
             Elementary::Sinh => rising(x, f64::sinh),
             Elementary::Cosh => {
@@ -40,9 +36,7 @@ impl Elementary {
                 Interval::new(around(least).lower.max(1.0), most)
             }
             Elementary::Tanh => rising(x, f64::tanh).intersection(Interval::new(-1.0, 1.0)),
-            Elementary::Exp => {
-                rising(x, f64::exp).intersection(Interval::new(0.0, f64::INFINITY))
-            }
+            Elementary::Exp => rising(x, f64::exp).intersection(Interval::new(0.0, f64::INFINITY)),
             Elementary::Ln => rising(x, f64::ln),
             Elementary::Power(p) => powers(*p, x),
             Elementary::Own(own) => own.function().range(x),

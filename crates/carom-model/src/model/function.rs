@@ -86,10 +86,7 @@ impl Function {
     /// Whether it is neither affine nor piecewise affine, so that rows only enclose it.
     #[doc(hidden)]
     pub fn is_smooth(&self) -> bool {
-        matches!(
-            self,
-            Function::Elementary { .. } | Function::Bilinear(_) | Function::Quotient(_)
-        )
+        matches!(self, Function::Elementary { .. } | Function::Bilinear(_) | Function::Quotient(_))
     }
 
     /// The function with its variables named.

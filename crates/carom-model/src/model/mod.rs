@@ -45,6 +45,7 @@ pub(crate) mod text;
 mod variable;
 mod variables;
 
+pub use crate::elementary::{Elementary, OwnFunction, SmoothFunction};
 pub use affine::Affine;
 #[doc(alias("SOCP", "second-order cone"))]
 pub use conic::norm;
@@ -61,7 +62,6 @@ pub use ids::{
 pub use indicator::{Consequent, Implication, Implications, Reification, Reified};
 pub use literal::Literal;
 pub use logic::{Logic, at_least, at_most, exactly};
-pub use crate::elementary::{Elementary, OwnFunction, SmoothFunction};
 pub use name::Name;
 pub use nonlinear::{Nonlinear, NonlinearRow};
 #[doc(alias("piecewise linear", "PWL"))]

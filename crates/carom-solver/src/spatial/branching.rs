@@ -71,7 +71,8 @@ pub(super) fn choose(
         part.min(1.0 - part)
     };
     let mean = history.mean(integers.iter().copied());
-    let open = integers.iter().copied().filter(|&j| fraction(j) > integrality && !domain.is_fixed(j));
+    let open =
+        integers.iter().copied().filter(|&j| fraction(j) > integrality && !domain.is_fixed(j));
     let score = |j: usize| fraction(j) * history.gain(j, mean).max(1e-6 * mean.max(1e-6));
     if let Some(column) = open.max_by(|&a, &b| score(a).total_cmp(&score(b))) {
         return Some(Split { column, at: x[column] });
@@ -132,6 +133,12 @@ fn place(domain: &Domain, column: usize, x: f64) -> f64 {
         }
         (true, false) => x.max(lower + lower.abs().max(1.0)),
         (false, true) => x.min(upper - upper.abs().max(1.0)),
-        (false, false) => if x.is_finite() { x } else { 0.0 },
+        (false, false) => {
+            if x.is_finite() {
+                x
+            } else {
+                0.0
+            }
+        }
     }
 }

@@ -47,7 +47,8 @@ pub(super) fn rows(term: &Term, domain: &Domain, at: Option<&[f64]>) -> Vec<Encl
                 };
                 for at in [middle, range.lower, range.upper] {
                     let line = (function, term.result, *of);
-                    if at.is_finite() && let Some(row) = line_row(line, range, at, is_below)
+                    if at.is_finite()
+                        && let Some(row) = line_row(line, range, at, is_below)
                         && !rows.contains(&row)
                     {
                         rows.push(row);

@@ -49,7 +49,8 @@ impl LocalSearch<'_> {
             if self.relaxer.token.is_over() || radius < LEAST_RADIUS {
                 return;
             }
-            let Some((mut reduced, first)) = self.linear_program(&x, radius, penalty, is_first) else {
+            let Some((mut reduced, first)) = self.linear_program(&x, radius, penalty, is_first)
+            else {
                 return;
             };
             let question = RelaxationQuestion {

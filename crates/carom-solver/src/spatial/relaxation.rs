@@ -2,13 +2,13 @@
 
 use super::enclosure::{EnclosureRow, rows, separate};
 use super::program::SpatialProgram;
-use std::cell::RefCell;
 use crate::presolve::{Domain, Reduced};
 use crate::relaxation::{
     ConeCut, MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState,
 };
 use crate::solver::{Options, StopToken};
 use crate::tolerance::largest_magnitude;
+use std::cell::RefCell;
 
 /// Names of rows for each term, by which a basis knows them.
 const NAMES: usize = 64;

@@ -137,7 +137,9 @@ impl SpatialSearch<'_> {
             return Some(Termination::NodeLimit);
         }
         let memory = self.options.memory_limit;
-        memory.is_some_and(|most| state.open.bytes() as u64 > most).then_some(Termination::MemoryLimit)
+        memory
+            .is_some_and(|most| state.open.bytes() as u64 > most)
+            .then_some(Termination::MemoryLimit)
     }
 
     /// The bound from which a box holds no point that is better by enough.
@@ -178,8 +180,7 @@ impl SpatialSearch<'_> {
         for pass in 0..2 {
             let at = node.x.as_ref().map(|x| x.as_slice());
             let start = (at, node.warm.as_ref());
-            let verdict =
-                state.relaxer.relax(&mut state.cascade, &domain, start, cutoff, is_root);
+            let verdict = state.relaxer.relax(&mut state.cascade, &domain, start, cutoff, is_root);
             state.count();
             match verdict {
                 BoxVerdict::Refuted => {
@@ -189,8 +190,8 @@ impl SpatialSearch<'_> {
                 }
                 BoxVerdict::Stopped => break,
                 BoxVerdict::Relaxed(found) => {
-                    let again = pass == 0
-                        && self.tighten(state, root, &mut domain, &found, is_root)?;
+                    let again =
+                        pass == 0 && self.tighten(state, root, &mut domain, &found, is_root)?;
                     relaxed = Some(found);
                     cutoff = self.cutoff(state);
                     if !again {
@@ -373,7 +374,8 @@ impl SpatialSearch<'_> {
                 random ^= random << 17;
                 let part = (random >> 11) as f64 / (1_u64 << 53) as f64;
                 let [lower, upper] = domain.bounds(j);
-                let (lower, upper) = (lower.max(upper.min(0.0) - 10.0), upper.min(lower.max(0.0) + 10.0));
+                let (lower, upper) =
+                    (lower.max(upper.min(0.0) - 10.0), upper.min(lower.max(0.0) + 10.0));
                 lower + part * (upper - lower)
             };
             let start: Vec<f64> = (0..domain.column_count()).map(place).collect();
@@ -400,10 +402,8 @@ impl SpatialSearch<'_> {
         {
             return;
         }
-        let mut cascade = std::mem::replace(
-            &mut state.cascade,
-            MethodCascade::new(self.options.relaxation),
-        );
+        let mut cascade =
+            std::mem::replace(&mut state.cascade, MethodCascade::new(self.options.relaxation));
         let mut found = Vec::new();
         {
             let search = LocalSearch { relaxer: &state.relaxer, domain: &fixed };

@@ -17,7 +17,10 @@ pub(super) struct Term {
 /// The function of a term, with the columns of its arguments.
 #[derive(Debug, Clone)]
 pub(super) enum Shape {
-    Elementary { function: Elementary, of: usize },
+    Elementary {
+        function: Elementary,
+        of: usize,
+    },
     /// The product of two columns.
     Bilinear([usize; 2]),
     /// The first column divided by the second one.
@@ -49,9 +52,7 @@ impl Term {
                 ([(*of, function.derivative(x[*of])), (*of, 0.0)], 1)
             }
             Shape::Bilinear([a, b]) => ([(*a, x[*b]), (*b, x[*a])], 2),
-            Shape::Quotient([a, b]) => {
-                ([(*a, 1.0 / x[*b]), (*b, -x[*a] / (x[*b] * x[*b]))], 2)
-            }
+            Shape::Quotient([a, b]) => ([(*a, 1.0 / x[*b]), (*b, -x[*a] / (x[*b] * x[*b]))], 2),
         }
     }
 

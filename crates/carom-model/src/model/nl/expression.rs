@@ -159,9 +159,8 @@ impl OpenOperator {
                 let sign = if operator == Operator::Maximum { 1.0 } else { -1.0 };
                 let mut all = std::iter::from_fn(|| arguments.next());
                 let first = all.next().unwrap_or_default().scaled(sign).into_nonlinear(tag);
-                let most = all.fold(first, |most, other| {
-                    most.max(other.scaled(sign).into_nonlinear(tag))
-                });
+                let most =
+                    all.fold(first, |most, other| most.max(other.scaled(sign).into_nonlinear(tag)));
                 Ok(Polynomial::of(most * sign))
             }
             Operator::Absolute => Ok(Polynomial::of(next().into_nonlinear(tag).abs())),
@@ -192,7 +191,9 @@ fn power(base: Polynomial, exponent: f64, tag: ModelTag) -> Polynomial {
     match exponent {
         0.0 => Polynomial::constant(1.0),
         1.0 => base,
-        2.0 if base.products.is_empty() && base.functions.is_zero() => base.clone().times(base, tag),
+        2.0 if base.products.is_empty() && base.functions.is_zero() => {
+            base.clone().times(base, tag)
+        }
         _ => Polynomial::of(base.into_nonlinear(tag).pow(exponent)),
     }
 }

@@ -177,7 +177,8 @@ impl<'a> Definer<'a> {
         match (expression.terms().as_slice(), expression.offset()) {
             (&[(variable, 1.0)], 0.0) => {
                 let found = self.model.variable_ref(variable).ok()?;
-                (found.kind() == VariableKind::Binary && found.parameter_range().is_none()).then_some(variable)
+                (found.kind() == VariableKind::Binary && found.parameter_range().is_none())
+                    .then_some(variable)
             }
             _ => None,
         }

@@ -14,8 +14,8 @@ pub use row::NonlinearRow;
 
 use super::affine::Affine;
 use super::quadratic::Quadratic;
-use crate::error::Error;
 use crate::elementary::{Elementary, OwnFunction, SmoothFunction};
+use crate::error::Error;
 
 /// A nonlinear expression: functions, products and quotients of expressions, and sums of them.
 ///
@@ -147,12 +147,10 @@ impl Nonlinear {
         -(-self.clone()).max(-other.into())
     }
 
-    /// The square of the expression.
+    /// The square of the expression. Unlike that of an affine expression it is not multiplied out,
+    /// because the range of the square is known, and that of a sum of products is not.
     pub fn square(&self) -> Nonlinear {
-        match self.as_affine() {
-            Some(affine) => affine.square().into(),
-            None => self.pow(2.0),
-        }
+        self.pow(2.0)
     }
 }
 
