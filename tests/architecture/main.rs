@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use circles::{File, circles};
 
 /// What everything stands on, from the bottom up; each module sees those before it.
-const GROUND: [&str; 15] = [
+const GROUND: [&str; 16] = [
     "setters",
     "mutations",
     "rounding",
@@ -25,6 +25,7 @@ const GROUND: [&str; 15] = [
     "error",
     "tolerance",
     "interval",
+    "elementary",
     "activity",
     "sum",
     "union_find",
@@ -38,12 +39,13 @@ const GROUND: [&str; 15] = [
 const MODELLING: [&str; 4] = ["picture", "graph_of_sets", "hybrid", "collision_tolerant"];
 
 /// The solving tower on the ground, from the bottom up.
-const SOLVING: [&str; 10] = [
+const SOLVING: [&str; 11] = [
     "program",
     "presolve",
     "relaxation",
     "reformulate",
     "search",
+    "spatial",
     "proof",
     "branch_and_bound",
     "explain",

@@ -6,7 +6,7 @@ pub mod activity {
 }
 
 pub mod elementary {
-    pub use crate::elementary::{Elementary, Line};
+    pub use crate::elementary::{Elementary, SupportLine};
 }
 
 pub mod error {
@@ -78,6 +78,7 @@ pub mod solution {
 
 pub mod solver {
     pub use crate::solver::control::RowSource;
+    pub use crate::solver::prepared::prepared_afresh;
     pub use crate::solver::stop_token::uninterrupted;
     pub use crate::solver::*;
 }

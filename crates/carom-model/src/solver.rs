@@ -25,7 +25,7 @@ mod log;
 mod log_columns;
 mod mip_start;
 mod options;
-mod prepared;
+pub(crate) mod prepared;
 mod progress;
 mod relaxation_method;
 mod rules;
@@ -103,6 +103,6 @@ pub trait Solver {
     ///
     /// Errors of lowering, as for [`solve_with`](Solver::solve_with).
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
-        Ok(Box::new(prepared::Afresh { solver: self, model: model.clone() }))
+        Ok(prepared::prepared_afresh(self, model))
     }
 }

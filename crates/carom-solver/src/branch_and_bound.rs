@@ -36,7 +36,7 @@ use crate::reformulate;
 use crate::relaxation::CascadePool;
 use crate::search::{SearchResult, SolveTask};
 use crate::solution::Solution;
-use crate::solver::{Control, Options, Prepared, Solver, StopToken};
+use crate::solver::{Control, Options, Prepared, Solver, StopToken, prepared_afresh};
 use answer::answer;
 use mip_start::GivenStart;
 use nonlinear::{is_nonlinear, solve_nonlinear};
@@ -119,6 +119,9 @@ impl Solver for BranchAndBound {
     }
 
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
+        if is_nonlinear(model) {
+            return Ok(prepared_afresh(self, model));
+        }
         let rows = reformulate::with_some_integers(model)?;
         Ok(Box::new(PreparedProgram::new(&mut self.options, rows.as_ref().unwrap_or(model))?))
     }

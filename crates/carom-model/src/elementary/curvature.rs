@@ -2,12 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Elementary, is_odd, is_whole};
+use super::function::{Elementary, is_odd, is_whole};
 use crate::interval::Interval;
 
 /// The sign of the second derivative over a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Curvature {
+pub(crate) enum CurvatureSign {
     /// At least 0.
     Convex,
     /// At most 0.
@@ -25,15 +25,15 @@ const INFLECTION: f64 = 1e-14;
 
 impl Elementary {
     /// The parts of a range inside the domain, in order, with the curvature of each.
-    pub(super) fn pieces(&self, x: Interval) -> Vec<(Interval, Curvature)> {
-        use Curvature::{Concave, Convex};
+    pub(super) fn pieces(&self, x: Interval) -> Vec<(Interval, CurvatureSign)> {
+        use CurvatureSign::{Concave, Convex};
         match self {
             Elementary::Exp | Elementary::Cosh => vec![(x, Convex)],
             Elementary::Ln => vec![(x, Concave)],
             Elementary::Sin => alternating(x, 0.0, PI, Concave),
             Elementary::Cos => alternating(x, -FRAC_PI_2, PI, Concave),
             Elementary::Tan => match self.has_pole_in(x) {
-                true => vec![(x, Curvature::Unknown)],
+                true => vec![(x, CurvatureSign::Unknown)],
                 false => {
                     // Concave to the left of a multiple of π and convex to the right of it.
                     let middle =
@@ -56,15 +56,29 @@ impl Elementary {
             }
             Elementary::Own(own) => {
                 let mut pieces = Vec::new();
-                bisected(x, &mut pieces, &|x| own.curvature(x));
+                bisected(x, &mut pieces, &|x| sign_of(own.function().curvature_range(x)));
                 pieces
             }
         }
     }
 }
 
+/// The sign of a second derivative.
+fn sign_of(range: Interval) -> CurvatureSign {
+    match () {
+        () if range.lower >= 0.0 => CurvatureSign::Convex,
+        () if range.upper <= 0.0 => CurvatureSign::Concave,
+        () => CurvatureSign::Unknown,
+    }
+}
+
 /// A range at an inflection, which floats only approximate if it is not 0.
-fn split(x: Interval, at: f64, left: Curvature, right: Curvature) -> Vec<(Interval, Curvature)> {
+fn split(
+    x: Interval,
+    at: f64,
+    left: CurvatureSign,
+    right: CurvatureSign,
+) -> Vec<(Interval, CurvatureSign)> {
     let slack = if at == 0.0 { 0.0 } else { INFLECTION * at.abs() };
     match () {
         () if x.upper <= at - slack => vec![(x, left)],
@@ -76,7 +90,7 @@ fn split(x: Interval, at: f64, left: Curvature, right: Curvature) -> Vec<(Interv
                 pieces.push((Interval::new(x.lower, from), left));
             }
             if from < to {
-                pieces.push((Interval::new(from, to), Curvature::Unknown));
+                pieces.push((Interval::new(from, to), CurvatureSign::Unknown));
             }
             if to < x.upper {
                 pieces.push((Interval::new(to, x.upper), right));
@@ -91,15 +105,15 @@ fn alternating(
     x: Interval,
     first: f64,
     period: f64,
-    from_first: Curvature,
-) -> Vec<(Interval, Curvature)> {
+    from_first: CurvatureSign,
+) -> Vec<(Interval, CurvatureSign)> {
     let count = x.width() / period;
     if !x.is_bounded() || x.magnitude() > 1e8 || count > MAX_PIECES as f64 / 2.0 {
-        return vec![(x, Curvature::Unknown)];
+        return vec![(x, CurvatureSign::Unknown)];
     }
     let other = match from_first {
-        Curvature::Convex => Curvature::Concave,
-        _ => Curvature::Convex,
+        CurvatureSign::Convex => CurvatureSign::Concave,
+        _ => CurvatureSign::Convex,
     };
     let of = |k: f64| if (k / 2.0).fract() == 0.0 { from_first } else { other };
     let mut k = ((x.lower - first) / period).floor();
@@ -124,14 +138,14 @@ fn alternating(
 /// Halves a range until the curvature of each part is known, or there are too many.
 fn bisected(
     x: Interval,
-    pieces: &mut Vec<(Interval, Curvature)>,
-    curvature: &dyn Fn(Interval) -> Curvature,
+    pieces: &mut Vec<(Interval, CurvatureSign)>,
+    curvature: &dyn Fn(Interval) -> CurvatureSign,
 ) {
     let own = curvature(x);
     let is_small = x.width() <= 1e-9 * x.magnitude().max(1e-9);
-    if own != Curvature::Unknown || !x.is_bounded() || is_small || pieces.len() >= MAX_PIECES {
+    if own != CurvatureSign::Unknown || !x.is_bounded() || is_small || pieces.len() >= MAX_PIECES {
         match pieces.last_mut() {
-            Some((last, same)) if *same == own && own != Curvature::Unknown => {
+            Some((last, same)) if *same == own && own != CurvatureSign::Unknown => {
                 last.upper = x.upper;
             }
             _ => pieces.push((x, own)),

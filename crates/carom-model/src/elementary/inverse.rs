@@ -1,6 +1,6 @@
 //! The arguments at which a function has values of an interval, within what is known of them.
 
-use super::{Elementary, VALUE_ROUNDING, is_odd, is_whole};
+use super::function::{Elementary, VALUE_ROUNDING, is_odd, is_whole};
 use crate::interval::Interval;
 
 impl Elementary {

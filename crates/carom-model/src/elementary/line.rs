@@ -3,25 +3,26 @@
 //! The slope is chosen in floats: that of the tangent where the function is convex, of the chord
 //! where it is concave, and of the convex hull of samples where it is both. Any slope will do for
 //! the proof: the offset is the least difference between the function and the line through 0,
-//! bounded piece by piece. A concave piece is least at an end, and a convex one is above its tangent
-//! at any point.
+//! bounded piece by piece. A concave piece is least at an end, and a convex one is above its
+//! tangent at any point.
 
-use super::{Curvature, Elementary};
+use super::curvature::CurvatureSign;
+use super::function::Elementary;
 use crate::interval::Interval;
 use crate::rounding::add_down;
 
 /// Samples of a function that is convex in a part of the range only.
-const SAMPLES: usize = 16;
+const HULL_SAMPLES: usize = 16;
 
 /// Halvings that look for the point of a convex piece at which a slope is reached.
-const HALVINGS: usize = 30;
+const SLOPE_HALVINGS: usize = 30;
 
 /// The distance from an end at which the slope is infinite, relative to the range (no unit).
-const INSIDE: f64 = 1e-6;
+const SLOPE_INSIDE: f64 = 1e-6;
 
 /// The line `slope * x + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
+pub struct SupportLine {
     /// In the unit of the value per unit of the argument.
     pub slope: f64,
     /// In the unit of the value.
@@ -29,8 +30,8 @@ pub struct Line {
 }
 
 impl Elementary {
-    /// A line that is nowhere above the function (or nowhere below it) for arguments of a range, and
-    /// tight at one of them as far as a line can be; `None` if there is no such line.
+    /// A line that is nowhere above the function (or nowhere below it) for arguments of a range,
+    /// and tight at one of them as far as a line can be; `None` if there is no such line.
     ///
     /// # Arguments
     ///
@@ -38,7 +39,7 @@ impl Elementary {
     /// * `at`: the argument of the range at which the line is to be tight.
     /// * `is_below`: which of the two.
     #[doc(hidden)]
-    pub fn line(&self, x: Interval, at: f64, is_below: bool) -> Option<Line> {
+    pub fn line(&self, x: Interval, at: f64, is_below: bool) -> Option<SupportLine> {
         let x = x.intersection(self.domain());
         if x.is_empty() || self.has_pole_in(x) {
             return None;
@@ -50,9 +51,9 @@ impl Elementary {
         let line = slope.and_then(|slope| of.below(slope, x.nearest(at), &pieces));
         let line = line.or_else(|| {
             let least = of.range(x).lower;
-            least.is_finite().then_some(Line { slope: 0.0, offset: least })
+            least.is_finite().then_some(SupportLine { slope: 0.0, offset: least })
         })?;
-        Some(Line { slope: sign * line.slope, offset: sign * line.offset })
+        Some(SupportLine { slope: sign * line.slope, offset: sign * line.offset })
     }
 }
 
@@ -75,14 +76,14 @@ impl Signed<'_> {
         self.function.range(x) * self.sign
     }
 
-    fn pieces(&self, x: Interval) -> Vec<(Interval, Curvature)> {
+    fn pieces(&self, x: Interval) -> Vec<(Interval, CurvatureSign)> {
         let mut pieces = self.function.pieces(x);
         if self.sign < 0.0 {
             for (_, curvature) in &mut pieces {
                 *curvature = match curvature {
-                    Curvature::Convex => Curvature::Concave,
-                    Curvature::Concave => Curvature::Convex,
-                    Curvature::Unknown => Curvature::Unknown,
+                    CurvatureSign::Convex => CurvatureSign::Concave,
+                    CurvatureSign::Concave => CurvatureSign::Convex,
+                    CurvatureSign::Unknown => CurvatureSign::Unknown,
                 };
             }
         }
@@ -90,10 +91,10 @@ impl Signed<'_> {
     }
 
     /// The slope of a line that is tight at a point.
-    fn slope_at(&self, x: Interval, at: f64, pieces: &[(Interval, Curvature)]) -> Option<f64> {
+    fn slope_at(&self, x: Interval, at: f64, pieces: &[(Interval, CurvatureSign)]) -> Option<f64> {
         let slope = match pieces {
-            [(_, Curvature::Convex)] => self.tangent(x, at),
-            [(_, Curvature::Concave)] => {
+            [(_, CurvatureSign::Convex)] => self.tangent(x, at),
+            [(_, CurvatureSign::Concave)] => {
                 let rise = self.value(x.upper) - self.value(x.lower);
                 let chord = rise / (x.upper - x.lower);
                 if x.upper > x.lower { chord } else { self.tangent(x, at) }
@@ -110,15 +111,15 @@ impl Signed<'_> {
         if slope.is_finite() {
             return slope;
         }
-        let step = if x.is_bounded() { INSIDE * x.width() } else { INSIDE };
+        let step = if x.is_bounded() { SLOPE_INSIDE * x.width() } else { SLOPE_INSIDE };
         let inside = if at <= x.lower { at + step } else { at - step };
         self.derivative(inside)
     }
 
     /// The slope of the convex hull of samples at a point.
-    fn hull_slope(&self, x: Interval, at: f64, pieces: &[(Interval, Curvature)]) -> f64 {
-        let step = (x.upper - x.lower) / SAMPLES as f64;
-        let mut places: Vec<f64> = (0..SAMPLES).map(|k| x.lower + k as f64 * step).collect();
+    fn hull_slope(&self, x: Interval, at: f64, pieces: &[(Interval, CurvatureSign)]) -> f64 {
+        let step = (x.upper - x.lower) / HULL_SAMPLES as f64;
+        let mut places: Vec<f64> = (0..HULL_SAMPLES).map(|k| x.lower + k as f64 * step).collect();
         places.extend([x.upper, at]);
         places.extend(pieces.iter().map(|(piece, _)| piece.upper));
         places.sort_by(f64::total_cmp);
@@ -140,7 +141,7 @@ impl Signed<'_> {
         }
         let is_convex = pieces
             .iter()
-            .any(|(piece, curvature)| *curvature == Curvature::Convex && piece.contains(at));
+            .any(|(piece, curvature)| *curvature == CurvatureSign::Convex && piece.contains(at));
         // A sample on the hull, in a convex piece: the tangent is the envelope.
         if is_convex && hull.iter().any(|(p, _)| *p == at) {
             return self.tangent(x, at);
@@ -153,22 +154,27 @@ impl Signed<'_> {
     }
 
     /// The line of a slope that is nowhere above the function.
-    fn below(&self, slope: f64, at: f64, pieces: &[(Interval, Curvature)]) -> Option<Line> {
+    fn below(
+        &self,
+        slope: f64,
+        at: f64,
+        pieces: &[(Interval, CurvatureSign)],
+    ) -> Option<SupportLine> {
         let mut offset = f64::INFINITY;
         for (piece, curvature) in pieces {
             let least = match curvature {
-                Curvature::Concave => {
+                CurvatureSign::Concave => {
                     self.difference(piece.lower, slope).min(self.difference(piece.upper, slope))
                 }
-                Curvature::Convex => self.least_convex(*piece, slope, at),
-                Curvature::Unknown => {
+                CurvatureSign::Convex => self.least_convex(*piece, slope, at),
+                CurvatureSign::Unknown => {
                     let line = *piece * slope;
                     add_down(self.range(*piece).lower, -line.upper)
                 }
             };
             offset = if least.is_nan() { f64::NEG_INFINITY } else { offset.min(least) };
         }
-        offset.is_finite().then_some(Line { slope, offset })
+        offset.is_finite().then_some(SupportLine { slope, offset })
     }
 
     /// `f(x) - slope x` at a point, rounded down; -inf at infinity.
@@ -218,7 +224,7 @@ impl Signed<'_> {
         if !high.is_finite() {
             high = reach(low.max(at), 1.0);
         }
-        for _ in 0..HALVINGS {
+        for _ in 0..SLOPE_HALVINGS {
             let middle = 0.5 * low + 0.5 * high;
             if self.derivative(middle) < slope { low = middle } else { high = middle }
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{Elementary, VALUE_ROUNDING, is_odd, is_whole};
+use super::function::{Elementary, VALUE_ROUNDING, is_odd, is_whole, power};
 use crate::interval::Interval;
 
 /// Angles beyond this are not reduced (rad).
@@ -40,6 +40,53 @@ impl Elementary {
             Elementary::Ln => rising(x, f64::ln),
             Elementary::Power(p) => powers(*p, x),
             Elementary::Own(own) => own.function().range(x),
+        }
+    }
+
+    /// Whether the function is infinite somewhere inside a range: the tangent, and negative powers
+    /// at 0.
+    #[doc(hidden)]
+    pub fn has_pole_in(&self, x: Interval) -> bool {
+        match self {
+            Elementary::Tan => may_contain_multiple(x, std::f64::consts::FRAC_PI_2),
+            Elementary::Power(p) if *p < 0.0 && is_whole(*p) => x.lower < 0.0 && x.upper > 0.0,
+            _ => false,
+        }
+    }
+
+    /// 1 if the function rises over a range, -1 if it falls, and 0 if neither is known.
+    #[doc(hidden)]
+    pub fn direction(&self, x: Interval) -> f64 {
+        let x = x.intersection(self.domain());
+        let within = |lower: f64, upper: f64| x.lower >= lower && x.upper <= upper;
+        match self {
+            Elementary::Exp
+            | Elementary::Ln
+            | Elementary::Sinh
+            | Elementary::Tanh
+            | Elementary::Asin
+            | Elementary::Atan => 1.0,
+            Elementary::Acos => -1.0,
+            Elementary::Sin if within(-1.57, 1.57) => 1.0,
+            Elementary::Cos if within(0.0, 3.14) => -1.0,
+            Elementary::Cos if within(-3.14, 0.0) => 1.0,
+            Elementary::Tan if within(-1.57, 1.57) => 1.0,
+            Elementary::Cosh if x.lower >= 0.0 => 1.0,
+            Elementary::Cosh if x.upper <= 0.0 => -1.0,
+            Elementary::Power(p) if x.lower >= 0.0 => p.signum(),
+            Elementary::Power(p) if is_odd(*p) && *p > 0.0 => 1.0,
+            Elementary::Power(p) if x.upper <= 0.0 && is_whole(*p) => {
+                if is_odd(*p) {
+                    p.signum()
+                } else {
+                    -p.signum()
+                }
+            }
+            Elementary::Own(own) => {
+                let slope = own.function().slope_range(x);
+                f64::from(u8::from(slope.lower >= 0.0)) - f64::from(u8::from(slope.upper <= 0.0))
+            }
+            _ => 0.0,
         }
     }
 }
@@ -85,7 +132,7 @@ fn may_contain(x: Interval, first: f64, period: f64) -> bool {
 }
 
 /// Whether an odd multiple of an angle may lie in a range.
-pub(super) fn may_contain_multiple(x: Interval, angle: f64) -> bool {
+fn may_contain_multiple(x: Interval, angle: f64) -> bool {
     may_contain(x, angle, 2.0 * angle)
 }
 
@@ -101,7 +148,7 @@ fn wave(x: Interval, crest: f64, of: fn(f64) -> f64) -> Interval {
 }
 
 fn powers(p: f64, x: Interval) -> Interval {
-    let of = |x: f64| super::power(x, p);
+    let of = |x: f64| power(x, p);
     let positive = Interval::new(0.0, f64::INFINITY);
     match () {
         () if p == 0.0 => Interval::point(1.0),

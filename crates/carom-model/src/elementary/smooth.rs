@@ -3,7 +3,6 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::curvature::Curvature;
 use crate::interval::Interval;
 
 /// A smooth function of one variable, for [`Nonlinear::own`](crate::model::Nonlinear::own).
@@ -100,15 +99,6 @@ impl OwnFunction {
 
     pub(super) fn derivative(&self, x: f64) -> f64 {
         self.0.derivative(x)
-    }
-
-    pub(super) fn curvature(&self, x: Interval) -> Curvature {
-        let range = self.0.curvature_range(x);
-        match () {
-            () if range.lower >= 0.0 => Curvature::Convex,
-            () if range.upper <= 0.0 => Curvature::Concave,
-            () => Curvature::Unknown,
-        }
     }
 }
 

@@ -40,8 +40,10 @@ impl Error {
             | Kind::NotParameter { .. } => "kind-of-variable",
             Kind::Stale { .. } => "out-of-date",
             Kind::UnboundedFunction { .. }
+            | Kind::UnboundedArgument { .. }
             | Kind::UnboundedSet { .. }
             | Kind::UnboundedIndicator { .. } => "no-bound",
+            Kind::Pole { .. } => "pole",
             Kind::UnsafeBigM { .. } => "big-m",
             Kind::TooDeep { .. } => "too-deep",
             Kind::NotInFile { .. } => "not-in-file",

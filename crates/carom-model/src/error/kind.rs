@@ -171,6 +171,34 @@ pub enum ErrorKind {
         /// The variables whose bounds would help, in words.
         remedy: String,
     },
+    /// A smooth function has no enclosure over all values of a variable that has no bound.
+    #[error(
+        "`{function}` cannot be enclosed, because `{variable}` has no {bound} bound; give {remedy} \
+         a finite one"
+    )]
+    UnboundedArgument {
+        /// The function, with its variables.
+        function: String,
+        /// The unbounded variable.
+        variable: String,
+        /// `lower` or `upper`: the missing bound.
+        bound: &'static str,
+        /// The variables whose bounds would help, in words.
+        remedy: String,
+    },
+    /// A function is infinite somewhere within the range of its argument.
+    #[error(
+        "`{function}` is infinite somewhere for an argument from {lower} to {upper}; let bounds or \
+         rows keep it on one side of the pole"
+    )]
+    Pole {
+        /// The function, with its variables.
+        function: String,
+        /// The lower end of the argument's range.
+        lower: f64,
+        /// The upper end of the argument's range.
+        upper: f64,
+    },
     /// A vertex of a `GraphOfSets` whose set may be unbounded.
     #[error(
         "coordinate {coordinate} of the vertex `{vertex}` has no {bound} bound; give it a finite \

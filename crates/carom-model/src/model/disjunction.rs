@@ -9,6 +9,7 @@ use super::conic::ConicRow;
 use super::ids::Disjunction;
 use super::literal::Literal;
 use super::name::Name;
+use super::nonlinear::NonlinearRow;
 use super::reformulation::Method;
 use super::refs::DisjunctionRef;
 use super::row::Row;
@@ -24,7 +25,7 @@ pub(super) const MAX_NESTING: u32 = 16;
 /// One alternative of an [`Either`]: rows, conic rows and nested disjunctions that must hold
 /// together if it is selected.
 ///
-/// Made from a [`Row`], a [`ConicRow`], an array or a vector of one of them, or a nested
+/// Made from a [`Row`], a [`ConicRow`], a [`NonlinearRow`], an array or a vector of one of them, or a nested
 /// [`Either`]; add more of all with [`and`](Term::and) and [`and_either`](Term::and_either). A term
 /// without rows is always true.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -34,6 +35,8 @@ pub struct Term {
     rows: Vec<Row>,
     #[cfg_attr(feature = "serde", serde(default))]
     conic: Vec<ConicRow>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    nonlinear: Vec<NonlinearRow>,
     nested: Vec<Either>,
 }
 
@@ -43,6 +46,7 @@ impl Term {
         let mut rows = rows.into();
         self.rows.append(&mut rows.rows);
         self.conic.append(&mut rows.conic);
+        self.nonlinear.append(&mut rows.nonlinear);
         self.nested.append(&mut rows.nested);
         self
     }
@@ -80,6 +84,24 @@ impl From<ConicRow> for Term {
 impl From<Vec<ConicRow>> for Term {
     fn from(conic: Vec<ConicRow>) -> Self {
         Term { conic, ..Term::default() }
+    }
+}
+
+impl From<NonlinearRow> for Term {
+    fn from(row: NonlinearRow) -> Self {
+        Term { nonlinear: vec![row], ..Term::default() }
+    }
+}
+
+impl From<Vec<NonlinearRow>> for Term {
+    fn from(nonlinear: Vec<NonlinearRow>) -> Self {
+        Term { nonlinear, ..Term::default() }
+    }
+}
+
+impl<const N: usize> From<[NonlinearRow; N]> for Term {
+    fn from(rows: [NonlinearRow; N]) -> Self {
+        Term::from(Vec::from(rows))
     }
 }
 
@@ -256,7 +278,11 @@ fn store(
     for (k, (term, selector)) in of.terms.into_iter().zip(selectors).enumerate() {
         let name = name.suffixed(&format!("_{}", k + 1));
         check_selector(selector, model, &name)?;
-        let rows = term.rows.into_iter().map(|row| stored(row, model, &name));
+        let mut all = term.rows;
+        for row in term.nonlinear {
+            all.push(row.define(model, &name)?);
+        }
+        let rows = all.into_iter().map(|row| stored(row, model, &name));
         let rows = rows.collect::<Result<_, _>>()?;
         let conic = term.conic.into_iter().map(|row| row.checked(model, &name));
         let conic = conic.collect::<Result<_, _>>()?;

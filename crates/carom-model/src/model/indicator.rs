@@ -10,6 +10,7 @@ use super::ids::{Indicator, Variable};
 use super::literal::Literal;
 use super::logic::Logic;
 use super::name::Name;
+use super::nonlinear::NonlinearRow;
 use super::reformulation::BigM;
 use super::row::Row;
 use super::statement::{SealedStatement, Statement, stored};
@@ -18,7 +19,7 @@ use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind, FINITE_POSITIVE};
 use crate::tolerance;
 
-/// The consequence of a condition: a [`Row`], a [`ConicRow`] or logic. Sealed.
+/// The consequence of a condition: a [`Row`], a [`ConicRow`], a [`NonlinearRow`] or logic. Sealed.
 pub trait Consequent: sealed::SealedConsequent {
     /// The type of the implication: [`Implication`] or [`Logic`].
     type Output;
@@ -28,11 +29,12 @@ pub trait Consequent: sealed::SealedConsequent {
 }
 
 mod sealed {
-    use super::{ConicRow, Literal, Logic, Row, Variable};
+    use super::{ConicRow, Literal, Logic, NonlinearRow, Row, Variable};
 
     pub trait SealedConsequent {}
     impl SealedConsequent for Row {}
     impl SealedConsequent for ConicRow {}
+    impl SealedConsequent for NonlinearRow {}
     impl SealedConsequent for Logic {}
     impl SealedConsequent for Literal {}
     impl SealedConsequent for Variable {}
@@ -54,6 +56,14 @@ impl Consequent for ConicRow {
     }
 }
 
+impl Consequent for NonlinearRow {
+    type Output = Implication<NonlinearRow>;
+
+    fn after(self, condition: Logic) -> Implication<NonlinearRow> {
+        Implication { condition, row: self, big_m: BigM::Automatic }
+    }
+}
+
 macro_rules! consequents {
     ($($type:ty),+) => {$(
         impl Consequent for $type {
@@ -68,7 +78,7 @@ macro_rules! consequents {
 
 consequents!(Logic, Literal, Variable);
 
-/// An implication of a [`Row`] or a [`ConicRow`], not yet added to a model; made by
+/// An implication of a [`Row`], a [`ConicRow`] or a [`NonlinearRow`], not yet added to a model; made by
 /// [`Literal::implies`] and [`Logic::implies`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "an implication does nothing until it is given to `Model::add`"]

@@ -42,6 +42,7 @@ mod store;
 pub(crate) mod stored;
 pub(crate) mod subset;
 pub(crate) mod text;
+mod transaction;
 mod variable;
 mod variables;
 

@@ -58,10 +58,18 @@ pub trait Prepared {
     ) -> Result<Solution, Error>;
 }
 
+/// A prepared model whose every solve begins from nothing.
+pub fn prepared_afresh<'a, S: Solver + ?Sized>(
+    solver: &'a mut S,
+    model: &Model,
+) -> Box<dyn Prepared + 'a> {
+    Box::new(Afresh { solver, model: model.clone() })
+}
+
 /// A model whose every solve begins from nothing.
-pub(super) struct Afresh<'a, S: ?Sized> {
-    pub(super) solver: &'a mut S,
-    pub(super) model: Model,
+struct Afresh<'a, S: ?Sized> {
+    solver: &'a mut S,
+    model: Model,
 }
 
 impl<S: Solver + ?Sized> Prepared for Afresh<'_, S> {

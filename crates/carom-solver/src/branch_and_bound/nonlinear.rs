@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::reformulate::{lower_around_functions, ties};
 use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Verification};
 use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
-use crate::spatial::{SpatialProgram, SpatialSearch};
+use crate::spatial::{SearchFlaw, SpatialProgram, SpatialSearch};
 
 use super::refusals::Refusals;
 
@@ -28,7 +28,7 @@ pub(super) fn solve_nonlinear(
     options: &Options,
     control: &mut Control<'_>,
 ) -> Result<Solution, Error> {
-    refuse(options, control)?;
+    refuse(model, options, control)?;
     let token = &StopToken::new(options.time_limit, control.interrupt());
     let restated = with_affine_objective(model)?;
     let stated = restated.as_ref().unwrap_or(model);
@@ -88,8 +88,17 @@ pub(super) fn solve_nonlinear(
         SpatialSearch { program: &program, options, token, accepts: &accepts, notify: &mut notify };
     let mut found = search.run(&starts);
     found.statistics.time = token.elapsed();
-    if let Some(column) = found.open_column {
-        return Err(missing_bound(stated, &program, column));
+    if let Some(flaw) = found.flaw {
+        return Err(match flaw {
+            SearchFlaw::OpenColumn(column) => missing_bound(stated, &program, column),
+            SearchFlaw::Pole { result, range } => {
+                let function = stated.functions().find(|f| f.result().index() == result);
+                let name = |variable| stated.name_of(variable).to_string();
+                let function = function.map(|function| function.function().text(&name));
+                let (lower, upper) = (range.lower, range.upper);
+                ErrorKind::Pole { function: function.unwrap_or_default(), lower, upper }.into()
+            }
+        });
     }
     let best = found.best.as_ref().and_then(|(x, _)| restored(x));
     let values = best.map(|point| point.as_slice().to_vec());
@@ -112,7 +121,7 @@ fn with_affine_objective(model: &Model) -> Result<Option<Model>, Error> {
     Ok(Some(stated))
 }
 
-fn refuse(options: &Options, control: &Control<'_>) -> Result<(), Error> {
+fn refuse(model: &Model, options: &Options, control: &Control<'_>) -> Result<(), Error> {
     let unsupported = |what: &str, help: &str| {
         let (solver, what, help) = ("carom".to_owned(), what.to_owned(), help.to_owned());
         Err(ErrorKind::Unsupported { solver, what, help }.into())
@@ -127,6 +136,12 @@ fn refuse(options: &Options, control: &Control<'_>) -> Result<(), Error> {
         return unsupported(
             "a proof log of a model with smooth functions",
             "solve it without one: its bound rests on enclosures that no log states",
+        );
+    }
+    if model.relaxed_integers().next().is_some() {
+        return unsupported(
+            "relaxed integers in a model with smooth functions",
+            "let them be continuous variables",
         );
     }
     if control.has_exchange() {
@@ -151,11 +166,10 @@ fn missing_bound(model: &Model, program: &SpatialProgram, column: usize) -> Erro
     let name = |j: usize| names.get(j).cloned().unwrap_or_default();
     let text = function.next().map(|function| function.function().text(&|v| name(v.index())));
     let remedy: Vec<String> = of.iter().map(|&j| format!("`{}`", name(j))).collect();
-    ErrorKind::UnboundedFunction {
+    ErrorKind::UnboundedArgument {
         function: text.unwrap_or_else(|| name(user)),
         variable: name(user),
         bound: if program.has_lower(column) { "upper" } else { "lower" },
-        chain: String::new(),
         remedy: remedy.join(" and "),
     }
     .into()

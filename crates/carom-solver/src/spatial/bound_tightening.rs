@@ -3,7 +3,7 @@
 
 use super::program::SpatialProgram;
 use super::propagation::{EmptyDomain, propagate};
-use super::relaxation::{RelaxedBox, Relaxer};
+use super::relaxation::{BoxRelaxer, RelaxedBox};
 use crate::presolve::{Domain, Propagator};
 use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict};
 
@@ -11,7 +11,7 @@ use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVe
 const PASSES: usize = 3;
 
 /// The least part of its range that a column has to lose in a pass for another pass.
-const LEAST_GAIN: f64 = 0.1;
+const LEAST_PASS_GAIN: f64 = 0.1;
 
 /// The pivots that all passes may take, at least, and as a multiple of those of the root.
 const LEAST_PIVOTS: u64 = 3000;
@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-9;
 /// Minimises and maximises each column that enclosures depend on over the relaxation of a domain
 /// (optimality-based bound tightening; Gleixner, Berthold, Müller and Weltge 2017).
 pub(super) fn tighten_by_relaxations(
-    relaxer: &Relaxer<'_>,
+    relaxer: &BoxRelaxer<'_>,
     cascade: &mut MethodCascade,
     propagator: &mut Propagator,
     domain: &mut Domain,
@@ -94,7 +94,7 @@ pub(super) fn tighten_by_relaxations(
                 if !(gain > 0.02 * width.min(1e20)) {
                     continue;
                 }
-                gains |= gain > LEAST_GAIN * width.min(1e20);
+                gains |= gain > LEAST_PASS_GAIN * width.min(1e20);
                 let mark = domain.mark();
                 let mut value = if is_upper { -bound } else { bound };
                 if program.integral[column] {

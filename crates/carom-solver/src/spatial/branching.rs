@@ -6,7 +6,7 @@ use crate::presolve::Domain;
 /// A split: the column and the value at which it is split. Whole columns are split between the
 /// value's neighbours.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Split {
+pub(super) struct BoxSplit {
     pub(super) column: usize,
     pub(super) at: f64,
 }
@@ -18,7 +18,7 @@ const LEAST_PART: f64 = 0.15;
 const TO_MIDDLE: f64 = 0.25;
 
 /// The width below which a range is not split, relative to its magnitude (no unit).
-const NARROW: f64 = 1e-10;
+const NARROW_RANGE: f64 = 1e-10;
 
 /// The gains of earlier splits, by column.
 #[derive(Debug)]
@@ -64,7 +64,7 @@ pub(super) fn choose(
     domain: &Domain,
     x: &[f64],
     integrality: f64,
-) -> Option<Split> {
+) -> Option<BoxSplit> {
     let integers = &program.program.integers;
     let fraction = |j: usize| {
         let part = x[j] - x[j].floor();
@@ -75,7 +75,7 @@ pub(super) fn choose(
         integers.iter().copied().filter(|&j| fraction(j) > integrality && !domain.is_fixed(j));
     let score = |j: usize| fraction(j) * history.gain(j, mean).max(1e-6 * mean.max(1e-6));
     if let Some(column) = open.max_by(|&a, &b| score(a).total_cmp(&score(b))) {
-        return Some(Split { column, at: x[column] });
+        return Some(BoxSplit { column, at: x[column] });
     }
     spatial_split(program, history, domain, x)
 }
@@ -85,7 +85,7 @@ fn spatial_split(
     history: &SplitHistory,
     domain: &Domain,
     x: &[f64],
-) -> Option<Split> {
+) -> Option<BoxSplit> {
     // By column, how much the terms of its range are off.
     let mut off = vec![0.0; program.program.column_count()];
     for term in &program.terms {
@@ -101,7 +101,7 @@ fn spatial_split(
     let can_split = |j: usize| {
         let [lower, upper] = domain.bounds(j);
         let size = lower.abs().max(upper.abs()).max(1e-3);
-        upper - lower == f64::INFINITY || upper - lower > NARROW * size
+        upper - lower == f64::INFINITY || upper - lower > NARROW_RANGE * size
     };
     let mean = history.mean(program.spatial.iter().copied());
     let score = |j: usize| {
@@ -119,7 +119,7 @@ fn spatial_split(
         let width = |j: usize| domain.upper(j) - domain.lower(j);
         all.max_by(|&a, &b| width(a).total_cmp(&width(b)))
     })?;
-    Some(Split { column, at: place(domain, column, x[column]) })
+    Some(BoxSplit { column, at: place(domain, column, x[column]) })
 }
 
 /// The value at which a range is split.

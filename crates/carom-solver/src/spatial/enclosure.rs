@@ -3,7 +3,7 @@
 //! Each row holds at all points of the graph over the box: coefficients are floats as they are, and
 //! limits are rounded outward.
 
-use super::term::{Shape, Term, bounds};
+use super::term::{Shape, SmoothTerm, bounds};
 use crate::elementary::Elementary;
 use crate::interval::Interval;
 use crate::presolve::Domain;
@@ -31,7 +31,7 @@ impl EnclosureRow {
 
 /// The rows about a term over a domain, tight at the ends of the ranges and at a point if there is
 /// one.
-pub(super) fn rows(term: &Term, domain: &Domain, at: Option<&[f64]>) -> Vec<EnclosureRow> {
+pub(super) fn rows(term: &SmoothTerm, domain: &Domain, at: Option<&[f64]>) -> Vec<EnclosureRow> {
     let mut rows = Vec::with_capacity(6);
     match &term.shape {
         Shape::Elementary { function, of } => {
@@ -72,7 +72,7 @@ pub(super) fn rows(term: &Term, domain: &Domain, at: Option<&[f64]>) -> Vec<Encl
 
 /// The row about an elementary term that a point violates most; `None` if it violates none by more
 /// than a part of what it is off.
-pub(super) fn separate(term: &Term, domain: &Domain, x: &[f64]) -> Option<EnclosureRow> {
+pub(super) fn separate(term: &SmoothTerm, domain: &Domain, x: &[f64]) -> Option<EnclosureRow> {
     let Shape::Elementary { function, of } = &term.shape else { return None };
     let off = x[term.result] - term.value(x);
     if !off.is_finite() {

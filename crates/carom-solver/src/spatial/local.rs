@@ -2,30 +2,30 @@
 //! region, and what a tangent misses costs a penalty (Fletcher and Sainz de la Maza 1989).
 
 use super::program::SpatialProgram;
-use super::relaxation::Relaxer;
+use super::relaxation::BoxRelaxer;
 use crate::presolve::{Domain, Reduced};
 use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict};
 
 /// Most linear programs from one start.
-const MAX_STEPS: usize = 60;
+const MAX_TANGENT_STEPS: usize = 60;
 
 /// The radius at which a search ends, relative to the ranges of the columns (no unit).
 const LEAST_RADIUS: f64 = 1e-9;
 
 /// By how much rows are loosened, relative to their limits (no unit).
-const LOOSE: f64 = 1e-8;
+const LOOSE_ROWS: f64 = 1e-8;
 
 /// By how much they are loosened at most: less than the tolerance of any check.
 const MOST_LOOSE: f64 = 1e-7;
 
 /// A search for a point near another one.
-pub(super) struct LocalSearch<'a> {
-    pub(super) relaxer: &'a Relaxer<'a>,
+pub(super) struct TangentSearch<'a> {
+    pub(super) relaxer: &'a BoxRelaxer<'a>,
     /// Ranges of integers have one value here.
     pub(super) domain: &'a Domain,
 }
 
-impl LocalSearch<'_> {
+impl TangentSearch<'_> {
     /// Goes from a point to better ones, and shows each to `accept`, settled on the functions.
     pub(super) fn run(
         &self,
@@ -45,7 +45,7 @@ impl LocalSearch<'_> {
         let mut merit = f64::INFINITY;
         let mut warm = None;
         let mut is_first = true;
-        for _ in 0..MAX_STEPS {
+        for _ in 0..MAX_TANGENT_STEPS {
             if self.relaxer.token.is_over() || radius < LEAST_RADIUS {
                 return;
             }
@@ -134,10 +134,10 @@ impl LocalSearch<'_> {
         let first = reduced.columns.len();
         // The point keeps the rows up to rounding only, and has to stay a point of the program.
         for limit in reduced.row_lower.iter_mut().filter(|limit| limit.is_finite()) {
-            *limit -= (LOOSE * limit.abs().max(1.0)).min(MOST_LOOSE);
+            *limit -= (LOOSE_ROWS * limit.abs().max(1.0)).min(MOST_LOOSE);
         }
         for limit in reduced.row_upper.iter_mut().filter(|limit| limit.is_finite()) {
-            *limit += (LOOSE * limit.abs().max(1.0)).min(MOST_LOOSE);
+            *limit += (LOOSE_ROWS * limit.abs().max(1.0)).min(MOST_LOOSE);
         }
         if !is_first {
             for &j in spatial {

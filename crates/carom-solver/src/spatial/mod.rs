@@ -1,6 +1,6 @@
 //! Spatial branch and bound: programs with functions that are neither affine nor piecewise affine.
 //!
-//! Each such function is a [`Term`](term::Term): a column that equals a function of one or two
+//! Each such function is a [`SmoothTerm`](term::SmoothTerm): a column that equals a function of one or two
 //! others. At a node, rows enclose it over the ranges of its arguments, so that the relaxation is
 //! linear. Splitting a range makes both enclosures tighter.
 //!
@@ -11,7 +11,7 @@
 //! * `bound_tightening.rs`: the range of a column over the relaxation.
 //! * `local.rs`: points from a sequence of linear programs.
 //! * `branching.rs`: where to split; `tree.rs`: open nodes; `search.rs`: the search;
-//!   `result.rs`: what it found.
+//!   `flaw.rs`: why there may be none.
 //!
 //! The overall method is that of Tawarmalani and Sahinidis, *Convexification and Global
 //! Optimization in Continuous and Mixed-Integer Nonlinear Programming* (2002).
@@ -19,6 +19,7 @@
 mod bound_tightening;
 mod branching;
 mod enclosure;
+mod flaw;
 mod local;
 mod program;
 mod propagation;
@@ -27,5 +28,6 @@ mod search;
 mod term;
 mod tree;
 
+pub(crate) use flaw::SearchFlaw;
 pub(crate) use program::SpatialProgram;
 pub(crate) use search::SpatialSearch;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::term::{Shape, Term};
+use super::flaw::SearchFlaw;
+use super::term::{Shape, SmoothTerm, bounds};
 use crate::error::Error;
 use crate::model::{Affine, Function, Model, Name, StoredRow, VariableKind};
 use crate::presolve::{Domain, Reduced, ReducedCone};
@@ -15,7 +16,7 @@ use crate::reformulate::Tie;
 pub(crate) struct SpatialProgram {
     pub(super) program: Program,
     /// By the order in which they depend on each other.
-    pub(super) terms: Vec<Term>,
+    pub(super) terms: Vec<SmoothTerm>,
     /// Columns that equal affine expressions of columns.
     arguments: Vec<ArgumentColumn>,
     /// All rows and columns, without terms and cones.
@@ -56,12 +57,13 @@ impl SpatialProgram {
                 Function::Quotient([a, b]) => Shape::Quotient([column(a)?, column(b)?]),
                 _ => continue,
             };
-            terms.push(Term { result, shape, tie });
+            terms.push(SmoothTerm { result, shape, tie });
         }
         let program = Program::assemble(&rows)?;
         let mut base = Reduced::whole(&program);
         let cones = std::mem::take(&mut base.cones);
-        let mut spatial: Vec<usize> = terms.iter().flat_map(Term::arguments).copied().collect();
+        let mut spatial: Vec<usize> =
+            terms.iter().flat_map(SmoothTerm::arguments).copied().collect();
         spatial.sort_unstable();
         spatial.dedup();
         Ok(SpatialProgram { program, terms, arguments: builder.arguments, base, cones, spatial })
@@ -82,6 +84,30 @@ impl SpatialProgram {
         let argument = self.arguments.iter().find(|argument| argument.column == column);
         let terms = argument.map(|argument| argument.of.terms());
         terms.map_or(vec![column], |terms| terms.iter().map(|(v, _)| v.index()).collect())
+    }
+
+    /// A term that is infinite inside the range of its argument.
+    pub(super) fn pole(&self, domain: &Domain) -> Option<SearchFlaw> {
+        let pole = |term: &SmoothTerm| {
+            let (range, has_pole) = match &term.shape {
+                Shape::Elementary { function, of } => {
+                    let range = bounds(domain, *of);
+                    (range, function.has_pole_in(range))
+                }
+                Shape::Quotient([_, by]) => {
+                    let range = bounds(domain, *by);
+                    (range, range.lower < 0.0 && range.upper > 0.0)
+                }
+                Shape::Bilinear(_) => return None,
+            };
+            has_pole.then_some(SearchFlaw::Pole { result: term.result, range })
+        };
+        self.terms.iter().find_map(pole)
+    }
+
+    /// A column of an argument without a bound.
+    pub(super) fn open_column(&self, domain: &Domain) -> Option<usize> {
+        self.spatial.iter().copied().find(|&j| !bounds(domain, j).is_bounded())
     }
 
     /// Puts the columns of terms and arguments of a point on their functions, in the order in which

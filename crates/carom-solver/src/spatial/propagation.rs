@@ -1,7 +1,7 @@
 //! Ranges of arguments from those of values, and the reverse, in turns with the rows.
 
 use super::program::SpatialProgram;
-use super::term::{Shape, Term, bounds};
+use super::term::{Shape, SmoothTerm, bounds};
 use crate::interval::Interval;
 use crate::presolve::{Domain, Propagator};
 
@@ -13,7 +13,7 @@ pub(super) struct EmptyDomain;
 const MAX_TURNS: usize = 12;
 
 /// The least part of a range that a change has to take away.
-const LEAST_GAIN: f64 = 0.02;
+const LEAST_RANGE_GAIN: f64 = 0.02;
 
 /// By how much ends may be crossed because of rounding, relative (no unit).
 const CROSSED: f64 = 1e-9;
@@ -58,7 +58,11 @@ pub(super) fn propagate(
 }
 
 /// Tightens the ranges of a term's columns.
-fn contract(program: &SpatialProgram, term: &Term, domain: &mut Domain) -> Result<(), EmptyDomain> {
+fn contract(
+    program: &SpatialProgram,
+    term: &SmoothTerm,
+    domain: &mut Domain,
+) -> Result<(), EmptyDomain> {
     let range = term.range(domain);
     narrow(program, domain, term.result, range)?;
     let value = bounds(domain, term.result);
@@ -118,7 +122,7 @@ fn narrow(
     let gains = |old: f64, new: f64| {
         old != new
             && (old.is_infinite()
-                || (old - new).abs() > LEAST_GAIN * own.width().min(1e20)
+                || (old - new).abs() > LEAST_RANGE_GAIN * own.width().min(1e20)
                 || program.program.integral[column])
     };
     if gains(own.lower, common.lower) {

@@ -19,7 +19,7 @@ const NODE_ROUNDS: usize = 5;
 
 /// The lift of the bound by a round, as a part of the gap to the cutoff or of its size, below which
 /// no other one follows.
-const LEAST_LIFT: f64 = 0.01;
+const LEAST_ROUND_LIFT: f64 = 0.01;
 
 /// The part of the largest value by which a point may be outside of a cone (no unit).
 const CONE_MISS: f64 = 1e-9;
@@ -46,13 +46,13 @@ pub(super) struct RelaxedBox {
 }
 
 /// By how much rows of terms are loosened, relative to their limits (no unit).
-const LOOSE: f64 = 1e-9;
+const LOOSE_ENCLOSURES: f64 = 1e-9;
 
 /// Most cuts of cones that all relaxations begin with; later ones take the places of earlier ones.
 const MAX_CONE_CUTS: usize = 300;
 
 /// What a relaxation needs.
-pub(super) struct Relaxer<'a> {
+pub(super) struct BoxRelaxer<'a> {
     pub(super) program: &'a SpatialProgram,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
@@ -60,13 +60,13 @@ pub(super) struct Relaxer<'a> {
     cone_cuts: RefCell<(Vec<ConeCut>, usize)>,
 }
 
-impl<'a> Relaxer<'a> {
+impl<'a> BoxRelaxer<'a> {
     pub(super) fn new(
         program: &'a SpatialProgram,
         options: &'a Options,
         token: &'a StopToken,
     ) -> Self {
-        Relaxer { program, options, token, cone_cuts: RefCell::default() }
+        BoxRelaxer { program, options, token, cone_cuts: RefCell::default() }
     }
 
     /// The program of a box without the rows of terms.
@@ -125,7 +125,7 @@ impl<'a> Relaxer<'a> {
     fn push(&self, reduced: &mut Reduced, term: usize, count: &mut usize, row: &EnclosureRow) {
         reduced.rows.push(row.entries.iter().copied());
         // Rows below and above a narrow range would contradict each other by rounding.
-        let slack = |limit: f64| LOOSE * limit.abs().max(1.0);
+        let slack = |limit: f64| LOOSE_ENCLOSURES * limit.abs().max(1.0);
         let is_finite = |limit: f64| limit.is_finite();
         let (lower, upper) = (row.lower, row.upper);
         reduced.row_lower.push(if is_finite(lower) { lower - slack(lower) } else { lower });
@@ -180,7 +180,7 @@ impl<'a> Relaxer<'a> {
             let point = converged.then(|| reduced.lift(&x));
             let is_enough = round == rounds || !converged || {
                 let room = if cutoff.is_finite() { cutoff - last } else { last.abs().max(1.0) };
-                round > 1 && lift < LEAST_LIFT * room
+                round > 1 && lift < LEAST_ROUND_LIFT * room
             };
             warm = state.clone().or(warm);
             if bound >= last {

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::bound_tightening::{tighten_by_reduced_costs, tighten_by_relaxations};
-use super::branching::{Split, SplitHistory, choose};
-use super::local::LocalSearch;
+use super::branching::{BoxSplit, SplitHistory, choose};
+use super::flaw::SearchFlaw;
+use super::local::TangentSearch;
 use super::program::{SpatialProgram, middle};
 use super::propagation::propagate;
-use super::relaxation::{BoxVerdict, RelaxedBox, Relaxer};
+use super::relaxation::{BoxRelaxer, BoxVerdict, RelaxedBox};
 use super::tree::{OpenNodes, SpatialNode};
 use crate::presolve::{Domain, Propagator};
 use crate::relaxation::MethodCascade;
@@ -16,6 +17,9 @@ use crate::solver::{Options, StopToken};
 
 /// Nodes after which a local search follows, while no point is known; it doubles.
 const LOCAL_INTERVAL: u64 = 4;
+
+/// Nodes after which the objective has to have a bound.
+const NODES_WITHOUT_BOUND: u64 = 200;
 
 /// Random starts of local searches at the root, if no point is known.
 const RANDOM_STARTS: usize = 6;
@@ -32,8 +36,8 @@ pub(crate) struct SpatialResult {
     /// Proved; infinite if there is no point.
     pub(crate) bound: f64,
     pub(crate) statistics: Statistics,
-    /// A column without a bound that the relaxation needs, if no bound is known because of it.
-    pub(crate) open_column: Option<usize>,
+    /// What makes the program one that cannot be searched.
+    pub(crate) flaw: Option<SearchFlaw>,
 }
 
 /// A search over the boxes of a program.
@@ -59,7 +63,7 @@ struct State<'a> {
     propagator: Propagator,
     history: SplitHistory,
     open: OpenNodes,
-    relaxer: Relaxer<'a>,
+    relaxer: BoxRelaxer<'a>,
 }
 
 impl SpatialSearch<'_> {
@@ -75,12 +79,16 @@ impl SpatialSearch<'_> {
             propagator: Propagator::new(&program.program),
             history: SplitHistory::new(program.program.column_count()),
             open: OpenNodes::default(),
-            relaxer: Relaxer::new(program, options, token),
+            relaxer: BoxRelaxer::new(program, options, token),
         };
         let mut root = Domain::new(&program.program);
         state.statistics.threads = 1;
         if propagate(program, &mut state.propagator, &mut root, None).is_err() {
             return state.result(Termination::Infeasible, f64::INFINITY);
+        }
+        if let Some(flaw) = program.pole(&root) {
+            let result = state.result(Termination::Stalled, f64::NEG_INFINITY);
+            return SpatialResult { flaw: Some(flaw), ..result };
         }
         for start in starts {
             self.improve(&mut state, &root, start);
@@ -101,6 +109,13 @@ impl SpatialSearch<'_> {
             if let Some(reason) = reason {
                 let bound = state.open.bound().unwrap_or(f64::INFINITY).min(node.bound);
                 return state.result(reason, bound);
+            }
+            if state.statistics.nodes == NODES_WITHOUT_BOUND
+                && node.bound.min(state.open.bound().unwrap_or(f64::INFINITY)) == f64::NEG_INFINITY
+                && let Some(column) = program.open_column(&root)
+            {
+                let result = state.result(Termination::Stalled, f64::NEG_INFINITY);
+                return SpatialResult { flaw: Some(SearchFlaw::OpenColumn(column)), ..result };
             }
             if node.bound >= self.cutoff(&state) {
                 state.closed = state.closed.min(node.bound);
@@ -285,7 +300,7 @@ impl SpatialSearch<'_> {
         };
         let guess = x.clone().unwrap_or_else(|| middle(domain));
         let split = choose(program, &state.history, domain, &guess, self.options.integrality);
-        let Some(Split { column, at }) = split else {
+        let Some(BoxSplit { column, at }) = split else {
             // The functions hold no more than what rounding leaves.
             state.statistics.unfinished += 1;
             state.is_stalled = true;
@@ -406,7 +421,7 @@ impl SpatialSearch<'_> {
             std::mem::replace(&mut state.cascade, MethodCascade::new(self.options.relaxation));
         let mut found = Vec::new();
         {
-            let search = LocalSearch { relaxer: &state.relaxer, domain: &fixed };
+            let search = TangentSearch { relaxer: &state.relaxer, domain: &fixed };
             search.run(&mut cascade, x, &mut |x| found.push(x.to_vec()));
         }
         state.cascade = cascade;
@@ -440,7 +455,7 @@ impl State<'_> {
             best: self.best,
             bound,
             statistics: self.statistics,
-            open_column: None,
+            flaw: None,
         }
     }
 }

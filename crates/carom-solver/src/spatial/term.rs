@@ -7,7 +7,7 @@ use crate::reformulate::Tie;
 
 /// A column that equals a smooth function of one or two others.
 #[derive(Debug, Clone)]
-pub(super) struct Term {
+pub(super) struct SmoothTerm {
     pub(super) result: usize,
     pub(super) shape: Shape,
     /// Which side of the function matters, given what pushes the column.
@@ -27,7 +27,7 @@ pub(super) enum Shape {
     Quotient([usize; 2]),
 }
 
-impl Term {
+impl SmoothTerm {
     /// The columns of the arguments.
     pub(super) fn arguments(&self) -> &[usize] {
         match &self.shape {

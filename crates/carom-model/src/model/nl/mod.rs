@@ -3,6 +3,7 @@
 mod build;
 mod cursor;
 mod expression;
+mod functions;
 mod header;
 mod operators;
 mod order;
@@ -23,12 +24,8 @@ use crate::error::Error;
 ///
 /// [`ErrorKind::Parse`](crate::error::ErrorKind::Parse) with the line and column of anything
 /// damaged, unknown or contradictory; [`ErrorKind::Operator`](crate::error::ErrorKind::Operator)
-/// with the place of an operator that makes no affine or quadratic expression, of a logical or
-/// complementarity constraint; [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex),
-/// [`ErrorKind::NotCone`](crate::error::ErrorKind::NotCone),
-/// [`ErrorKind::UnknownSign`](crate::error::ErrorKind::UnknownSign) and
-/// [`ErrorKind::NotConicRow`](crate::error::ErrorKind::NotConicRow) for an objective and rows that
-/// are not convex.
+/// with the place of an operator that is not taken, such as `floor`, of a logical or complementarity
+/// constraint.
 ///
 /// # Complexity
 ///
@@ -47,7 +44,8 @@ pub fn read(file: impl AsRef<[u8]>) -> Result<Read, Error> {
 /// [`ErrorKind::InvalidName`](crate::error::ErrorKind::InvalidName) if the model's name contains a
 /// line break or another control character;
 /// [`ErrorKind::NotInFile`](crate::error::ErrorKind::NotInFile) for indicators, logic,
-/// disjunctions, functions, semi-continuous variables and variables in several ordered sets.
+/// disjunctions, piecewise-affine functions and functions of one's own, semi-continuous variables
+/// and variables in several ordered sets.
 ///
 /// # Complexity
 ///

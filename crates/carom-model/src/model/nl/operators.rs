@@ -4,7 +4,7 @@ use super::cursor::Cursor;
 use crate::elementary::Elementary;
 use crate::error::{Error, ErrorKind};
 
-/// An operator that makes affine and quadratic expressions of such.
+/// An operator that is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Operator {
     Plus,
@@ -41,6 +41,35 @@ pub(super) enum NlFunction {
 }
 
 impl NlFunction {
+    const ALL: [(i64, NlFunction); 12] = [
+        (37, NlFunction::Tanh),
+        (38, NlFunction::Tan),
+        (39, NlFunction::Sqrt),
+        (40, NlFunction::Sinh),
+        (41, NlFunction::Sin),
+        (43, NlFunction::Ln),
+        (44, NlFunction::Exp),
+        (45, NlFunction::Cosh),
+        (46, NlFunction::Cos),
+        (49, NlFunction::Atan),
+        (51, NlFunction::Asin),
+        (53, NlFunction::Acos),
+    ];
+
+    /// The function of the format that one of a model is; the square root for all powers.
+    pub(super) fn of(function: &Elementary) -> Option<NlFunction> {
+        let is_same = |known: &NlFunction| match (function, known) {
+            (Elementary::Power(_), NlFunction::Sqrt) => true,
+            _ => known.function() == *function,
+        };
+        NlFunction::ALL.into_iter().map(|(_, known)| known).find(is_same)
+    }
+
+    /// Its number.
+    pub(super) fn code(self) -> i64 {
+        NlFunction::ALL.into_iter().find(|(_, own)| *own == self).map_or(0, |(code, _)| code)
+    }
+
     pub(super) fn function(self) -> Elementary {
         match self {
             NlFunction::Sin => Elementary::Sin,
@@ -75,21 +104,12 @@ impl Operator {
             11 => Operator::Minimum,
             12 => Operator::Maximum,
             15 => Operator::Absolute,
-            37 => Operator::Elementary(NlFunction::Tanh),
-            38 => Operator::Elementary(NlFunction::Tan),
-            39 => Operator::Elementary(NlFunction::Sqrt),
-            40 => Operator::Elementary(NlFunction::Sinh),
-            41 => Operator::Elementary(NlFunction::Sin),
             42 => Operator::DecimalLogarithm,
-            43 => Operator::Elementary(NlFunction::Ln),
-            44 => Operator::Elementary(NlFunction::Exp),
-            45 => Operator::Elementary(NlFunction::Cosh),
-            46 => Operator::Elementary(NlFunction::Cos),
             48 => Operator::Atan2,
-            49 => Operator::Elementary(NlFunction::Atan),
-            51 => Operator::Elementary(NlFunction::Asin),
-            53 => Operator::Elementary(NlFunction::Acos),
-            _ => return None,
+            code => {
+                let known = NlFunction::ALL.into_iter().find(|(own, _)| *own == code)?;
+                Operator::Elementary(known.1)
+            }
         })
     }
 
@@ -157,16 +177,11 @@ pub(super) fn refused(cursor: &Cursor<'_>, place: usize, code: i64) -> Error {
         (None, _) => return cursor.error(place, format!("there is no operator `o{code}`")),
     };
     let help = match code {
-        11 | 12 | 15 | 64 => {
-            "expressions have to be affine or quadratic: write it as linear rows, or state it as a function \
-             of a `Model`"
-        }
+        64 => "write it as linear rows, or state it as a piecewise-affine function of a `Model`",
         20..=35 | 59..=63 | 65.. => {
             "logic is not read: write it as linear rows over binaries, or state it in a `Model`"
         }
-        _ => {
-            "expressions have to be affine or quadratic: replace it by a piecewise linear function"
-        }
+        _ => "replace it by functions that are taken, or by a piecewise linear one",
     };
     not_taken(cursor, place, name, help)
 }

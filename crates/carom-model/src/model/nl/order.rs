@@ -1,5 +1,6 @@
 //! The order of columns that a file needs, and the products that decide it.
 
+use super::functions::arguments;
 use crate::model::Model;
 use crate::model::ids::Variable;
 use crate::model::text::lines::FileLine;
@@ -35,6 +36,9 @@ impl Order {
         let (mut in_rows, mut in_objective) = (vec![false; count], vec![false; count]);
         for (a, b, _) in rows.iter().flat_map(|row| &row.products) {
             (in_rows[a.index()], in_rows[b.index()]) = (true, true);
+        }
+        for variable in rows.iter().filter_map(|row| row.function).flat_map(arguments) {
+            in_rows[variable.index()] = true;
         }
         for (a, b, _) in model.objective().products() {
             (in_objective[a.index()], in_objective[b.index()]) = (true, true);

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::functions::{arguments, function, function_lines};
 use super::order::{Class, Order};
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
@@ -27,15 +28,25 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
     let row_products: Vec<Products> =
         rows.iter().map(|row| placed(&row.products, &order)).collect();
     let parts = rows.iter().zip(&row_products);
-    let entries: Vec<BTreeMap<usize, f64>> =
-        parts.map(|(row, products)| entries(&row.terms, products, &order)).collect();
+    let entries: Vec<BTreeMap<usize, f64>> = parts
+        .map(|(row, products)| {
+            let mut own = entries(&row.terms, products, &order);
+            for variable in row.function.into_iter().flat_map(arguments) {
+                own.entry(order.position(variable)).or_insert(0.0);
+            }
+            own
+        })
+        .collect();
     let gradient = self::entries(&affine.terms(), &products, &order);
     let mut text = String::new();
     header(&mut text, model, &rows, &order, [&entries[..], std::slice::from_ref(&gradient)]);
     write_sets(&mut text, &sets, &order);
-    for (k, products) in row_products.iter().enumerate() {
+    for (k, (row, products)) in rows.iter().zip(&row_products).enumerate() {
         put(&mut text, format_args!("C{k}\n"));
-        expression(&mut text, products, 0.0);
+        match row.function {
+            Some(own) => function(&mut text, own, &|variable| order.position(variable)),
+            None => expression(&mut text, products, 0.0),
+        }
     }
     let sense = u8::from(model.sense() == Sense::Maximize);
     put(&mut text, format_args!("O0 {sense}\n"));
@@ -59,7 +70,8 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
 /// The rows: those with products first.
 pub(super) fn rows(model: &Model) -> Result<Vec<FileLine<'_>>, Error> {
     let linear = lines(model, "NL")?;
-    let mut rows = quadratic_lines(model, "NL")?;
+    let mut rows = function_lines(model)?;
+    rows.extend(quadratic_lines(model, "NL")?);
     rows.extend(linear);
     let refuse = |what, name: &Name| {
         Err(ErrorKind::NotInFile { format: "NL", what, name: name.to_string() }.into())
@@ -131,7 +143,8 @@ fn header(
         alone => in_rows + alone,
     };
     let name = if model.name().trim().is_empty() { "unknown" } else { model.name().trim() };
-    let with_products = rows.iter().filter(|row| !row.products.is_empty()).count();
+    let is_nonlinear = |row: &&FileLine<'_>| !row.products.is_empty() || row.function.is_some();
+    let with_products = rows.iter().filter(is_nonlinear).count();
     let objectives = usize::from(!model.objective().products().is_empty());
     put(text, format_args!("g3 1 1 0\t# problem {name}\n"));
     let mut line = |numbers: &[usize], what: &str| {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Nonlinear, Part};
+use super::{FunctionPart, Nonlinear};
 use crate::elementary::Elementary;
 use crate::error::Error;
 #[cfg(doc)]
@@ -73,7 +73,7 @@ struct Definer<'a> {
     name: Name,
     named: usize,
     /// By the place of a part, the expression that it became.
-    known: BTreeMap<*const Part, Affine>,
+    known: BTreeMap<*const FunctionPart, Affine>,
 }
 
 impl<'a> Definer<'a> {
@@ -98,32 +98,32 @@ impl<'a> Definer<'a> {
         Ok(sum)
     }
 
-    fn part(&mut self, part: &Arc<Part>) -> Result<Affine, Error> {
+    fn part(&mut self, part: &Arc<FunctionPart>) -> Result<Affine, Error> {
         let key = Arc::as_ptr(part);
         if let Some(known) = self.known.get(&key) {
             return Ok(known.clone());
         }
         let made = match &**part {
-            Part::Elementary(function, of) => {
+            FunctionPart::Elementary(function, of) => {
                 let of = self.affine(of)?;
                 self.elementary(function.clone(), of)?
             }
-            Part::Product(left, right) => {
+            FunctionPart::Product(left, right) => {
                 let (left, right) = (self.affine(left)?, self.affine(right)?);
                 self.product(left, right)?
             }
-            Part::Quotient(left, right) => {
+            FunctionPart::Quotient(left, right) => {
                 let (left, right) = (self.affine(left)?, self.affine(right)?);
                 self.quotient(left, right)?
             }
-            Part::Absolute(of) => {
+            FunctionPart::Absolute(of) => {
                 let of = self.affine(of)?;
                 match of.terms().is_empty() {
                     true => Affine::constant(of.offset().abs()),
                     false => self.variable(Function::Absolute(of))?,
                 }
             }
-            Part::Maximum(left, right) => {
+            FunctionPart::Maximum(left, right) => {
                 let both = vec![self.affine(left)?, self.affine(right)?];
                 self.variable(Function::Maximum(both))?
             }

@@ -37,21 +37,50 @@ use crate::error::Error;
 /// assert!((solution.value(speed)? - (30.0 * g).sqrt()).abs() < 1e-3);
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[must_use = "an expression does nothing until it is minimised or compared"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "StoredNonlinear", from = "StoredNonlinear"))]
 pub struct Nonlinear {
     rest: Quadratic,
-    parts: Vec<(f64, Arc<Part>)>,
+    parts: Vec<(f64, Arc<FunctionPart>)>,
 }
 
 /// A function of expressions.
-#[derive(Debug)]
-enum Part {
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum FunctionPart {
     Elementary(Elementary, Nonlinear),
     Product(Nonlinear, Nonlinear),
     Quotient(Nonlinear, Nonlinear),
     Absolute(Nonlinear),
     Maximum(Nonlinear, Nonlinear),
+}
+
+/// An expression as it is written: parts that are shared occur as often as they are used.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "Nonlinear")]
+struct StoredNonlinear {
+    rest: Quadratic,
+    parts: Vec<(f64, FunctionPart)>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Nonlinear> for StoredNonlinear {
+    fn from(Nonlinear { rest, parts }: Nonlinear) -> Self {
+        let own = |part: Arc<FunctionPart>| Arc::unwrap_or_clone(part);
+        let parts = parts.into_iter().map(|(factor, part)| (factor, own(part))).collect();
+        StoredNonlinear { rest, parts }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<StoredNonlinear> for Nonlinear {
+    fn from(StoredNonlinear { rest, parts }: StoredNonlinear) -> Self {
+        let parts = parts.into_iter().map(|(factor, part)| (factor, Arc::new(part))).collect();
+        Nonlinear { rest, parts }
+    }
 }
 
 impl Nonlinear {
@@ -65,12 +94,12 @@ impl Nonlinear {
         self.parts.is_empty() && self.rest == Quadratic::zero()
     }
 
-    fn of(part: Part) -> Self {
+    fn of(part: FunctionPart) -> Self {
         Nonlinear { rest: Quadratic::zero(), parts: vec![(1.0, Arc::new(part))] }
     }
 
     pub(in crate::model) fn elementary(function: Elementary, of: Nonlinear) -> Self {
-        Nonlinear::of(Part::Elementary(function, of))
+        Nonlinear::of(FunctionPart::Elementary(function, of))
     }
 
     /// The product of two expressions.
@@ -79,7 +108,7 @@ impl Nonlinear {
             (Some(left), Some(right)) => Quadratic::product(left, right).into(),
             (Some(factor), None) if factor.terms().is_empty() => right * factor.offset(),
             (None, Some(factor)) if factor.terms().is_empty() => left * factor.offset(),
-            _ => Nonlinear::of(Part::Product(left, right)),
+            _ => Nonlinear::of(FunctionPart::Product(left, right)),
         }
     }
 
@@ -92,7 +121,7 @@ impl Nonlinear {
                 quotient.parts.iter_mut().for_each(|(factor, _)| *factor /= divisor);
                 quotient
             }
-            _ => Nonlinear::of(Part::Quotient(left, right)),
+            _ => Nonlinear::of(FunctionPart::Quotient(left, right)),
         }
     }
 
@@ -124,13 +153,19 @@ impl Nonlinear {
         }
         for (factor, part) in &self.parts {
             let part = match &**part {
-                Part::Elementary(function, of) => {
-                    Part::Elementary(function.clone(), of.try_map(entry)?)
+                FunctionPart::Elementary(function, of) => {
+                    FunctionPart::Elementary(function.clone(), of.try_map(entry)?)
                 }
-                Part::Product(a, b) => Part::Product(a.try_map(entry)?, b.try_map(entry)?),
-                Part::Quotient(a, b) => Part::Quotient(a.try_map(entry)?, b.try_map(entry)?),
-                Part::Absolute(of) => Part::Absolute(of.try_map(entry)?),
-                Part::Maximum(a, b) => Part::Maximum(a.try_map(entry)?, b.try_map(entry)?),
+                FunctionPart::Product(a, b) => {
+                    FunctionPart::Product(a.try_map(entry)?, b.try_map(entry)?)
+                }
+                FunctionPart::Quotient(a, b) => {
+                    FunctionPart::Quotient(a.try_map(entry)?, b.try_map(entry)?)
+                }
+                FunctionPart::Absolute(of) => FunctionPart::Absolute(of.try_map(entry)?),
+                FunctionPart::Maximum(a, b) => {
+                    FunctionPart::Maximum(a.try_map(entry)?, b.try_map(entry)?)
+                }
             };
             mapped.parts.push((*factor, Arc::new(part)));
         }
@@ -139,7 +174,7 @@ impl Nonlinear {
 
     /// The larger of two expressions, in their unit.
     pub fn max(&self, other: impl Into<Nonlinear>) -> Nonlinear {
-        Nonlinear::of(Part::Maximum(self.clone(), other.into()))
+        Nonlinear::of(FunctionPart::Maximum(self.clone(), other.into()))
     }
 
     /// The smaller of two expressions, in their unit.
@@ -243,7 +278,7 @@ macro_rules! functions {
 
             /// The absolute value, in the unit of the expression.
             pub fn abs(&self) -> Nonlinear {
-                Nonlinear::of(Part::Absolute(self.into()))
+                Nonlinear::of(FunctionPart::Absolute(self.into()))
             }
 
             /// A function of one's own.

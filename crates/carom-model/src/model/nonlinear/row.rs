@@ -2,8 +2,10 @@
 
 use super::Nonlinear;
 use crate::error::Error;
-use crate::model::ids::Constraint;
+use crate::model::ids::{Constraint, Indicator};
+use crate::model::indicator::{Implication, Implications};
 use crate::model::name::Name;
+use crate::model::row::Row;
 use crate::model::statement::{SealedStatement, Statement};
 use crate::model::store::Model;
 
@@ -11,11 +13,14 @@ use crate::model::store::Model;
 ///
 /// Made by [`le`](Nonlinear::le), [`ge`](Nonlinear::ge), [`equals`](Nonlinear::equals) and
 /// [`within`](Nonlinear::within).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[must_use = "a row does nothing until it is given to `Model::add`"]
 pub struct NonlinearRow {
     expression: Nonlinear,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_numbers"))]
     upper: f64,
 }
 
@@ -41,15 +46,48 @@ impl Nonlinear {
     }
 }
 
+impl NonlinearRow {
+    /// The row over the variables of a model, which are added under a name.
+    pub(in crate::model) fn define(self, model: &mut Model, name: &Name) -> Result<Row, Error> {
+        Ok(self.expression.define(model, name)?.within(self.lower, self.upper))
+    }
+}
+
 impl SealedStatement for NonlinearRow {}
 impl Statement for NonlinearRow {
     type Handle = Constraint;
 
     fn add_to(self, model: &mut Model, name: Name) -> Result<Constraint, Error> {
-        let NonlinearRow { expression, lower, upper } = self;
         model.all_or_nothing(|model| {
-            let affine = expression.define(model, &name)?;
-            model.add(name, affine.within(lower, upper))
+            let row = self.define(model, &name)?;
+            model.add(name, row)
+        })
+    }
+}
+
+impl SealedStatement for Implication<NonlinearRow> {}
+impl Statement for Implication<NonlinearRow> {
+    type Handle = Indicator;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Indicator, Error> {
+        let Implication { condition, row, big_m } = self;
+        model.all_or_nothing(|model| {
+            let row = row.define(model, &name)?;
+            model.add(name, Implication { condition, row, big_m })
+        })
+    }
+}
+
+impl SealedStatement for Implications<NonlinearRow> {}
+impl Statement for Implications<NonlinearRow> {
+    type Handle = Vec<Indicator>;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Vec<Indicator>, Error> {
+        let Implications { condition, rows } = self;
+        model.all_or_nothing(|model| {
+            let rows = rows.into_iter().map(|row| row.define(model, &name));
+            let rows = rows.collect::<Result<_, _>>()?;
+            model.add(name, Implications { condition, rows })
         })
     }
 }

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::conic::StoredConic;
+use crate::model::function::Function;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::name::Name;
@@ -19,6 +20,8 @@ pub(crate) struct FileLine<'a> {
     pub(crate) products: Vec<(Variable, Variable, f64)>,
     pub(crate) limits: Interval,
     pub(crate) condition: Option<Literal>,
+    /// A function that is added to the terms.
+    pub(crate) function: Option<&'a Function>,
 }
 
 /// The linear rows and then the indicators, in the order of creation.
@@ -40,7 +43,8 @@ pub(crate) fn lines<'a>(
     if let Some(logical) = model.logical_constraints().next() {
         return Err(not_in_file("the logic of", logical.name()));
     }
-    if let Some(function) = model.functions().next() {
+    // NL files have expressions for most of them.
+    if let Some(function) = model.functions().next().filter(|_| format != "NL") {
         return Err(not_in_file("the function", function.name()));
     }
     model.variables().try_for_each(|variable| variable.name().check())?;
@@ -74,7 +78,14 @@ fn linear<'a>(
     limits: Interval,
     condition: Option<Literal>,
 ) -> FileLine<'a> {
-    FileLine { name, terms: Cow::Borrowed(terms), products: Vec::new(), limits, condition }
+    FileLine {
+        name,
+        terms: Cow::Borrowed(terms),
+        products: Vec::new(),
+        limits,
+        condition,
+        function: None,
+    }
 }
 
 /// The quadratic rows of a model without norms, in the order of creation.
@@ -100,6 +111,7 @@ pub(crate) fn quadratic_lines<'a>(
             products: expression.products(),
             limits: Interval { lower: f64::NEG_INFINITY, upper: 0.0 - affine.offset() },
             condition: condition.transpose()?,
+            function: None,
         });
     }
     Ok(lines)
