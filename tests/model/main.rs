@@ -16,6 +16,7 @@ mod functions;
 mod implied_bounds;
 mod log;
 mod logic;
+mod nonlinear;
 mod norm_sums;
 mod ordered_sets;
 mod out_of_range;

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::oracle::Oracle;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{AnyStatement, Model, Name, VariableKind, VariableRef, statements, subset};
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
@@ -54,6 +54,10 @@ pub(super) fn used_domains(
     let part = subset(model, |position| keep[position]);
     let lowered = match reformulate::lower(&part) {
         Err(error) if reformulate::is_missing_bound(&error) => return Ok(Vec::new()),
+        // No rows say what smooth functions do.
+        Err(error) if matches!(error.kind(), ErrorKind::Unsupported { .. }) => {
+            return Ok(Vec::new());
+        }
         other => other?,
     };
     let mut program = Program::assemble(lowered.model())?;

@@ -14,9 +14,14 @@ use crate::presolve::{Domain, Propagator};
 use crate::relaxation::MethodCascade;
 use crate::solution::{Statistics, Termination};
 use crate::solver::{Options, StopToken};
+use crate::tolerance;
 
 /// Nodes after which a local search follows, while no point is known; it doubles.
 const LOCAL_INTERVAL: u64 = 4;
+
+/// A bound of the objective below this comes from columns without bounds, which are proved up to a
+/// radius only.
+const NO_OBJECTIVE_BOUND: f64 = -0.01 * tolerance::FREE_RADIUS;
 
 /// Nodes after which the objective has to have a bound.
 const NODES_WITHOUT_BOUND: u64 = 200;
@@ -110,8 +115,11 @@ impl SpatialSearch<'_> {
                 let bound = state.open.bound().unwrap_or(f64::INFINITY).min(node.bound);
                 return state.result(reason, bound);
             }
-            if state.statistics.nodes == NODES_WITHOUT_BOUND
-                && node.bound.min(state.open.bound().unwrap_or(f64::INFINITY)) == f64::NEG_INFINITY
+            let nodes = state.statistics.nodes;
+            let least = state.open.bound().unwrap_or(f64::INFINITY).min(node.bound);
+            if nodes > 0
+                && nodes.is_multiple_of(NODES_WITHOUT_BOUND)
+                && least < NO_OBJECTIVE_BOUND
                 && let Some(column) = program.open_column(&root)
             {
                 let result = state.result(Termination::Stalled, f64::NEG_INFINITY);
