@@ -7,13 +7,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::oracle::Oracle;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::model::{AnyStatement, Model, Name, VariableKind, VariableRef, statements, subset};
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
 use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict};
-use crate::solver::Options;
+use crate::solver::{Options, StopToken};
 
 /// Limit on propagations; variables that are not reached count as used.
 const MAX_PROPAGATIONS: usize = 500;
@@ -52,14 +52,11 @@ pub(super) fn used_domains(
     oracle: &Oracle<'_>,
 ) -> Result<Vec<Name>, Error> {
     let part = subset(model, |position| keep[position]);
-    let lowered = match reformulate::lower(&part) {
+    let lowered = match reformulate::lower_around_functions(&part, &StopToken::default()) {
         Err(error) if reformulate::is_missing_bound(&error) => return Ok(Vec::new()),
-        // No rows say what smooth functions do.
-        Err(error) if matches!(error.kind(), ErrorKind::Unsupported { .. }) => {
-            return Ok(Vec::new());
-        }
         other => other?,
     };
+    let Some(lowered) = lowered else { return Ok(Vec::new()) };
     let mut program = Program::assemble(lowered.model())?;
     program.make_feasibility_problem();
     let bounded = model.variables().map(|v| {

@@ -182,7 +182,7 @@ impl<'a> Oracle<'a> {
     }
 
     fn refutes(&self, part: &Model) -> Result<bool, Error> {
-        let lowered = match reformulate::lower_until(part, None, &self.token) {
+        let lowered = match reformulate::lower_around_functions(part, &self.token) {
             Err(error) if reformulate::is_missing_bound(&error) => return Ok(false),
             other => other?,
         };
