@@ -33,6 +33,9 @@ pub mod my_search_does_not_finish {}
 #[doc = include_str!("../docs/weak_statements.md")]
 pub mod weak_statements {}
 
+#[doc = include_str!("../docs/nonlinear.md")]
+pub mod nonlinear {}
+
 #[doc = include_str!("../docs/help.md")]
 pub mod help {}
 

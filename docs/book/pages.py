@@ -18,6 +18,7 @@ GUIDES = [
     ("Scenes: vehicles among walls", "docs/scenes.md", ["hybrid::scene"]),
     ("A mission", "docs/missions.md", ["hybrid"]),
     ("Models", "docs/modelling.md", ["model", "reformulate"]),
+    ("Nonlinear functions", "docs/nonlinear.md", ["model"]),
     ("A search that does not finish", "docs/my_search_does_not_finish.md", ["solver", "explain"]),
     ("What makes a statement weak", "docs/weak_statements.md", ["hybrid", "reformulate"]),
     ("A file and a solver", "docs/a_file_and_a_solver.md", ["model"]),

@@ -115,7 +115,7 @@ fn poles_and_missing_bounds_are_errors_with_names() {
     let y = model.continuous("y", 0.0, 1.0).unwrap();
     model.minimize(Nonlinear::from(x * y) + x).unwrap();
     let error = BranchAndBound::default().solve(&model).unwrap_err();
-    assert!(matches!(error.kind(), ErrorKind::UnboundedArgument { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::UnboundedFunction { .. }), "{error}");
     assert!(error.code() == "no-bound" && error.to_string().contains("`x` has no lower bound"));
 }
 

@@ -11,7 +11,6 @@ pub(super) const VALUE_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// A function of one variable, whose argument and value have no unit, if it is not a power.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub enum Elementary {
     /// The sine of an angle in rad.
     Sin,

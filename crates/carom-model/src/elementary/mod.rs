@@ -1,5 +1,5 @@
-//! Elementary functions of one variable: values, derivatives, ranges, curvature, and lines below and
-//! above them, all with proved errors.
+//! Elementary functions of one variable: values, derivatives, ranges, curvature, and lines below
+//! and above them, all with proved errors.
 //!
 //! * `function.rs` names the functions, and evaluates them and their derivatives.
 //! * `range.rs`: the values over an interval; `inverse.rs`: the arguments of an interval of values.

@@ -40,7 +40,6 @@ impl Error {
             | Kind::NotParameter { .. } => "kind-of-variable",
             Kind::Stale { .. } => "out-of-date",
             Kind::UnboundedFunction { .. }
-            | Kind::UnboundedArgument { .. }
             | Kind::UnboundedSet { .. }
             | Kind::UnboundedIndicator { .. } => "no-bound",
             Kind::Pole { .. } => "pole",

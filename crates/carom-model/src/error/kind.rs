@@ -153,8 +153,7 @@ pub enum ErrorKind {
         /// The model.
         model: String,
     },
-    /// A function, a disjunction, an ordered set or a semi-continuous variable needs a bound that a
-    /// variable does not have.
+    /// A function or another statement needs a bound that a variable does not have.
     #[error(
         "`{function}` cannot be written as rows, because `{variable}` has no {bound} bound{chain}; \
          give {remedy} a finite one"
@@ -171,33 +170,13 @@ pub enum ErrorKind {
         /// The variables whose bounds would help, in words.
         remedy: String,
     },
-    /// A smooth function has no enclosure over all values of a variable that has no bound.
-    #[error(
-        "`{function}` cannot be enclosed, because `{variable}` has no {bound} bound; give {remedy} \
-         a finite one"
-    )]
-    UnboundedArgument {
-        /// The function, with its variables.
-        function: String,
-        /// The unbounded variable.
-        variable: String,
-        /// `lower` or `upper`: the missing bound.
-        bound: &'static str,
-        /// The variables whose bounds would help, in words.
-        remedy: String,
-    },
     /// A function is infinite somewhere within the range of its argument.
-    #[error(
-        "`{function}` is infinite somewhere for an argument from {lower} to {upper}; let bounds or \
-         rows keep it on one side of the pole"
-    )]
+    #[error("`{function}` has a pole between {} and {}; keep its argument on one side", .range.0, .range.1)]
     Pole {
         /// The function, with its variables.
         function: String,
-        /// The lower end of the argument's range.
-        lower: f64,
-        /// The upper end of the argument's range.
-        upper: f64,
+        /// The ends of the range.
+        range: (f64, f64),
     },
     /// A vertex of a `GraphOfSets` whose set may be unbounded.
     #[error(
@@ -288,8 +267,7 @@ pub enum ErrorKind {
         /// The variables of the direction with their steps, the largest ones first.
         direction: String,
     },
-    /// A quadratic row that is a second-order cone only where an expression is not negative, and
-    /// the bounds do not show that it is.
+    /// A quadratic row that is a cone only where an expression has a sign that bounds do not show.
     #[error(
         "the quadratic row `{row}` is a cone only where {expression} cannot be negative, and the bounds of \
          its variables do not show that; give them bounds, or make it equal to a variable with the lower \

@@ -25,9 +25,9 @@ pub(super) const MAX_NESTING: u32 = 16;
 /// One alternative of an [`Either`]: rows, conic rows and nested disjunctions that must hold
 /// together if it is selected.
 ///
-/// Made from a [`Row`], a [`ConicRow`], a [`NonlinearRow`], an array or a vector of one of them, or a nested
-/// [`Either`]; add more of all with [`and`](Term::and) and [`and_either`](Term::and_either). A term
-/// without rows is always true.
+/// Made from a [`Row`], a [`ConicRow`], a [`NonlinearRow`], an array or a vector of one of them, or
+/// a nested [`Either`]; add more of all with [`and`](Term::and) and
+/// [`and_either`](Term::and_either). A term without rows is always true.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[must_use = "a term does nothing until its disjunction is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

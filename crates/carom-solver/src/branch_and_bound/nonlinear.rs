@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::reformulate::{lower_around_functions, ties};
 use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Verification};
 use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
-use crate::spatial::{SearchFlaw, SpatialProgram, SpatialSearch};
+use crate::spatial::{FoundPoint, SearchFlaw, SpatialProgram, SpatialSearch};
 
 use super::refusals::Refusals;
 
@@ -65,7 +65,8 @@ pub(super) fn solve_nonlinear(
         vec![x]
     });
     let watched = RefCell::new(control);
-    let mut notify = |statistics: &Statistics, x: &[f64], value: f64, bound: f64| {
+    let mut notify = |found: &FoundPoint<'_>| {
+        let FoundPoint { statistics, x, value, bound } = *found;
         let mut control = watched.borrow_mut();
         let (objective, bound) = (sign * value, sign * bound);
         let progress = Progress::new(
@@ -95,8 +96,8 @@ pub(super) fn solve_nonlinear(
                 let function = stated.functions().find(|f| f.result().index() == result);
                 let name = |variable| stated.name_of(variable).to_string();
                 let function = function.map(|function| function.function().text(&name));
-                let (lower, upper) = (range.lower, range.upper);
-                ErrorKind::Pole { function: function.unwrap_or_default(), lower, upper }.into()
+                let range = (range.lower, range.upper);
+                ErrorKind::Pole { function: function.unwrap_or_default(), range }.into()
             }
         });
     }
@@ -166,10 +167,11 @@ fn missing_bound(model: &Model, program: &SpatialProgram, column: usize) -> Erro
     let name = |j: usize| names.get(j).cloned().unwrap_or_default();
     let text = function.next().map(|function| function.function().text(&|v| name(v.index())));
     let remedy: Vec<String> = of.iter().map(|&j| format!("`{}`", name(j))).collect();
-    ErrorKind::UnboundedArgument {
+    ErrorKind::UnboundedFunction {
         function: text.unwrap_or_else(|| name(user)),
         variable: name(user),
         bound: if program.has_lower(column) { "upper" } else { "lower" },
+        chain: String::new(),
         remedy: remedy.join(" and "),
     }
     .into()

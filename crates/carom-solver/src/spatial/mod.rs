@@ -30,4 +30,4 @@ mod tree;
 
 pub(crate) use flaw::SearchFlaw;
 pub(crate) use program::SpatialProgram;
-pub(crate) use search::SpatialSearch;
+pub(crate) use search::{FoundPoint, SpatialSearch};

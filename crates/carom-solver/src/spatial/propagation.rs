@@ -112,7 +112,7 @@ fn narrow(
     }
     if common.is_empty() {
         let size = own.lower.abs().min(own.upper.abs()).max(1.0);
-        if !(common.lower - common.upper <= CROSSED * size) || program.program.integral[column] {
+        if common.lower - common.upper > CROSSED * size || program.program.integral[column] {
             return Err(EmptyDomain);
         }
         // Rounding is no contradiction.

@@ -29,7 +29,7 @@ pub(super) enum BoxVerdict {
     /// No point of the box is better than the cutoff.
     Refuted,
     Stopped,
-    Relaxed(RelaxedBox),
+    Relaxed(Box<RelaxedBox>),
 }
 
 /// A relaxed box.
@@ -212,7 +212,7 @@ impl<'a> BoxRelaxer<'a> {
             }
         }
         match best {
-            Some(best) => BoxVerdict::Relaxed(best),
+            Some(best) => BoxVerdict::Relaxed(Box::new(best)),
             None => BoxVerdict::Stopped,
         }
     }

@@ -52,8 +52,17 @@ pub(crate) struct SpatialSearch<'a> {
     pub(crate) token: &'a StopToken,
     /// Whether a point, by column, satisfies the model.
     pub(crate) accepts: &'a dyn Fn(&[f64]) -> bool,
-    /// Told of each better point, with the proved bound.
-    pub(crate) notify: &'a mut dyn FnMut(&Statistics, &[f64], f64, f64),
+    /// Told of each better point.
+    pub(crate) notify: &'a mut dyn FnMut(&FoundPoint<'_>),
+}
+
+/// A better point, while the search goes on.
+pub(crate) struct FoundPoint<'a> {
+    pub(crate) statistics: &'a Statistics,
+    pub(crate) x: &'a [f64],
+    /// Its objective, and the proved bound.
+    pub(crate) value: f64,
+    pub(crate) bound: f64,
 }
 
 /// The state of a search.
@@ -252,7 +261,7 @@ impl SpatialSearch<'_> {
             let interval = if state.best.is_some() { 64 } else { LOCAL_INTERVAL };
             let is_whole = |j: &usize| (x[*j] - x[*j].round()).abs() <= self.options.integrality;
             let all_whole = program.program.integers.iter().all(is_whole);
-            if is_root || nodes.is_power_of_two() || (all_whole && nodes % interval == 0) {
+            if is_root || nodes.is_power_of_two() || (all_whole && nodes.is_multiple_of(interval)) {
                 self.improve(state, domain, x);
             }
             if is_root {
@@ -299,7 +308,7 @@ impl SpatialSearch<'_> {
         root: &Domain,
         domain: &Domain,
         (bound, depth): (f64, u64),
-        relaxed: Option<RelaxedBox>,
+        relaxed: Option<Box<RelaxedBox>>,
     ) -> Option<SpatialNode> {
         let program = self.program;
         let (x, warm) = match relaxed {
@@ -380,7 +389,7 @@ impl SpatialSearch<'_> {
             state.statistics.incumbents += 1;
             state.best = Some((x.to_vec(), value));
             let bound = state.open.bound().unwrap_or(f64::NEG_INFINITY).min(value);
-            (self.notify)(&state.statistics, x, value, bound);
+            (self.notify)(&FoundPoint { statistics: &state.statistics, x, value, bound });
         }
     }
 
