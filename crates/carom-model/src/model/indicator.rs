@@ -78,8 +78,8 @@ macro_rules! consequents {
 
 consequents!(Logic, Literal, Variable);
 
-/// An implication of a [`Row`], a [`ConicRow`] or a [`NonlinearRow`], not yet added to a model; made by
-/// [`Literal::implies`] and [`Logic::implies`].
+/// An implication of a [`Row`], a [`ConicRow`] or a [`NonlinearRow`], not yet added to a model;
+/// made by [`Literal::implies`] and [`Logic::implies`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "an implication does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
