@@ -128,6 +128,9 @@ pub struct SearchParts {
     /// Whether parts of the program without a common row are searched one after the other; default
     /// on. Not used without presolve, for pools and leaves, or with a MIP start.
     pub blocks: bool,
+    /// Whether a search that takes many nodes begins again with facets of unions, if these lift the
+    /// root; default on. Not used without cuts.
+    pub facets: bool,
 }
 
 impl Default for SearchParts {
@@ -139,6 +142,7 @@ impl Default for SearchParts {
             big_m_tightening: true,
             probing: true,
             blocks: true,
+            facets: true,
         }
     }
 }
@@ -284,6 +288,8 @@ impl Options {
         with_probing(probing: bool) => parts.probing = probing;
         #[doc(hidden)]
         with_blocks(blocks: bool) => parts.blocks = blocks;
+        #[doc(hidden)]
+        with_facets(facets: bool) => parts.facets = facets;
         /// Sets whether cuts are added to the root relaxation.
         with_cuts(cuts: bool) => cuts = cuts;
         /// Sets the primal heuristics.

@@ -6,16 +6,21 @@
 
 mod cut;
 mod cut_sets;
+mod facet_rounds;
+mod facets;
 mod gomory;
+mod hull_exit;
 mod mixed_integer_rounding;
 mod parameters;
 mod polymatroid;
 mod rounded_cut;
 mod rounding;
 mod separated_point;
+mod unions;
 
 pub use cut::{Cut, CutSide, WholeForm};
 pub use cut_sets::cut_set_cuts;
+pub(crate) use facet_rounds::FacetRounds;
 pub use gomory::gomory_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
 pub use polymatroid::polymatroid_cuts;
@@ -321,7 +326,7 @@ fn tangents(program: &Program, x: &[f64]) -> Vec<Cut> {
         // A power of two, so that nothing is rounded.
         let scale = (-largest_magnitude(terms.iter().map(|term| &term.1)).log2().ceil()).exp2();
         terms.iter_mut().for_each(|term| term.1 *= scale);
-        Cut { terms, limit: 0.0, form: None }
+        Cut { terms, limit: 0.0, form: None, cases: Vec::new() }
     };
     separate_program_cones(program, x).into_iter().map(tangent).collect()
 }

@@ -77,6 +77,28 @@ pub(super) struct CutParameters {
     pub(super) most_flips: usize,
     /// Share of an aggregate's size that counts for the margin of its cut: rounding, and no more.
     pub(super) margin_share: f64,
+    /// Most unions of a program.
+    pub(super) most_unions: usize,
+    /// Numbers of binaries of a row whose cases are a union.
+    pub(super) case_counts: std::ops::RangeInclusive<usize>,
+    /// Most columns and rows of a union, and the longest of these.
+    pub(super) region_columns: usize,
+    pub(super) region_rows: usize,
+    pub(super) longest_region_row: usize,
+    /// By pass that adds rows to a union, most further columns of a row.
+    pub(super) region_growth: [usize; 8],
+    /// Distance from a whole number up to which a binary counts as decided.
+    pub(super) least_fraction: f64,
+    /// Most linear programs of a round.
+    pub(super) facet_programs: usize,
+    /// Linear programs in a row without a facet after which a shape is left alone.
+    pub(super) facet_failures: u32,
+    /// Most rounds of facets.
+    pub(super) facet_rounds: u32,
+    /// Largest share of the iterations of facets in those of the search before them.
+    pub(super) facet_share: f64,
+    /// Coefficients below this, relative to the largest, are left out of a direction.
+    pub(super) slight_coefficient: f64,
 }
 
 pub(super) const CUTS: CutParameters = CutParameters {
@@ -112,4 +134,16 @@ pub(super) const CUTS: CutParameters = CutParameters {
     most_divisors: 12,
     most_flips: 12,
     margin_share: 1e-3,
+    most_unions: 2000,
+    case_counts: 2..=8,
+    region_columns: 40,
+    region_rows: 60,
+    longest_region_row: 14,
+    region_growth: [0, 1, 0, 1, 2, 0, 1, 0],
+    least_fraction: 1e-6,
+    facet_programs: 60,
+    facet_failures: 6,
+    facet_rounds: 12,
+    facet_share: 0.2,
+    slight_coefficient: 1e-7,
 };

@@ -1,0 +1,84 @@
+//! The tree of a program whose root may turn out to be weak.
+//!
+//! Most programs need few nodes, and their roots are strong enough. A search that goes on for long
+//! looks for facets in its pauses. If these lift the root above the bound that it has come to, it
+//! begins again with them.
+
+use super::cut::CutOutcome;
+use crate::program::Program;
+use crate::search::cuts::FacetRounds;
+use crate::search::{
+    Pauses, Root, RootCuts, SearchResult, SolveTask, Start, StartPoint, search, search_with_pauses,
+};
+use crate::solution::{Heuristic, Termination};
+use crate::solver::{Control, Progress};
+
+/// Nodes before the first pause.
+const FIRST_PAUSE: u64 = 150;
+
+/// Whether a search of a task may begin again.
+pub(super) fn may_begin_again(
+    task: SolveTask<'_>,
+    start: Option<&Start>,
+    control: &Control<'_>,
+) -> bool {
+    task.options.parts().facets
+        && task.options.pool == 1
+        && !task.judge.finds_rows()
+        && !task.program.is_feasibility_problem()
+        && !control.has_exchange()
+        && start.is_none_or(|start| start.saved_tree.is_none())
+}
+
+/// Searches the tree of a task, and begins again with facets if they are better than its nodes.
+///
+/// # Arguments
+///
+/// * `begun`: the program before it was cut.
+pub(super) fn search_with_facets(
+    task: SolveTask<'_>,
+    begun: &Program,
+    root: &Root,
+    cut: &mut CutOutcome,
+    given: Option<&Start>,
+    control: &mut Control<'_>,
+) -> SearchResult {
+    let SolveTask { program, options, token, .. } = task;
+    let start = cut.start(given);
+    let mut rounds = FacetRounds::new([begun, program], root, options, token);
+    let mut is_lifted = false;
+    let mut ends = |progress: &Progress| {
+        let mut cascade = task.cascades.take();
+        let bound = program.sign * progress.bound;
+        is_lifted = rounds.go_on(bound, progress.iterations, &mut cascade);
+        task.cascades.give_back(cascade);
+        is_lifted
+    };
+    let pauses = Pauses { nodes: FIRST_PAUSE, ends: &mut ends };
+    let mut before = search_with_pauses(task, control, start.as_ref(), Some(pauses));
+    let is_paused = is_lifted && before.termination == Termination::NodeLimit;
+    if !is_paused || before.contradiction.is_some() {
+        return before;
+    }
+    let Some((lifted, root)) = rounds.strengthened(before.bound) else { return before };
+    if options.proof_path().is_some() {
+        let none = || Box::new(RootCuts::none(begun, &root));
+        cut.cuts.get_or_insert_with(none).add(&lifted.cuts);
+    }
+    let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
+    let point = std::mem::take(&mut before.points).into_iter().next();
+    let point = point.map(|values| StartPoint { values, found_by });
+    let start = Start { point, is_rounded: Some(true), ..Start::default() };
+    let left = |limit: u64| limit.saturating_sub(before.statistics.nodes);
+    let options = &match options.node_limit {
+        Some(limit) => options.clone().with_node_limit(left(limit)),
+        None => options.clone(),
+    };
+    let own = SolveTask { program: &lifted.program, root: Some(&root), options, ..task };
+    let mut found = search(own, control, Some(&start));
+    found.statistics.add(&before.statistics);
+    if found.contradiction.is_none() {
+        found.bound = found.bound.max(before.bound);
+    }
+    found
+}

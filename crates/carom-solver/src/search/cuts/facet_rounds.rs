@@ -1,0 +1,144 @@
+//! Rounds of facets at the root of a search that has taken many nodes.
+//!
+//! Ordinary cuts are rows already, so what facets lift is beyond them. The rounds take a share of
+//! the work of the search, so they stop and go on in its pauses. They pay once the root is above
+//! the bound that all nodes of the search have come to.
+
+use super::facets::{FacetPool, FacetTools};
+use super::parameters::CUTS;
+use super::{Cut, select, with_cuts};
+use crate::program::Program;
+use crate::relaxation::MethodCascade;
+use crate::search::root::Root;
+use crate::search::root_point::{RootPoint, Strengthened};
+use crate::search::trace::event;
+use crate::solver::{Options, StopToken};
+
+/// The state of the rounds between pauses.
+pub(crate) struct FacetRounds<'a> {
+    /// The program before it was cut, whose rows the facets are found among.
+    begun: &'a Program,
+    /// The program of the search.
+    program: &'a Program,
+    root: &'a Root,
+    options: &'a Options,
+    token: &'a StopToken,
+    pool: Option<FacetPool>,
+    cuts: Vec<Cut>,
+    /// The relaxed root before facets, and with those that are known.
+    points: Option<[RootPoint; 2]>,
+    rounds: u32,
+    /// Iterations that they have taken.
+    iterations: u64,
+    is_over: bool,
+}
+
+impl<'a> FacetRounds<'a> {
+    /// Rounds that have not begun.
+    pub(crate) fn new(
+        [begun, program]: [&'a Program; 2],
+        root: &'a Root,
+        options: &'a Options,
+        token: &'a StopToken,
+    ) -> Self {
+        FacetRounds {
+            begun,
+            program,
+            root,
+            options,
+            token,
+            pool: None,
+            cuts: Vec::new(),
+            points: None,
+            rounds: 0,
+            iterations: 0,
+            is_over: false,
+        }
+    }
+
+    /// Goes on for a share of the iterations of a search that has come to a bound. Returns whether
+    /// facets lift the root above it.
+    pub(crate) fn go_on(
+        &mut self,
+        bound: f64,
+        iterations: u64,
+        cascade: &mut MethodCascade,
+    ) -> bool {
+        let budget = (CUTS.facet_share * iterations as f64) as u64;
+        while !self.is_over && self.iterations < budget && !self.token.is_over() {
+            let before = cascade.iterations();
+            let goes_on = self.run_round(bound, before + (budget - self.iterations), cascade);
+            self.iterations += cascade.iterations() - before;
+            self.is_over |= goes_on.is_none();
+            if let Some([_, last]) = &self.points
+                && last.value > bound
+            {
+                // What is left of the rounds is worth its time.
+                while !self.is_over && self.run_round(bound, u64::MAX, cascade).is_some() {}
+                break;
+            }
+        }
+        let lifts = |[first, last]: &[RootPoint; 2]| {
+            last.value > bound && first.is_lifted_by(CUTS.slight_lift, last.value)
+        };
+        self.points.as_ref().is_some_and(lifts) && !self.cuts.is_empty()
+    }
+
+    /// One round; `None` after the last one.
+    fn run_round(
+        &mut self,
+        bound: f64,
+        last_iteration: u64,
+        cascade: &mut MethodCascade,
+    ) -> Option<()> {
+        let FacetRounds { begun, program, root, options, token, .. } = *self;
+        if self.points.is_none() {
+            let relax = || RootPoint::new(program, &root.domain, cascade, options, token, None);
+            let point = root.point.clone().or_else(relax)?;
+            self.points = Some([point.clone(), point]);
+        }
+        let pool = self.pool.get_or_insert_with(|| FacetPool::new(begun, &root.domain));
+        let [first, last] = self.points.as_mut()?;
+        if pool.is_empty() || self.rounds == CUTS.facet_rounds || self.token.is_over() {
+            return None;
+        }
+        let domain = &root.domain;
+        let mut tools =
+            FacetTools { program: begun, domain, cascade, options, token, last_iteration };
+        let (found, is_whole) = pool.separate(&last.x, &mut tools);
+        let found = select(found, &self.cuts, &last.x);
+        if found.is_empty() {
+            return (!is_whole).then_some(());
+        }
+        self.rounds += 1;
+        self.cuts.extend(found);
+        let more = with_cuts(program, &self.cuts)?;
+        let warm = last.warm.as_ref().filter(|_| last.is_vertex);
+        let point = RootPoint::new(&more, domain, cascade, options, token, warm)?;
+        let gain = (point.value - last.value).max(0.0);
+        *last = point;
+        let is_idle = gain < CUTS.idle_share * (last.value - first.value);
+        let is_hopeless = last.value + CUTS.rounds_ahead * gain < bound;
+        (!is_idle && !is_hopeless).then_some(())
+    }
+
+    /// The program with the facets that bind its relaxed root, and its root, which knows a bound.
+    pub(crate) fn strengthened(self, bound: f64) -> Option<(Strengthened, Root)> {
+        let [first, last] = self.points?;
+        let mut cuts = self.cuts;
+        cuts.retain(|cut| cut.room(&last.x) <= CUTS.binding * cut.scale(&last.x));
+        let program = with_cuts(self.program, &cuts)?;
+        let values = [first.value, last.value];
+        event!(
+            INFO,
+            facets = cuts.len(),
+            shapes = self.pool.as_ref().map_or(0, FacetPool::shape_count),
+            from = first.value,
+            to = last.value,
+            "facets"
+        );
+        let mut root = Root { point: Some(last.with_bound(bound)), ..self.root.clone() };
+        root.carry_over(&program, self.token);
+        Some((Strengthened { program, values, cuts }, root))
+    }
+}
