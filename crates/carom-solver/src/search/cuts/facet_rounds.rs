@@ -106,13 +106,12 @@ impl<'a> FacetRounds<'a> {
         let mut tools =
             FacetTools { program: begun, domain, cascade, options, token, last_iteration };
         let (found, is_whole) = pool.separate(&last.x, &mut tools);
-        // A round that the budget has ended says nothing about the next one.
-        let is_cut_short = tools.is_over();
+        // A round that has not looked at all unions says nothing about the next one.
         let found = select(found, &self.cuts, &last.x);
         if found.is_empty() {
-            return (is_cut_short || !is_whole).then_some(());
+            return (!is_whole).then_some(());
         }
-        self.rounds += u32::from(!is_cut_short);
+        self.rounds += u32::from(is_whole);
         self.cuts.extend(found);
         let more = with_cuts(program, &self.cuts)?;
         let warm = last.warm.as_ref().filter(|_| last.is_vertex);
@@ -121,7 +120,7 @@ impl<'a> FacetRounds<'a> {
         *last = point;
         let is_idle = gain < CUTS.idle_share * (last.value - first.value);
         let is_hopeless = last.value + CUTS.rounds_ahead * gain < bound;
-        (is_cut_short || (!is_idle && !is_hopeless)).then_some(())
+        (!is_whole || (!is_idle && !is_hopeless)).then_some(())
     }
 
     /// The program with the facets that bind its relaxed root, and its root, which knows a bound.

@@ -47,7 +47,7 @@ pub(super) struct FacetTools<'a> {
 }
 
 impl FacetTools<'_> {
-    pub(super) fn is_over(&self) -> bool {
+    fn is_over(&self) -> bool {
         self.token.is_over() || self.cascade.iterations() >= self.last_iteration
     }
 }
