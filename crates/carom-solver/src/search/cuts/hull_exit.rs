@@ -134,7 +134,7 @@ impl<'a> ExitProgram<'a> {
     fn part(&mut self, k: usize, weight: usize, [lower, upper]: [f64; 2]) -> ColumnPart {
         let own = self.bounds.len();
         let (weight_factor, factor, bounds) = match (lower.is_finite(), upper.is_finite()) {
-            (true, true) => (lower, upper - lower, [0.0, 1.0]),
+            (true, true) => (lower, upper - lower, [0.0, f64::INFINITY]),
             (true, false) => (lower, 1.0, [0.0, f64::INFINITY]),
             (false, true) => (upper, -1.0, [0.0, f64::INFINITY]),
             (false, false) => (0.0, 1.0, [f64::NEG_INFINITY, f64::INFINITY]),
@@ -147,7 +147,8 @@ impl<'a> ExitProgram<'a> {
         }
         self.bounds.push(bounds);
         self.links[k].push((own, factor));
-        if bounds == [0.0, 1.0] {
+        // A bound of 1 in place of this row would take multipliers that the weight has to have.
+        if lower.is_finite() && upper.is_finite() {
             self.lines.push((vec![(weight, -1.0), (own, 1.0)], [f64::NEG_INFINITY, 0.0]));
             self.sources.push(None);
         }
