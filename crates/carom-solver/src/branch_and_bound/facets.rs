@@ -50,7 +50,7 @@ pub(super) fn search_with_facets(
     let mut ends = |progress: &Progress| {
         let mut cascade = task.cascades.take();
         let bound = program.sign * progress.bound;
-        is_lifted = rounds.go_on(bound, progress.iterations, &mut cascade);
+        is_lifted = rounds.go_on(bound, [progress.nodes, progress.iterations], &mut cascade);
         task.cascades.give_back(cascade);
         is_lifted
     };

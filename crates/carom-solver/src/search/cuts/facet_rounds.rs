@@ -28,8 +28,11 @@ pub(crate) struct FacetRounds<'a> {
     /// The relaxed root before facets, and with those that are known.
     points: Option<[RootPoint; 2]>,
     rounds: u32,
-    /// Iterations that they have taken.
-    iterations: u64,
+    /// The work that they have taken: iterations times rows.
+    work: f64,
+    /// What the last whole rounds have lifted, and what the parts of the next one have.
+    gains: Vec<f64>,
+    partial_gain: f64,
     is_over: bool,
 }
 
@@ -51,30 +54,32 @@ impl<'a> FacetRounds<'a> {
             cuts: Vec::new(),
             points: None,
             rounds: 0,
-            iterations: 0,
+            work: 0.0,
+            gains: Vec::new(),
+            partial_gain: 0.0,
             is_over: false,
         }
     }
 
-    /// Goes on for a share of the iterations of a search that has come to a bound. Returns whether
-    /// facets lift the root above it.
+    /// Goes on for a share of the work of a search that has come to a bound. Returns whether facets
+    /// lift the root above it.
     pub(crate) fn go_on(
         &mut self,
         bound: f64,
-        iterations: u64,
+        [nodes, iterations]: [u64; 2],
         cascade: &mut MethodCascade,
     ) -> bool {
-        let budget = (CUTS.facet_share * iterations as f64) as u64;
-        while !self.is_over && self.iterations < budget && !self.token.is_over() {
-            let before = cascade.iterations();
-            let goes_on = self.run_round(bound, before + (budget - self.iterations), cascade);
-            self.iterations += cascade.iterations() - before;
-            self.is_over |= goes_on.is_none();
+        // A search that has gone on for long has more to win, so the share grows.
+        let growth = (nodes as f64 / CUTS.facet_nodes).sqrt();
+        let share = (CUTS.facet_share[0] * growth).min(CUTS.facet_share[1]);
+        let budget = share * self.program.row_count() as f64 * iterations as f64;
+        while !self.is_over && self.work < budget && !self.token.is_over() {
+            self.is_over |= self.run_round(bound, budget, cascade).is_none();
             if let Some([_, last]) = &self.points
                 && last.value > bound
             {
                 // What is left of the rounds is worth its time.
-                while !self.is_over && self.run_round(bound, u64::MAX, cascade).is_some() {}
+                while !self.is_over && self.run_round(bound, f64::INFINITY, cascade).is_some() {}
                 break;
             }
         }
@@ -85,12 +90,7 @@ impl<'a> FacetRounds<'a> {
     }
 
     /// One round; `None` after the last one.
-    fn run_round(
-        &mut self,
-        bound: f64,
-        last_iteration: u64,
-        cascade: &mut MethodCascade,
-    ) -> Option<()> {
+    fn run_round(&mut self, bound: f64, budget: f64, cascade: &mut MethodCascade) -> Option<()> {
         let FacetRounds { begun, program, root, options, token, .. } = *self;
         if self.points.is_none() {
             let relax = || RootPoint::new(program, &root.domain, cascade, options, token, None);
@@ -103,9 +103,10 @@ impl<'a> FacetRounds<'a> {
             return None;
         }
         let domain = &root.domain;
-        let mut tools =
-            FacetTools { program: begun, domain, cascade, options, token, last_iteration };
+        let work = [self.work, budget];
+        let mut tools = FacetTools { program: begun, domain, cascade, options, token, work };
         let (found, is_whole) = pool.separate(&last.x, &mut tools);
+        self.work = tools.work[0];
         // A round that has not looked at all unions says nothing about the next one.
         let found = select(found, &self.cuts, &last.x);
         if found.is_empty() {
@@ -116,11 +117,20 @@ impl<'a> FacetRounds<'a> {
         let more = with_cuts(program, &self.cuts)?;
         let warm = last.warm.as_ref().filter(|_| last.is_vertex);
         let point = RootPoint::new(&more, domain, cascade, options, token, warm)?;
+        self.work += point.iterations as f64 * more.row_count() as f64;
         let gain = (point.value - last.value).max(0.0);
         *last = point;
-        let is_idle = gain < CUTS.idle_share * (last.value - first.value);
-        let is_hopeless = last.value + CUTS.rounds_ahead * gain < bound;
-        (!is_whole || (!is_idle && !is_hopeless)).then_some(())
+        self.partial_gain += gain;
+        if !is_whole {
+            return Some(());
+        }
+        self.gains.push(std::mem::take(&mut self.partial_gain));
+        let recent = self.gains.iter().rev().take(CUTS.recent_rounds);
+        let recent = recent.fold(0.0, |most: f64, gain| most.max(*gain));
+        let is_idle = recent < CUTS.idle_facets * (last.value.max(bound) - first.value);
+        let left = f64::from(CUTS.facet_rounds - self.rounds);
+        let is_hopeless = last.value + left * recent < bound;
+        (!is_idle && !is_hopeless).then_some(())
     }
 
     /// The program with the facets that bind its relaxed root, and its root, which knows a bound.

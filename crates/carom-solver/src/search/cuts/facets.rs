@@ -42,13 +42,18 @@ pub(super) struct FacetTools<'a> {
     pub(super) cascade: &'a mut MethodCascade,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
-    /// Iterations of the cascade at which separation ends.
-    pub(super) last_iteration: u64,
+    /// The work that facets have taken, iterations times rows, and the most of it.
+    pub(super) work: [f64; 2],
 }
 
 impl FacetTools<'_> {
+    /// Takes the work of a linear program that has so many rows.
+    pub(super) fn take_work(&mut self, iterations_before: u64, rows: usize) {
+        self.work[0] += (self.cascade.iterations() - iterations_before) as f64 * rows as f64;
+    }
+
     fn is_over(&self) -> bool {
-        self.token.is_over() || self.cascade.iterations() >= self.last_iteration
+        self.token.is_over() || self.work[0] >= self.work[1]
     }
 }
 
@@ -144,7 +149,9 @@ fn centre(union: &CaseUnion, tools: &mut FacetTools<'_>) -> Vec<f64> {
     for case in 0..union.cases.len() {
         let bounds = union.bounds(tools.domain, case);
         let polytope = CaseUnion::polytope(&rows, &bounds, vec![0.0; n]);
+        let before = tools.cascade.iterations();
         let found = tools.cascade.solve_once(&polytope, Purpose::Separation, tools.token);
+        tools.take_work(before, rows.len());
         if found.claim == RelaxationClaim::Solved {
             sum.iter_mut().zip(&found.x).for_each(|(sum, x)| *sum += x);
             count += 1.0;
@@ -170,6 +177,7 @@ fn cut_of(
         let bounds = union.bounds(tools.domain, case);
         let cost = exit.direction.iter().map(|a| -a).collect();
         let polytope = CaseUnion::polytope(&rows, &bounds, cost);
+        tools.work[0] += rows.len() as f64;
         limit = limit.max(-tools.cascade.prover().lower_bound(&polytope, &zeros, multipliers));
         if limit >= at {
             return None;

@@ -176,7 +176,9 @@ impl<'a> ExitProgram<'a> {
             token: tools.token,
             warm: None,
         };
+        let before = tools.cascade.iterations();
         let verdict = tools.cascade.solve(&mut program, &question);
+        tools.take_work(before, self.lines.len());
         let RelaxationVerdict::Relaxed { x, y, .. } = verdict else { return None };
         let is_inside = x.first().is_none_or(|share| *share > 1.0 - CUTS.least_fraction);
         (!is_inside && y.len() == self.lines.len()).then_some(y)

@@ -95,8 +95,13 @@ pub(super) struct CutParameters {
     pub(super) facet_failures: u32,
     /// Most rounds of facets.
     pub(super) facet_rounds: u32,
-    /// Largest share of the iterations of facets in those of the search before them.
-    pub(super) facet_share: f64,
+    /// The share of the work of a search that facets may take after so many nodes, which grows with
+    /// the root of their number, and the largest share.
+    pub(super) facet_nodes: f64,
+    pub(super) facet_share: [f64; 2],
+    /// The last rounds one of which has to lift the root, and by which part of what is to be lifted.
+    pub(super) recent_rounds: usize,
+    pub(super) idle_facets: f64,
     /// Coefficients below this, relative to the largest, are left out of a direction.
     pub(super) slight_coefficient: f64,
 }
@@ -144,6 +149,9 @@ pub(super) const CUTS: CutParameters = CutParameters {
     facet_programs: 60,
     facet_failures: 6,
     facet_rounds: 12,
-    facet_share: 0.2,
+    facet_nodes: 1000.0,
+    facet_share: [0.1, 0.3],
+    recent_rounds: 3,
+    idle_facets: 0.01,
     slight_coefficient: 1e-7,
 };
