@@ -3,7 +3,7 @@
 use crate::solver::Progress;
 
 /// The growth of the number of nodes from pause to pause.
-const GROWTH: u64 = 2;
+const PAUSE_GROWTH: u64 = 2;
 
 /// Asks again and again, after so many nodes and then after ever more, whether the search ends.
 pub(crate) struct Pauses<'a> {
@@ -19,7 +19,7 @@ impl Pauses<'_> {
         if progress.nodes < self.nodes {
             return false;
         }
-        self.nodes = progress.nodes.saturating_mul(GROWTH);
+        self.nodes = progress.nodes.saturating_mul(PAUSE_GROWTH);
         (self.ends)(progress)
     }
 }
