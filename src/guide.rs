@@ -64,6 +64,10 @@ pub mod proofs {}
 #[doc = include_str!("../docs/robust_plans.md")]
 pub mod robust_plans {}
 
+#[doc = "[robust]: crate::guide::robust_plans"]
+#[doc = include_str!("../docs/explicit_control.md")]
+pub mod explicit_control {}
+
 #[doc = "[benchmarks]: crate::guide::benchmarks"]
 #[doc = "[robust]: crate::guide::robust_plans"]
 #[doc = "[on a cluster]: crate::guide::cluster"]

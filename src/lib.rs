@@ -7,6 +7,8 @@ pub mod prelude;
 #[doc(inline)]
 pub use carom_conformance as conformance;
 #[doc(inline)]
+pub use carom_explicit as explicit;
+#[doc(inline)]
 pub use carom_hybrid::{graph_of_sets, hybrid, picture};
 #[doc(inline)]
 pub use carom_model::{Error, ErrorKind, error, interval, model, solution, solver, tolerance};

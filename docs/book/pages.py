@@ -26,6 +26,7 @@ GUIDES = [
     ("On a cluster", "docs/cluster.md", ["sweep"]),
     ("How horizons are refuted", "docs/reach_sets.md", ["hybrid::reach"]),
     ("Plans that hold", "docs/robust_plans.md", ["hybrid"]),
+    ("Solved beforehand: tables for a chip", "docs/explicit_control.md", ["explicit"]),
     ("The paper, equation by equation", "docs/formulation.md", ["collision_tolerant"]),
     ("Examples",),
     ("Gallery", "docs/gallery.md", []),

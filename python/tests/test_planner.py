@@ -176,6 +176,64 @@ def test_a_controller():
     assert controller.step(state).source == "optimal"
 
 
+def test_a_controller_with_an_integer_horizon():
+    room = carom.HybridSystem(600)
+    t = room.state("t", 5, 30)
+    room.mode("off", choice="heater").next({t: t - 0.5})
+    room.mode("on", choice="heater").next({t: t + 0.75})
+    program = room.program(10)
+    program.minimize(program.sum((t - 20) ** 2))
+    whole = carom.RecedingHorizon(program).step([18.0])
+    move = carom.RecedingHorizon(program, integer_horizon=2).step([18.0])
+    assert (move.source, move.objective, move.states.shape) == ("integer horizon", None, (3, 1))
+    assert move.transitions["heater"][0] == "on" and move.bound <= whole.objective + 1e-6
+    # The program itself still decides all its steps.
+    assert carom.RecedingHorizon(program).step([18.0]).source == "optimal"
+    with pytest.raises(ValueError, match="integer horizon"):
+        carom.RecedingHorizon(program, integer_horizon=11)
+
+
+def gusty_cart():
+    system = carom.HybridSystem(1)
+    x = system.state("x", 0, 9)
+    u = system.input("u", -1, 1)
+    system.disturbance(x, -0.2, 0.2)
+    system.mode("roll").next({x: x + u})
+    return system, x, u
+
+
+def test_a_robust_plan():
+    system, x, u = gusty_cart()
+    nominal = system.shortest([x == 0], [x.within(2.6, 3.2)])
+    found = system.shortest([x == 0], [x.within(2.6, 3.2)], robust=True)
+    assert nominal.steps == 3 and nominal.plan.tube is None
+    # The feedback takes a part of each input.
+    assert found.steps == 4 and found.refuted_steps == 3
+    tube = found.plan.tube["x"]
+    assert tube.shape == (5, 2) and 2.6 - 1e-6 <= tube[-1, 0] and tube[-1, 1] <= 3.2 + 1e-6
+    runs = [found.plan.fly(seed) for seed in range(100)]
+    for states, kept in runs:
+        assert kept and (states["x"] >= tube[:, 0] - 1e-9).all() and (states["x"] <= tube[:, 1] + 1e-9).all()
+    assert (runs[0][0]["x"] != runs[1][0]["x"]).any()
+    with pytest.raises(ValueError, match="robust"):
+        nominal.plan.fly()
+    program = system.program(4)
+    program.start([x == 0])
+    program.goal([x.within(2.6, 3.2)])
+    program.minimize(program.sum(u**2))
+    robust, careless = program.solve(robust=True), program.solve()
+    assert robust.objective >= careless.objective - 1e-9 and robust.tube["x"].shape == (5, 2)
+
+
+def test_the_shortest_plan_with_a_mission():
+    system, x, u = cart()
+    there = carom.Mission("F in A", {"in A": [x >= 6]})
+    start, goal = [x == 2], [x == 2]
+    found = system.shortest(start, goal, mission=there)
+    assert found.steps == 4 and found.plan[x].max() >= 6 - 1e-6
+    assert found.plan.robustness(there) >= -1e-6
+
+
 def test_the_paper_in_a_scene():
     """arXiv 1611.07608: 2.55 s without collisions, 2.245 s with a nearly plastic wall."""
     steps = {}

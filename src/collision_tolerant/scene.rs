@@ -83,7 +83,7 @@ impl Scenario {
         }
     }
 
-    /// What all plans have in common, as the limits of one step: what may be damaged in all steps
+    /// The limits of one step that all plans have in common: what may be damaged in all steps
     /// together is the most in each of them.
     fn widest(&self) -> Scenario {
         let mut widest = self.clone();

@@ -52,7 +52,7 @@ const SOLVING: [&str; 10] = [
 ];
 
 /// Beside the towers, on the ground, imported by nobody.
-const BESIDE: [&str; 2] = ["conformance", "sweep"];
+const BESIDE: [&str; 4] = ["conformance", "sweep", "explicit", "embedded"];
 
 /// Macros, which stand at the root of their crate.
 const MACROS: [&str; 5] = ["setters", "sums", "scaling", "products", "comparisons"];
@@ -68,13 +68,15 @@ const CIRCLE: usize = 3;
 
 /// The folders of sources, and the module of `carom` that each is; those without one share the
 /// root.
-const CRATES: [(&str, &str); 6] = [
+const CRATES: [(&str, &str); 8] = [
     ("src", ""),
     ("crates/carom-model/src", ""),
     ("crates/carom-solver/src", ""),
     ("crates/carom-hybrid/src", ""),
     ("crates/carom-conformance/src", "conformance"),
     ("crates/carom-sweep/src", "sweep"),
+    ("crates/carom-explicit/src", "explicit"),
+    ("crates/carom-embedded/src", "embedded"),
 ];
 
 struct Source {
@@ -97,7 +99,7 @@ fn sources() -> Vec<Source> {
             }
         }
     }
-    root += "pub mod conformance;\npub mod sweep;\n";
+    root += "pub mod conformance;\npub mod sweep;\npub mod explicit;\n";
     sources.push(Source { path: "src/lib.rs".into(), module: vec!["lib".into()], text: root });
     sources.sort_by(|a, b| a.path.cmp(&b.path));
     sources

@@ -14,7 +14,7 @@ fn optimum(model: &Model) -> f64 {
     solution.objective().unwrap()
 }
 
-fn close(a: f64, b: f64) {
+fn assert_close(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-5 * b.abs().max(1.0), "{a} instead of {b}");
 }
 
@@ -40,13 +40,13 @@ fn a_row_fixes_what_an_indicator_needs() {
     model.add("e1", y.equals(0.0)).unwrap();
     model.add("e2", (x - y).equals(0.0)).unwrap();
     model.maximize(d).unwrap();
-    close(optimum(&model), 0.0);
+    assert_close(optimum(&model), 0.0);
     let lowered = reformulate::lower(&model).unwrap();
     // The variables keep the bounds that they have.
     assert_eq!(lowered.model().variable_ref(x).unwrap().bounds().upper, INF);
     let entry = &lowered.report().entries()[1];
     assert_eq!(entry.source, BigMSource::ImpliedBounds);
-    close(entry.value, 2e5);
+    assert_close(entry.value, 2e5);
     let implied: Vec<bool> = entry.shares.iter().map(|share| share.implied).collect();
     assert_eq!(implied, [false, true]);
     let text = lowered.report().to_string();
@@ -74,9 +74,9 @@ fn chain(steps: usize, gain: f64, input: f64) -> Model {
 
 #[test]
 fn chains_of_dynamics_bound_their_states() {
-    close(largest(&chain(40, 1.0, 0.25)), 11.5);
-    close(largest(&chain(9, 2.0, 0.25)), 512.0 + 0.25 * 511.0 + 0.5);
-    close(optimum(&chain(6, 1.0, 1.0)), 5.5);
+    assert_close(largest(&chain(40, 1.0, 0.25)), 11.5);
+    assert_close(largest(&chain(9, 2.0, 0.25)), 512.0 + 0.25 * 511.0 + 0.5);
+    assert_close(optimum(&chain(6, 1.0, 1.0)), 5.5);
 }
 
 /// After ten steps with a gain of ten, a start that is missed by 1e-9 is missed by 10.
@@ -102,9 +102,9 @@ fn cases_that_cover_everything_bound_what_they_share() {
     model.add("tie", (y - 2.0 * x).equals(1.0)).unwrap();
     model.add("top", z.on().implies(y.ge(6.0))).unwrap();
     model.minimize(x + z).unwrap();
-    close(optimum(&model), -2.0);
+    assert_close(optimum(&model), -2.0);
     model.maximize(x + y).unwrap();
-    close(optimum(&model), 10.0);
+    assert_close(optimum(&model), 10.0);
 
     // Modes, one of which is chosen, by a row or by logic; the dynamics themselves are switched.
     for by_row in [true, false] {
@@ -130,7 +130,7 @@ fn cases_that_cover_everything_bound_what_they_share() {
             model.add(("cap", k), mode[2].on().implies(x[k + 1].le(20.0))).unwrap();
         }
         model.minimize(x[4]).unwrap();
-        close(optimum(&model), -32.0);
+        assert_close(optimum(&model), -32.0);
     }
 }
 
@@ -149,7 +149,7 @@ fn rows_under_a_condition_bound_nothing() {
     // Unless the condition always holds.
     model.add("always", Affine::from(z).ge(1.0)).unwrap();
     model.maximize(x).unwrap();
-    close(optimum(&model), 2.0);
+    assert_close(optimum(&model), 2.0);
 }
 
 #[test]
@@ -165,8 +165,8 @@ fn only_the_side_that_is_needed() {
     let lowered = reformulate::lower(&model).unwrap();
     let entry = &lowered.report().entries()[0];
     assert_eq!(entry.source, BigMSource::LinearProgram);
-    close(entry.value, 4.0);
-    close(optimum(&model), 5.0);
+    assert_close(entry.value, 4.0);
+    assert_close(optimum(&model), 5.0);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn sums_of_rows_bound_what_no_row_does() {
     model.add("two", (a + b + d).le(55.0)).unwrap();
     model.add("set", sos1([(a, 1.0), (b, 2.0)])).unwrap();
     model.maximize(a + 2.0 * b).unwrap();
-    close(optimum(&model), 36.0);
+    assert_close(optimum(&model), 36.0);
     let mut model = Model::new("m");
     let [p, q, r] = ["p", "q", "r"].map(|name| model.continuous(name, 0.0, INF).unwrap());
     let [x, y, z] = ["x", "y", "z"].map(|name| model.continuous(name, 0.0, INF).unwrap());
@@ -187,7 +187,7 @@ fn sums_of_rows_bound_what_no_row_does() {
     model.add("rc", (r - p - q - z).equals(-6.0)).unwrap();
     model.add("set", sos1([(x, 1.0), (y, 2.0), (z, 3.0)])).unwrap();
     model.minimize(p + q + r).unwrap();
-    close(optimum(&model), 17.0);
+    assert_close(optimum(&model), 17.0);
 }
 
 /// Every kind of statement that needs bounds, over variables that only rows bound.
@@ -201,11 +201,11 @@ fn all_kinds_of_statements() {
     let mut with_set = model.clone();
     with_set.add("set", sos1([(x[0], 1.0), (x[1], 2.0), (x[2], 3.0)])).unwrap();
     with_set.maximize(2.0 * x[0] + x[1] + x[3]).unwrap();
-    close(optimum(&with_set), 2.0 * 9.0);
+    assert_close(optimum(&with_set), 2.0 * 9.0);
     let mut with_set = model.clone();
     with_set.add("set", sos2([(x[0], 1.0), (x[1], 2.0), (x[2], 3.0)])).unwrap();
     with_set.maximize(x[0] + 2.0 * x[2] + x[3]).unwrap();
-    close(optimum(&with_set), 18.0);
+    assert_close(optimum(&with_set), 18.0);
 
     let mut functions = model.clone();
     let far = functions.absolute("far", x[0] - x[1]).unwrap();
@@ -221,7 +221,7 @@ fn all_kinds_of_statements() {
     let mut bounded = functions.clone();
     x.iter().for_each(|x| bounded.set_bounds(x, 0.0, 9.0).unwrap());
     bounded.set_bounds(count, 0.0, 9.0).unwrap();
-    close(optimum(&functions), optimum(&bounded));
+    assert_close(optimum(&functions), optimum(&bounded));
 
     // What a function is limited to limits its argument.
     let mut model = Model::new("m");
@@ -233,7 +233,7 @@ fn all_kinds_of_statements() {
     let graph = PiecewiseAffine::new([(-10.0, 0.0), (0.0, 1.0), (10.0, -3.0)]).unwrap();
     let value = model.piecewise("value", y, &graph).unwrap();
     model.maximize(far + 0.1 * value + 4.0 * z).unwrap();
-    close(optimum(&model), 8.0 + 0.1 * 0.7);
+    assert_close(optimum(&model), 8.0 + 0.1 * 0.7);
 
     // Semi-continuous without a largest value.
     let mut model = Model::new("m");
@@ -241,9 +241,9 @@ fn all_kinds_of_statements() {
     model.add("cap", (2.0 * pump).le(9.0)).unwrap();
     model.add("need", Affine::from(pump).ge(0.5)).unwrap();
     model.minimize(pump).unwrap();
-    close(optimum(&model), 2.0);
+    assert_close(optimum(&model), 2.0);
     model.maximize(pump).unwrap();
-    close(optimum(&model), 4.5);
+    assert_close(optimum(&model), 4.5);
 }
 
 #[test]
@@ -265,7 +265,7 @@ fn all_methods_for_disjunctions() {
                 Reformulation::default().with_method(method).with_linear_programs(programs),
             );
             model.maximize(x - 0.5 * y).unwrap();
-            close(optimum(&model), 2.25);
+            assert_close(optimum(&model), 2.25);
         }
     }
     let mut model = Model::new("m");
@@ -274,7 +274,7 @@ fn all_methods_for_disjunctions() {
     model.maximize(x).unwrap();
     for method in Method::ALL {
         model.set_reformulation(Reformulation::default().with_method(method));
-        close(optimum(&model), 4.0);
+        assert_close(optimum(&model), 4.0);
     }
     let table = reformulate::compare_methods(&model, &mut BranchAndBound::default()).unwrap();
     assert_eq!(table.entries().len(), 3);
@@ -290,11 +290,11 @@ fn ranges_of_parameters_count() {
     model.add("on", z.on().implies(x.le(0.0))).unwrap();
     model.maximize(x + 5.0 * z).unwrap();
     let lowered = reformulate::lower(&model).unwrap();
-    close(lowered.report().entries()[0].value, 9.0);
+    assert_close(lowered.report().entries()[0].value, 9.0);
     for (value, best) in [(1.0, 2.0), (8.0, 9.0), (-2.0, 4.0)] {
         model.set_parameter(p, value).unwrap();
         let solution = lowered.solve(&model, &mut BranchAndBound::default()).unwrap();
-        close(solution.objective().unwrap(), best);
+        assert_close(solution.objective().unwrap(), best);
     }
 }
 
@@ -322,9 +322,9 @@ fn flows_circulate_no_more_than_they_must() {
     model.add("narrow", wide.off().implies((ab + ba).le(1.0))).unwrap();
     model.add("closed", direct.off().implies(ac.le(0.5))).unwrap();
     model.minimize(3.0 * wide + 2.0 * direct + 0.5 * ac).unwrap();
-    close(optimum(&model), 2.5);
+    assert_close(optimum(&model), 2.5);
     // The direct flow has bounds anyway, those of the circle come from what enters.
-    close(largest(&model), 3.0);
+    assert_close(largest(&model), 3.0);
     // Where more flow is asked for or pays, nothing bounds the circle.
     let mut asked = model.clone();
     asked.add("busy", wide.on().implies(ab.ge(5.0))).unwrap();
@@ -426,6 +426,6 @@ fn prepared_models_are_lowered_alike() {
     let mut prepared = solver.prepare(&model).unwrap();
     for (value, best) in [(2.0, -2.0), (0.0, -0.5), (3.0, -3.0)] {
         let solution = prepared.solve(&[(goal, value)], &mut Control::default()).unwrap();
-        close(solution.objective().unwrap(), best);
+        assert_close(solution.objective().unwrap(), best);
     }
 }

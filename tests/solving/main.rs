@@ -35,6 +35,7 @@ mod open_semicontinuous;
 mod oracle;
 mod prepared;
 mod proofs;
+mod relaxed_integers;
 mod search;
 mod stop_token;
 mod thin_cones;

@@ -35,7 +35,7 @@ pub(crate) fn is_called(words: &[String]) -> bool {
     words.iter().any(|word| word == "-AMPL")
 }
 
-/// What the options ask for.
+/// The request that the options make.
 struct Asked {
     options: Options,
     has_start: bool,

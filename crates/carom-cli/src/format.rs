@@ -72,7 +72,7 @@ fn of_contents(text: &str) -> Format {
 /// A model from a file.
 pub(crate) struct FromFile {
     pub(crate) model: Model,
-    /// What the reader warns of.
+    /// The warnings of the reader.
     pub(crate) warnings: Vec<String>,
     pub(crate) format: Format,
     /// Values to begin with.

@@ -13,7 +13,7 @@ pub fn exponential(matrix: &Matrix) -> Matrix {
     crate::hybrid::exponential::exponential(matrix.faer()).into()
 }
 
-/// What a system, a region or a report holds, for tests.
+/// The contents of a system, a region or a report, for tests.
 pub trait HasParts {
     type Parts<'a>
     where

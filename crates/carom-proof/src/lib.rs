@@ -20,10 +20,12 @@ mod point;
 mod program;
 mod quadratic_rules;
 mod rows;
+mod table;
 mod text;
 
 pub use point::Point;
 pub use program::Claim;
+pub use table::{ProvedTable, check_table};
 pub use text::Failure;
 
 use checker::Checker;

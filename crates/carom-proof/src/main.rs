@@ -13,6 +13,7 @@ Checks proofs that carom writes, in exact arithmetic.
 
     carom-proof check LOG...        what the log proves; of several, a line each, and of a folder all
                                     files in it and its folders that end in .proof or .proof.gz
+    carom-proof table FILE          what a table of laws proves, with plans, losses and refutations
     carom-proof compare MODEL LOG   whether the log is about this MPS, LP or CBF file
 
 Logs and models may be compressed by gzip, and - is the standard input.
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
     match arguments[..] {
         ["check", log] if !Path::new(log).is_dir() => check(log, "").into(),
         ["check", _, ..] => check_all(&arguments[1..]),
+        ["table", table] => check_table(table),
         ["compare", model, log] => compare(model, log),
         ["--help" | "-h"] => {
             println!("{HELP}");
@@ -99,6 +101,26 @@ fn check(path: &str, front: &str) -> u8 {
         Err(failure) => {
             println!("{front}{failure}");
             if failure.is_readable { 1 } else { UNREADABLE }
+        }
+    }
+}
+
+fn check_table(path: &str) -> ExitCode {
+    let table = match open(path) {
+        Ok(table) => table,
+        Err(error) => {
+            eprintln!("{path}: {error}");
+            return UNREADABLE.into();
+        }
+    };
+    match carom_proof::check_table(table) {
+        Ok(proved) => {
+            println!("{proved}");
+            ExitCode::SUCCESS
+        }
+        Err(failure) => {
+            println!("{failure}");
+            ExitCode::from(if failure.is_readable { 1 } else { UNREADABLE })
         }
     }
 }

@@ -32,6 +32,7 @@ mod verify;
 
 use crate::error::Error;
 use crate::model::Model;
+use crate::reformulate;
 use crate::relaxation::CascadePool;
 use crate::search::{SearchResult, SolveTask};
 use crate::solution::Solution;
@@ -98,6 +99,9 @@ impl Solver for BranchAndBound {
         let options = &self.options;
         options.check()?;
         check_path(options)?;
+        if let Some(rows) = reformulate::with_some_integers(model)? {
+            return self.solve_with(&rows, control);
+        }
         if finds_rows(control) {
             return solve_in_rounds(model, options, control);
         }
@@ -111,7 +115,8 @@ impl Solver for BranchAndBound {
     }
 
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
-        Ok(Box::new(PreparedProgram::new(&mut self.options, model)?))
+        let rows = reformulate::with_some_integers(model)?;
+        Ok(Box::new(PreparedProgram::new(&mut self.options, rows.as_ref().unwrap_or(model))?))
     }
 }
 

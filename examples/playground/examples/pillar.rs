@@ -1,4 +1,4 @@
-//! What the page shows as the program of a task.
+//! The program that the page shows for a task.
 
 use carom::prelude::*;
 

@@ -6,7 +6,7 @@ use carom::hybrid::reach::{ReachSet, Tube};
 use serde::Serialize;
 
 use crate::task::{LONGEST, Task};
-use crate::words::{self, Finding, Nouns};
+use crate::words::{self, Finding, Nouns, PlanCheck};
 
 /// Approximate number of samples whose reach sets are drawn.
 const SAMPLES: usize = 32;
@@ -108,7 +108,7 @@ struct Sets {
 }
 
 fn finding<'a>(task: &Task, found: &'a ShortestHorizon<Plan>) -> Finding<'a> {
-    Finding::new(found, |plan| &plan.certificate, task.time_step)
+    Finding::new(found, |plan: &Plan| PlanCheck::of(&plan.certificate), task.time_step)
 }
 
 impl Side {

@@ -1,6 +1,6 @@
 //! Tasks as Rust programs: what a visitor copies compiles as it stands.
 
-use crate::scene_task::{BodyTask, SceneTask, WALLS};
+use crate::scene_task::{BodyTask, Place, SceneTask, WALLS};
 use crate::task::Task;
 
 /// The program of a vehicle beside a wall.
@@ -75,8 +75,11 @@ pub fn of_scene(task: &SceneTask) -> String {
     for obstacle in &task.obstacles {
         let [[left, right], [low, high]] = obstacle.sides;
         lines.push(format!("let sides = [{left:?}..={right:?}, {low:?}..={high:?}]; // m"));
-        lines
-            .push(format!("scene.obstacle(Solid::cuboid({:?}, &sides, surface))?;", obstacle.name));
+        let surface = if task.is_robust() { "Surface::avoid()" } else { "surface" };
+        lines.push(format!(
+            "scene.obstacle(Solid::cuboid({:?}, &sides, {surface}))?;",
+            obstacle.name
+        ));
     }
     if let Some(most) = task.impulse_limit {
         lines.push("if surface.restitution().is_some() {".into());
@@ -107,9 +110,9 @@ fn scene(surface: Surface) -> Result<Scene, Error> {{
 
 fn main() -> Result<(), Error> {{
     let options = ShortestOptions::default().with_max_steps({max_steps});
-    let bounce = Surface::bounce(Restitution::new({restitution:?})?);
+    let bounce = Surface::bounce(Restitution::new({restitution:?})?){spread};
     for (name, surface) in [("without collisions", Surface::avoid()), ("with collisions", bounce)] {{
-        let found = scene(surface)?.shortest_with(&options, &mut BranchAndBound::default())?;
+        {search}
         println!("{{name}}: {{found}}");
     }}
     Ok(())
@@ -118,7 +121,47 @@ fn main() -> Result<(), Error> {{
         time_step = task.time_step,
         max_steps = task.max_steps(),
         restitution = task.restitution,
+        spread = match task.spread {
+            0.0 => String::new(),
+            spread => format!(".with_spread({spread:?})"),
+        },
+        search = search(task).join("\n        "),
     )
+}
+
+/// The lines that search the shortest plan of a scene with a surface.
+fn search(task: &SceneTask) -> Vec<String> {
+    if task.is_robust() {
+        return vec![
+            "let scene = scene(surface)?;".into(),
+            "let feedback = Feedback::regulator(&scene.hybrid_system()?)?;".into(),
+            "let solver = &mut BranchAndBound::default();".into(),
+            "let found = scene.shortest_robust(&feedback, &options, solver)?;".into(),
+        ];
+    }
+    let (Some(mission), Some(body)) = (&task.mission, task.bodies.first()) else {
+        return vec![
+            "let found = scene(surface)?.shortest_with(&options, &mut BranchAndBound::default())?;"
+                .into(),
+        ];
+    };
+    let mut lines = vec![
+        "let scene = scene(surface)?;".into(),
+        format!("let body = scene.body_named({:?})?;", body.name),
+        "let [x, y] = [body.position(0), body.position(1)];".into(),
+        "let places = [".into(),
+    ];
+    for Place { name, sides: [[left, right], [low, high]] } in &task.places {
+        let place = format!("[x.within({left:?}, {right:?}), y.within({low:?}, {high:?})]");
+        lines.push(format!("    Mission::holds({:?}, {place}), // m", format!("in {name}")));
+    }
+    lines.extend([
+        "];".into(),
+        format!("let mission = Mission::parse({mission:?}, places)?;"),
+        "let options = options.clone().with_mission(\"mission\", &mission);".into(),
+        "let found = scene.shortest_with(&options, &mut BranchAndBound::default())?;".into(),
+    ]);
+    lines
 }
 
 fn of_body(number: usize, body: &BodyTask, is_used: bool) -> Vec<String> {
@@ -133,9 +176,21 @@ fn of_body(number: usize, body: &BodyTask, is_used: bool) -> Vec<String> {
         None => {}
     }
     calls.push(format!(".with_start([{x:?}, {y:?}, {vx:?}, {vy:?}])"));
-    calls.extend(
-        body.goal.map(|[x, y, vx, vy]| format!(".with_goal([{x:?}, {y:?}, {vx:?}, {vy:?}])")),
-    );
+    if body.is_round {
+        calls.push(format!(".with_speed_ball({max_speed:?}) // m/s"));
+        calls.push(format!(".with_acceleration_ball({max_acceleration:?}) // m/s²"));
+    }
+    if body.gusts > 0.0 {
+        let gusts = format!("{0:?}..={1:?}", -body.gusts, body.gusts);
+        calls.push(format!(".with_pushes([{gusts}, {gusts}]) // m/s"));
+    }
+    calls.extend(body.goal_ranges().map(|goal| match body.goal {
+        Some(goal) if body.goal_half == [0.0; 4] => format!(".with_goal({goal:?})"),
+        _ => {
+            let ends = goal.iter().map(|end| format!("{:?}..={:?}", end.lower, end.upper));
+            format!(".with_goal(Region::from([{}]))", ends.collect::<Vec<_>>().join(", "))
+        }
+    }));
     if let Some(last) = calls.last_mut() {
         last.push(';');
     }

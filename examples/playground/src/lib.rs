@@ -5,10 +5,16 @@
 //! as a Rust program. [`explain`] and [`explain_scene`] say in words why one step less is not
 //! enough; the page asks for it once the plans are drawn.
 
+// Without the doors to scenes, what only they use is left out of the file.
+#![cfg_attr(not(feature = "scenes"), allow(dead_code))]
+
 mod answer;
 mod code;
+mod gusts;
 mod less;
+mod motion;
 mod progress;
+mod reasons;
 mod scene;
 mod scene_answer;
 mod scene_task;
@@ -16,7 +22,7 @@ mod task;
 mod wall;
 mod words;
 
-use carom::hybrid::{HorizonEvent, ShortestHorizon, ShortestOptions, ShortestStatus};
+use carom::hybrid::{HorizonEvent, ShortestOptions};
 use carom::prelude::BranchAndBound;
 use carom::solver::{Interrupt, Options};
 use serde::Serialize;
@@ -37,9 +43,6 @@ const PATIENCE_OF_DRAGS: Duration = Duration::from_millis(150);
 /// Time for each of the two reasons that a page asks for when plans are drawn.
 const REASON: Duration = Duration::from_millis(600);
 
-/// Time for a reason that comes with the answer.
-const QUICK: Duration = Duration::from_millis(100);
-
 /// Finds the shortest plans of a task with and without collisions. The answer is always an object;
 /// its `error` says in a sentence what is wrong with the task.
 ///
@@ -53,6 +56,7 @@ pub fn plan(task: &str, tell: Option<js_sys::Function>) -> String {
 }
 
 /// The same for a scene.
+#[cfg(feature = "scenes")]
 #[wasm_bindgen]
 pub fn plan_scene(task: &str, tell: Option<js_sys::Function>) -> String {
     plan_scene_with(task, message_callback(tell))
@@ -66,6 +70,7 @@ pub fn explain(task: &str, free: usize, tolerant: usize) -> String {
 }
 
 /// The same for a scene.
+#[cfg(feature = "scenes")]
 #[wasm_bindgen]
 pub fn explain_scene(task: &str, free: usize, tolerant: usize) -> String {
     text(&scene::reasons(task, free, tolerant).unwrap_or_default())
@@ -79,6 +84,7 @@ pub fn less(task: &str, free: usize, tolerant: usize) -> String {
 }
 
 /// The same for a scene.
+#[cfg(feature = "scenes")]
 #[wasm_bindgen]
 pub fn less_scene(task: &str, free: usize, tolerant: usize) -> String {
     text(&less::of_scene(task, free, tolerant).unwrap_or_default())
@@ -109,27 +115,6 @@ fn text(answer: &impl Serialize) -> String {
     serde_json::to_string(answer).unwrap_or_else(|error| format!(r#"{{"error":"{error}"}}"#))
 }
 
-/// Why there is no plan at all, on one side or on both.
-///
-/// # Arguments
-///
-/// * `free`: the search without collisions.
-/// * `tolerant`: the search with collisions, if there was one.
-fn reason<P>(free: &ShortestHorizon<P>, tolerant: Option<&ShortestHorizon<P>>) -> Option<String> {
-    if free.steps.is_some() {
-        return None;
-    }
-    let both = tolerant.and_then(refuted);
-    let one = || refuted(free).map(|reason| format!("without collisions: {reason}"));
-    both.or_else(one).map(|reason| words::sentence(&reason))
-}
-
-/// Why a search found that there is no plan at all.
-fn refuted<P>(found: &ShortestHorizon<P>) -> Option<String> {
-    let ShortestStatus::NoneWithin { max_steps } = found.status else { return None };
-    Some(found.sets.clone()?.explain_within(max_steps, QUICK).ok()??.to_string())
-}
-
 fn search_options(max_steps: usize) -> ShortestOptions {
     ShortestOptions::default().with_max_steps(max_steps)
 }
@@ -152,13 +137,4 @@ fn told_options(side: &'static str, options: &ShortestOptions) -> ShortestOption
 
 fn solver() -> BranchAndBound {
     BranchAndBound::new(Options::default().with_node_limit(WORK))
-}
-
-/// Why one step less is not enough.
-#[derive(Debug, Default, Serialize)]
-struct Reasons {
-    /// Without collisions.
-    free: Option<String>,
-    /// With collisions.
-    tolerant: Option<String>,
 }

@@ -1,9 +1,9 @@
 //! What the page shows of a scene.
 
 use carom::hybrid::ShortestHorizon;
-use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan};
 use serde::Serialize;
 
+use crate::motion::Motion;
 use crate::scene_task::SceneTask;
 use crate::words::{self, Finding, Nouns};
 
@@ -42,37 +42,6 @@ pub struct Side {
     plan: Option<Motion>,
 }
 
-/// A plan.
-#[derive(Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Motion {
-    time_step: f64,
-    bodies: Vec<Path>,
-    hits: Vec<Hit>,
-}
-
-/// The samples of a body.
-#[derive(Debug, Serialize)]
-struct Path {
-    name: String,
-    position: Vec<Vec<f64>>,
-    velocity: Vec<Vec<f64>>,
-}
-
-/// A hit: who, when (s), where (m), how fast (m/s), and the impulse on the body (N s). Time and
-/// place are where the impact is located in its step; speed and impulse are those of the
-/// time-stepped law, which counts the speed at the end of the step.
-#[derive(Debug, Serialize)]
-struct Hit {
-    body: String,
-    contact: String,
-    step: usize,
-    time: f64,
-    place: Vec<f64>,
-    speed: f64,
-    impulse: Vec<f64>,
-}
-
 impl SceneAnswer {
     /// A scene that cannot be planned.
     pub fn of_error(error: &str) -> Self {
@@ -87,8 +56,8 @@ impl SceneAnswer {
     /// * `shorter`: the search with collisions for a shorter plan; `None` if there can be none.
     pub fn new(
         task: &SceneTask,
-        free: &ShortestHorizon<ScenePlan>,
-        shorter: Option<&ShortestHorizon<ScenePlan>>,
+        free: &ShortestHorizon<Motion>,
+        shorter: Option<&ShortestHorizon<Motion>>,
     ) -> Self {
         let careful = finding(task, free);
         let bold = match shorter {
@@ -99,24 +68,29 @@ impl SceneAnswer {
         let plan = shorter.and_then(|found| found.plan.as_ref()).or(free.plan.as_ref());
         SceneAnswer {
             conclusion: words::conclusion(&careful, &bold, &NOUNS, task.longest),
-            free: Some(Side::new(free.plan.as_ref(), &careful)),
-            tolerant: Some(Side::new(plan, &bold)),
+            free: Some(Side::new(task, free.plan.as_ref(), &careful)),
+            tolerant: Some(Side::new(task, plan, &bold)),
             ..SceneAnswer::default()
         }
     }
 }
 
-fn finding<'a>(task: &SceneTask, found: &'a ShortestHorizon<ScenePlan>) -> Finding<'a> {
-    Finding::new(found, |plan: &ScenePlan| &plan.certificate, task.time_step)
+fn finding<'a>(task: &SceneTask, found: &'a ShortestHorizon<Motion>) -> Finding<'a> {
+    Finding::new(found, |plan: &Motion| plan.check, task.time_step)
 }
 
 impl Side {
     /// The answer of one search.
-    pub fn of(task: &SceneTask, found: &ShortestHorizon<ScenePlan>) -> Self {
-        Side::new(found.plan.as_ref(), &finding(task, found))
+    pub fn of(task: &SceneTask, found: &ShortestHorizon<Motion>) -> Self {
+        Side::new(task, found.plan.as_ref(), &finding(task, found))
     }
 
-    fn new(plan: Option<&ScenePlan>, finding: &Finding<'_>) -> Self {
+    fn new(task: &SceneTask, plan: Option<&Motion>, finding: &Finding<'_>) -> Self {
+        let mut proof = words::proof(finding);
+        if task.is_robust() {
+            proof += " Plans answer gusts by a linear-quadratic regulator; what is impossible is so with \
+                      this feedback, and another one may need fewer steps.";
+        }
         Side {
             found: finding.is_found(),
             none: finding.is_none(),
@@ -124,32 +98,8 @@ impl Side {
             steps: finding.steps,
             refuted: finding.refuted.unwrap_or(0),
             seconds: finding.seconds(),
-            proof: words::proof(finding),
-            plan: plan.map(Motion::new),
-        }
-    }
-}
-
-impl Motion {
-    fn new(plan: &ScenePlan) -> Self {
-        let path = |body: &BodyPath| Path {
-            name: body.name.clone(),
-            position: body.position.clone(),
-            velocity: body.velocity.clone(),
-        };
-        let hit = |hit: &SceneHit| Hit {
-            body: hit.body.clone(),
-            contact: hit.contact.clone(),
-            step: hit.step,
-            time: hit.time,
-            place: hit.place.clone(),
-            speed: hit.end_speed,
-            impulse: hit.impulse.clone(),
-        };
-        Motion {
-            time_step: plan.time_step,
-            bodies: plan.bodies.iter().map(path).collect(),
-            hits: plan.hits.iter().map(hit).collect(),
+            proof,
+            plan: plan.cloned(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes that the page asks about.
 
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Shape, Solid, Surface};
-use carom::hybrid::{Region, Restitution};
+use carom::hybrid::{Mission, Region, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
 use serde::Deserialize;
@@ -21,9 +21,18 @@ pub struct SceneTask {
     /// Whether the room has walls, to bounce off.
     pub walls: bool,
     pub bodies: Vec<BodyTask>,
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Vec<Place>,
     /// Of walls, obstacles and bodies.
     pub restitution: f64,
+    /// By how much the restitution of the walls may be off, at each hit anew.
+    #[serde(default)]
+    pub spread: f64,
+    /// Places that the mission names, which are in nobody's way.
+    #[serde(default)]
+    pub places: Vec<Place>,
+    /// The mission of the first body, over `in` with the name of a place.
+    #[serde(default)]
+    pub mission: Option<String>,
     /// On each body and hit, in N s.
     pub impulse_limit: Option<f64>,
     /// Twice the step, for a quick look.
@@ -60,13 +69,23 @@ pub struct BodyTask {
     pub start: [f64; 4],
     /// None for a body that may end anywhere.
     pub goal: Option<[f64; 4]>,
+    /// By how much each number of the goal may be missed.
+    #[serde(default)]
+    pub goal_half: [f64; 4],
     pub max_speed: f64,
     pub max_acceleration: f64,
+    /// Whether these limits are on the lengths of velocity and acceleration, and not on each axis.
+    #[serde(default)]
+    pub is_round: bool,
+    /// Gusts change the velocity along each axis by so much in a step at most, in m/s.
+    #[serde(default)]
+    pub gusts: f64,
 }
 
+/// A box with a name: an obstacle, or a place of a mission.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Obstacle {
+pub struct Place {
     pub name: String,
     pub sides: Sides,
 }
@@ -83,7 +102,8 @@ impl SceneTask {
 
     /// The scene with collisions.
     pub fn tolerant(&self) -> Result<Scene, Error> {
-        self.scene(Surface::bounce(Restitution::new(self.restitution)?))
+        let surface = Surface::bounce(Restitution::new(self.restitution)?);
+        self.scene(if self.spread > 0.0 { surface.with_spread(self.spread) } else { surface })
     }
 
     /// The scene without collisions.
@@ -109,8 +129,10 @@ impl SceneTask {
                 scene.pair(*first, *second, surface)?;
             }
         }
-        for Obstacle { name, sides } in &self.obstacles {
-            let solid = Solid::cuboid(name, &intervals(sides), surface);
+        // A gust may turn the hit of a corner into a miss, so that no plan under gusts hits a box.
+        let boxes = if self.is_robust() { Surface::avoid() } else { surface };
+        for Place { name, sides } in &self.obstacles {
+            let solid = Solid::cuboid(name, intervals(sides), boxes);
             scene.obstacle(solid)?;
         }
         Ok(match self.impulse_limit {
@@ -120,6 +142,28 @@ impl SceneTask {
             }
             _ => scene,
         })
+    }
+
+    /// Whether plans have to hold for every gust.
+    pub fn is_robust(&self) -> bool {
+        self.spread > 0.0 || self.bodies.iter().any(|body| body.gusts > 0.0)
+    }
+
+    /// The mission in a scene of this task.
+    pub fn mission_in(&self, scene: &Scene) -> Result<Option<Mission>, Error> {
+        let (Some(text), Some(body)) = (&self.mission, self.bodies.first()) else {
+            return Ok(None);
+        };
+        let body = scene.body_named(&body.name)?;
+        let [x, y] = [body.position(0), body.position(1)];
+        let places =
+            self.places.iter().map(|Place { name, sides: [[left, right], [low, high]] }| {
+                Mission::holds(
+                    format!("in {name}"),
+                    [x.within(*left, *right), y.within(*low, *high)],
+                )
+            });
+        Mission::parse(text, places).map(Some)
     }
 
     /// Where the middle of a body may be. Walls keep all of it in the room; without walls, this does.
@@ -143,6 +187,12 @@ impl SceneTask {
             let mut rest = self.clone();
             parts.push((rest.bodies.remove(k).name, rest));
         }
+        if self.is_robust() {
+            let mut rest = self.clone();
+            rest.spread = 0.0;
+            rest.bodies.iter_mut().for_each(|body| body.gusts = 0.0);
+            parts.push(("every gust".into(), rest));
+        }
         parts
     }
 
@@ -159,15 +209,31 @@ impl BodyTask {
             None if self.radius > 0.0 => Shape::Ball(self.radius),
             None => Shape::Point,
         };
-        let body = Body::new(&self.name, room, self.max_speed, self.max_acceleration)
+        let mut body = Body::new(&self.name, room, self.max_speed, self.max_acceleration)
             .with_mass(self.mass)
             .with_shape(shape)
             .with_start(self.start);
-        let goal = match self.goal {
-            Some(goal) => Region::point(goal),
+        if self.is_round {
+            body =
+                body.with_speed_ball(self.max_speed).with_acceleration_ball(self.max_acceleration);
+        }
+        if self.gusts > 0.0 {
+            let gusts = -self.gusts..=self.gusts;
+            body = body.with_pushes([gusts.clone(), gusts]);
+        }
+        let goal = match self.goal_ranges() {
+            Some(goal) => Region::from(goal),
             None => Region::from([room, &[Interval::REALS; 2]].concat()),
         };
         body.with_goal(goal)
+    }
+
+    /// The numbers with which it may end, if it has a goal.
+    pub fn goal_ranges(&self) -> Option<Vec<Interval>> {
+        let ends = |(at, half): (f64, f64)| Interval::new(round(at - half), round(at + half));
+        let exact = self.goal_half == [0.0; 4];
+        let range = |(at, half)| if exact { Interval::point(at) } else { ends((at, half)) };
+        Some(self.goal?.into_iter().zip(self.goal_half).map(range).collect())
     }
 }
 

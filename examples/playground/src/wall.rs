@@ -8,8 +8,9 @@ use carom::reformulate::lower;
 
 use crate::answer::{Answer, Side};
 use crate::progress;
+use crate::reasons::{Reason, Reasons, reason};
 use crate::task::Task;
-use crate::{REASON, Reasons, code, reason, search_options, solver, told_options};
+use crate::{REASON, code, search_options, solver, told_options};
 
 /// Answers a task.
 pub fn solve(task: &str) -> Result<Answer, String> {
@@ -60,7 +61,7 @@ pub fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, Stri
             return None;
         }
         let reason = scenario.reach_sets().and_then(|mut sets| sets.explain_within(steps, REASON));
-        reason.ok().flatten().map(|reason| reason.to_string())
+        reason.ok().flatten().map(|reason| Reason::from(&reason))
     };
     let tolerant = why(&scenario, tolerant);
     Ok(Reasons { free: why(&scenario.collision_free(), free), tolerant })

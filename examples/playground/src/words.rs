@@ -13,28 +13,49 @@ pub struct Finding<'a> {
     /// Every horizon up to this one is impossible, in steps.
     pub refuted: Option<usize>,
     attempts: &'a [HorizonAttempt],
-    /// How far the replayed plan is from the plan, in m.
-    replay: Option<f64>,
-    /// How far the plan is from continuous motion, in m; in scenes, in a step with a hit.
-    apart: Option<f64>,
+    check: Option<PlanCheck>,
     time_step: f64,
 }
 
+/// How a plan was checked.
+#[derive(Debug, Clone, Copy)]
+pub enum PlanCheck {
+    /// A simulator replayed it.
+    Replayed {
+        /// How far that is from the plan, in m.
+        drift: f64,
+        /// How far the plan is from continuous motion, in m; in scenes, in a step with a hit.
+        apart: f64,
+    },
+    /// Interval simulation found that it holds for every gust.
+    EveryGust {
+        /// How many flights through random gusts were simulated as well.
+        flights: usize,
+        /// How many of them keep the plan and end at the goal.
+        arrived: usize,
+    },
+}
+
+impl PlanCheck {
+    /// The replay that a plan comes with.
+    pub fn of(certificate: &SceneCertificate) -> Self {
+        PlanCheck::Replayed { drift: certificate.drift, apart: certificate.step_error }
+    }
+}
+
 impl<'a> Finding<'a> {
-    /// The shortest plan, beside a wall or of a scene, with its replay.
+    /// The shortest plan, beside a wall or of a scene, and how it was checked.
     pub fn new<P>(
         found: &'a ShortestHorizon<P>,
-        replay: impl Fn(&P) -> &SceneCertificate,
+        check: impl Fn(&P) -> PlanCheck,
         time_step: f64,
     ) -> Self {
-        let replay = found.plan.as_ref().map(replay);
         Finding {
             status: found.status,
             steps: found.steps,
             refuted: found.refuted_steps,
             attempts: &found.attempts,
-            replay: replay.map(|replay| replay.drift),
-            apart: replay.map(|replay| replay.step_error),
+            check: found.plan.as_ref().map(check),
             time_step,
         }
     }
@@ -196,11 +217,16 @@ pub fn proof(found: &Finding<'_>) -> String {
             format!("{n} steps are impossible, and so is every smaller number{}.", how(found))
         }
     };
-    let possible = match (found.replay, found.steps) {
-        (Some(error), Some(steps)) => format!(
-            " The plan of {steps} {} was replayed by a simulator, step by step, to within {:.0e} m.",
-            if steps == 1 { "step" } else { "steps" },
-            error.max(1e-15)
+    let possible = match (found.check, found.steps) {
+        (Some(PlanCheck::Replayed { drift, .. }), Some(count)) => format!(
+            " The plan of {} was replayed by a simulator, step by step, to within {:.0e} m.",
+            steps(count),
+            drift.max(1e-15)
+        ),
+        (Some(PlanCheck::EveryGust { flights, arrived }), Some(count)) => format!(
+            " Interval simulation shows that the plan of {} holds for every gust. Of {flights} flights \
+             through random gusts, {arrived} keep the plan and end at the goal.",
+            steps(count)
         ),
         _ => String::new(),
     };
@@ -210,11 +236,13 @@ pub fn proof(found: &Finding<'_>) -> String {
         }
         _ => String::new(),
     };
-    let apart = match found.apart {
-        Some(apart) if apart >= 0.005 && found.time_step >= 0.05 => format!(
-            " Between samples the discrete law is up to {apart:.2} m away from continuous motion: \
+    let apart = match found.check {
+        Some(PlanCheck::Replayed { apart, .. }) if apart >= 0.005 && found.time_step >= 0.05 => {
+            format!(
+                " Between samples the discrete law is up to {apart:.2} m away from continuous motion: \
              smaller steps agree better."
-        ),
+            )
+        }
         _ => String::new(),
     };
     format!("{impossible}{stopped}{possible}{apart}").trim().to_owned()

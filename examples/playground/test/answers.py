@@ -77,7 +77,7 @@ def waits_can_be_ended(test):
     begun = time.monotonic()
     browser.wait("document.querySelector('.stale .seconds')", "that numbers are dimmed", 0.5)
     browser.wait("document.querySelector('#progress').textContent", "progress", 2)
-    assert browser.run("return document.querySelector('article[data-side=tolerant]').getAttribute('aria-busy')") == "true"
+    assert browser.run("return document.querySelector('.story [data-side=tolerant]').getAttribute('aria-busy')") == "true"
     browser.wait("document.querySelector('#cancel').getClientRects().length", "the button", 4)
     seconds = time.monotonic() - begun
     assert seconds > 1.5, seconds

@@ -1,7 +1,7 @@
 """Drags sliders as a visitor does, and counts the pictures that are drawn meanwhile."""
 
-RATES = [16, 60, 150]  # ms an event
-SECONDS = 3
+RATES = [16, 150]  # ms an event
+SECONDS = 2
 LEAST = 1  # pictures: the last one. How many are drawn while one drags depends on the machine, and is printed.
 STALE = 100  # ms that a number of an older task may stay as it was
 

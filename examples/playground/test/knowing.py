@@ -45,7 +45,7 @@ def what_is_open_is_said_to_be_open(test):
         said = browser.run(f"return {bold}")
         print(f"cancelled: {said}: {browser.text('#verdict')}")
         assert re.fullmatch(r"at least \d\.\d{3} s", said), said
-        assert not browser.run("return document.querySelector('article[data-side=tolerant].stale')")
+        assert not browser.run("return document.querySelector('.story [data-side=tolerant].stale')")
 
 
 def hits_obey_their_law(test, links):

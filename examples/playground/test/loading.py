@@ -4,7 +4,7 @@ from served import PAGE, Served
 
 # What is wrong with the server, and a word of the sentence that must come.
 FAULTS = {
-    "missing": "the server answers 404 for pkg/carom_playground_bg.wasm",
+    "missing": "the server answers 404 for pkg/first/carom_playground_bg.wasm",
     "html": "is not WebAssembly",
     "cut": "is damaged or incomplete",
 }
@@ -35,6 +35,11 @@ def says_what_is_missing(browser):
             verdict = browser.text("#verdict")
             print(f"{fault}: {verdict}")
             assert word in verdict, f"no {word!r}"
+    # A scene needs another planner, and is told apart from the first one.
+    with Served("missing") as address:
+        browser.call("POST", "url", {"url": f"{address}/#task=bank"})
+        browser.wait("document.documentElement.dataset.state === 'failed'", "a sentence")
+        assert "404 for pkg/all/" in browser.text("#verdict"), browser.text("#verdict")
     # Compressed without saying so: works, and says so.
     with Served("gzip") as address:
         browser.call("POST", "url", {"url": f"{address}/"})

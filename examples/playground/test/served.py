@@ -20,7 +20,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
     def do_GET(self):
         if not self.fault or not self.path.endswith(".wasm"):
             return super().do_GET()
-        whole = (PAGE / "pkg/carom_playground_bg.wasm").read_bytes()
+        whole = (PAGE / self.path.split("?")[0].lstrip("/")).read_bytes()
         if self.fault == "missing":
             return self.send_error(404)
         body = {"gzip": lambda: gzip.compress(whole, 1), "html": lambda: b"<!doctype html>", "cut": lambda: whole[:5000]}[self.fault]()

@@ -15,7 +15,7 @@ fn code(answer: &str) -> String {
 
 fn check(name: &str, code: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name);
-    let text = format!("//! What the page shows as the program of a task.\n\n{code}");
+    let text = format!("//! The program that the page shows for a task.\n\n{code}");
     if std::env::var_os("UPDATE").is_some() {
         std::fs::write(&path, &text).unwrap();
     }
@@ -56,6 +56,37 @@ fn vehicles() -> Value {
     })
 }
 
+/// A flyer whose limits are on the lengths of velocity and acceleration.
+fn thruster() -> Value {
+    let mut task = pillar();
+    task["timeStep"] = json!(2);
+    task["bodies"][0]["isRound"] = json!(true);
+    task
+}
+
+fn rounds() -> Value {
+    let place = |name: &str, sides: Value| json!({ "name": name, "sides": sides });
+    json!({
+        "timeStep": 1, "longest": 20, "room": [[0, 6], [0, 4]], "walls": true,
+        "restitution": 0.3, "impulseLimit": null,
+        "bodies": [{ "name": "robot", "mass": 1, "start": [1, 0.6, 0, 0], "goal": null,
+            "maxSpeed": 2, "maxAcceleration": 0.6 }],
+        "obstacles": [],
+        "places": [place("A", json!([[0.4, 1.2], [2.6, 3.4]])), place("B", json!([[4.8, 5.6], [2.8, 3.6]]))],
+        "mission": "F in A & F in B",
+    })
+}
+
+fn gusts() -> Value {
+    json!({
+        "timeStep": 0.25, "longest": 10, "room": [[0, 2.5], [0, 1.5]], "walls": true,
+        "restitution": 0.3, "spread": 0.1, "impulseLimit": null,
+        "bodies": [{ "name": "puck", "mass": 1, "start": [0.3, 0.3, 1.8, 0], "goal": [1.7, 1.05, 0, 0],
+            "goalHalf": [0.25, 0.25, 0.5, 0.5], "maxSpeed": 2.4, "maxAcceleration": 0.8, "gusts": 0.01 }],
+        "obstacles": [{ "name": "block", "sides": [[1.0, 1.3], [0.6, 1.5]] }],
+    })
+}
+
 #[test]
 fn code_of_tasks_is_that_of_the_examples() {
     let wall = |limit| code(&plan_with(&wall(limit).to_string(), |_| {}));
@@ -64,4 +95,7 @@ fn code_of_tasks_is_that_of_the_examples() {
     let scene = |task: Value| code(&plan_scene_with(&task.to_string(), |_| {}));
     check("pillar.rs", &scene(pillar()));
     check("two_vehicles.rs", &scene(vehicles()));
+    check("thruster.rs", &scene(thruster()));
+    check("rounds.rs", &scene(rounds()));
+    check("gusts.rs", &scene(gusts()));
 }

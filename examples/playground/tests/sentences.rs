@@ -8,6 +8,7 @@ use std::time::Duration;
 use carom::collision_tolerant::{Endpoint, Scenario};
 use carom::hybrid::scene::{DamageMeasure, DamageRule};
 use carom::hybrid::{ShortestHorizon, ShortestOptions, ShortestStatus};
+use carom::interval::Interval;
 use carom::prelude::*;
 use carom_playground::{explain, explain_scene, plan_scene_with, plan_with};
 use serde_json::{Value, json};
@@ -113,6 +114,7 @@ fn dice_free(start: f64) -> f64 {
 }
 
 /// A scene as the page states it: bodies with names, masses, half sizes or radii, starts and goals.
+#[derive(Default)]
 struct Stated {
     name: &'static str,
     time_step: f64,
@@ -124,7 +126,16 @@ struct Stated {
     acceleration: f64,
     bodies: Vec<(&'static str, f64, Option<[f64; 2]>, f64, [f64; 4], Option<[f64; 4]>)>,
     obstacle: Option<(&'static str, [[f64; 2]; 2])>,
+    /// Whether the limits of speed and acceleration are on their lengths.
+    is_round: bool,
+    /// The formula, and the sides of its places.
+    mission: Option<(&'static str, Vec<(&'static str, [[f64; 2]; 2])>)>,
+    /// The largest gust and by how much the restitution may be off.
+    wind: Option<(f64, f64)>,
 }
+
+/// By how much the numbers of a goal may be missed under gusts.
+const GOAL_HALF: [f64; 4] = [0.25, 0.25, 0.5, 0.5];
 
 impl Stated {
     fn task(&self) -> Value {
@@ -138,9 +149,17 @@ impl Stated {
         )| {
             let (start, goal): (&[f64; 4], &Option<[f64; 4]>) = (start, goal);
             let (name, mass): (&&str, &f64) = (name, mass);
+            let (gusts, half_goal) = match self.wind {
+                Some((gusts, _)) => (gusts, GOAL_HALF),
+                None => (0.0, [0.0; 4]),
+            };
             json!({ "name": name, "mass": mass, "half": half, "radius": radius, "start": start, "goal": goal,
-                "maxSpeed": self.speed, "maxAcceleration": self.acceleration })
+                "goalHalf": half_goal, "maxSpeed": self.speed, "maxAcceleration": self.acceleration,
+                "isRound": self.is_round, "gusts": gusts })
         };
+        let places = self.mission.iter().flat_map(|(_, places)| places);
+        let places: Vec<Value> =
+            places.map(|(name, sides)| json!({ "name": name, "sides": sides })).collect();
         let obstacles: Vec<Value> = self
             .obstacle
             .iter()
@@ -148,7 +167,9 @@ impl Stated {
             .collect();
         json!({ "timeStep": self.time_step, "longest": self.longest, "room": self.room,
             "walls": self.bodies.len() == 1, "restitution": self.restitution, "impulseLimit": self.limit,
-            "bodies": self.bodies.iter().map(body).collect::<Vec<Value>>(), "obstacles": obstacles })
+            "bodies": self.bodies.iter().map(body).collect::<Vec<Value>>(), "obstacles": obstacles,
+            "mission": self.mission.as_ref().map(|(formula, _)| formula), "places": places,
+            "spread": self.wind.map_or(0.0, |(_, spread)| spread) })
     }
 
     fn scene(&self, surface: Surface) -> Result<Scene, Error> {
@@ -167,8 +188,20 @@ impl Stated {
             } else if radius > 0.0 {
                 body = body.with_shape(Shape::Ball(radius));
             }
-            if let Some(goal) = goal {
+            if self.is_round {
+                body = body.with_speed_ball(self.speed).with_acceleration_ball(self.acceleration);
+            }
+            if let (Some((gusts, _)), Some(goal)) = (self.wind, goal) {
+                let ends = |k: usize| round(goal[k] - GOAL_HALF[k])..=round(goal[k] + GOAL_HALF[k]);
+                body = body
+                    .with_pushes([-gusts..=gusts, -gusts..=gusts])
+                    .with_goal(Region::from([0, 1, 2, 3].map(ends)));
+            } else if let Some(goal) = goal {
                 body = body.with_goal(goal);
+            } else if self.mission.is_some() {
+                let room = [left..=right, low..=high].map(Interval::from);
+                let anywhere = [room[0], room[1], Interval::REALS, Interval::REALS];
+                body = body.with_goal(Region::from(anywhere.to_vec()));
             }
             bodies.push(scene.body(body)?);
         }
@@ -181,6 +214,7 @@ impl Stated {
                 scene.obstacle(Solid::halfspace("upper wall", [0.0, -1.0], -high, surface))?;
             }
         }
+        let surface = if self.wind.is_some() { Surface::avoid() } else { surface };
         if let Some((name, [x, y])) = self.obstacle {
             scene.obstacle(Solid::cuboid(name, &[x[0]..=x[1], y[0]..=y[1]], surface))?;
         }
@@ -194,10 +228,27 @@ impl Stated {
     fn setting(self) -> Result<Setting, Error> {
         let search = options((self.longest / self.time_step).ceil() as usize);
         let truth = |surface| -> Result<Truth, Error> {
-            let scene = self.scene(surface)?;
-            Ok(Truth::of(&scene.shortest_with(&search, &mut BranchAndBound::default())?))
+            let (scene, mut search) = (self.scene(surface)?, search.clone());
+            let solver = &mut BranchAndBound::default();
+            if self.wind.is_some() {
+                let feedback = Feedback::regulator(&scene.hybrid_system()?)?;
+                return Ok(Truth::of(&scene.shortest_robust(&feedback, &search, solver)?));
+            }
+            if let Some((formula, places)) = &self.mission {
+                let body = scene.body_named(self.bodies[0].0)?;
+                let [x, y] = [body.position(0), body.position(1)];
+                let places = places.iter().map(|(name, [[left, right], [low, high]])| {
+                    let rows = [x.within(*left, *right), y.within(*low, *high)];
+                    Mission::holds(format!("in {name}"), rows)
+                });
+                search = search.with_mission("mission", &Mission::parse(formula, places)?);
+            }
+            Ok(Truth::of(&scene.shortest_with(&search, solver)?))
         };
-        let bounce = Surface::bounce(Restitution::new(self.restitution)?);
+        let mut bounce = Surface::bounce(Restitution::new(self.restitution)?);
+        if let Some((_, spread)) = self.wind {
+            bounce = bounce.with_spread(spread);
+        }
         let truth = [truth(Surface::avoid())?, truth(bounce)?];
         Ok(Setting { name: self.name, task: self.task(), time_step: self.time_step, truth })
     }
@@ -221,6 +272,7 @@ fn bank(dice: &mut Dice) -> Result<Setting, Error> {
         acceleration: dice.slide(0.0, 6.0, 0.25),
         bodies: vec![("puck", 1.0, None, 0.0, [x, y, vx, vy], Some([goal_x, goal_y, 0.0, 0.0]))],
         obstacle: Some(("block", block.map(|middle| [round(middle - 0.1), round(middle + 0.1)]))),
+        ..Stated::default()
     }
     .setting()
 }
@@ -246,6 +298,8 @@ fn pillar(dice: &mut Dice) -> Result<Setting, Error> {
             "pillar",
             [[round(px - 0.3), round(px + 0.3)], [round(py - 0.65), round(py + 0.65)]],
         )),
+        is_round: dice.one_of(&[false, true]),
+        ..Stated::default()
     }
     .setting()
 }
@@ -283,7 +337,66 @@ fn exchange(dice: &mut Dice) -> Result<Setting, Error> {
                 None,
             ),
         ],
-        obstacle: None,
+        ..Stated::default()
+    }
+    .setting()
+}
+
+fn mission(dice: &mut Dice) -> Result<Setting, Error> {
+    let speed = dice.slide(0.5, 3.0, 0.1);
+    let most = speed.min(2.0);
+    let (x, y) = (dice.slide(0.0, 6.0, 0.05), dice.slide(0.0, 4.0, 0.05));
+    let [vx, vy] = [0, 1].map(|_| dice.slide(-most, most, 0.1));
+    let mut place = |half: f64| {
+        let (x, y) = (dice.slide(half, 6.0 - half, 0.05), dice.slide(half, 4.0 - half, 0.05));
+        [[round(x - half), round(x + half)], [round(y - half), round(y + half)]]
+    };
+    let places = vec![("A", place(0.4)), ("B", place(0.4)), ("C", place(0.4)), ("D", place(0.6))];
+    let formula = dice.one_of(&[
+        "F in A & F in B & F in C & G !in D",
+        "F (in A & F in B) & G !in D",
+        "F[0,6s] in A & F in B & G !in D",
+        "F G[0,3s] in C",
+    ]);
+    Stated {
+        name: "mission",
+        time_step: 1.0,
+        longest: 15.0,
+        room: [[0.0, 6.0], [0.0, 4.0]],
+        restitution: dice.slide(0.0, 1.0, 0.005),
+        speed,
+        acceleration: dice.slide(0.0, 2.0, 0.1),
+        bodies: vec![("robot", 1.0, None, 0.0, [x, y, vx, vy], None)],
+        mission: Some((formula, places)),
+        ..Stated::default()
+    }
+    .setting()
+}
+
+fn gusts(dice: &mut Dice) -> Result<Setting, Error> {
+    let speed = dice.slide(0.5, 3.0, 0.1);
+    let most = speed.min(2.0);
+    let (x, y) = (dice.slide(0.0, 2.5, 0.05), dice.slide(0.0, 1.5, 0.05));
+    let (goal_x, goal_y) = (dice.slide(0.25, 2.25, 0.05), dice.slide(0.25, 1.25, 0.05));
+    let [vx, vy] = [0, 1].map(|_| dice.slide(-most, most, 0.1));
+    let (bx, by) = (dice.slide(0.15, 2.35, 0.05), dice.slide(0.45, 1.05, 0.05));
+    let restitution = dice.slide(0.0, 1.0, 0.005);
+    let spread = dice.slide(0.0, 0.2, 0.01).min(restitution).min(1.0 - restitution);
+    Stated {
+        name: "gusts",
+        time_step: 0.5,
+        longest: 6.0,
+        room: [[0.0, 2.5], [0.0, 1.5]],
+        restitution,
+        speed,
+        acceleration: dice.slide(0.0, 2.0, 0.1),
+        bodies: vec![("puck", 1.0, None, 0.0, [x, y, vx, vy], Some([goal_x, goal_y, 0.0, 0.0]))],
+        obstacle: Some((
+            "block",
+            [[round(bx - 0.15), round(bx + 0.15)], [round(by - 0.45), round(by + 0.45)]],
+        )),
+        wind: Some((dice.slide(0.001, 0.02, 0.001), round(spread))),
+        ..Stated::default()
     }
     .setting()
 }
@@ -326,12 +439,21 @@ fn faults(setting: &Setting, answer: &Value, explained: &Value) -> Vec<String> {
             steps.is_none_or(|steps| !truth.is_none && steps >= truth.least as u64),
             format!("{side}: there is said to be a plan of {steps:?} steps"),
         );
-        let said = [answer["reason"].as_str(), explained[side].as_str()];
+        // What can be and what has to be do not meet.
+        for barrier in explained[side]["barriers"].as_array().into_iter().flatten() {
+            let end = |range: &str, k: usize| barrier[range][k].as_f64();
+            let below = |low: &str, high: &str| {
+                end(low, 1).zip(end(high, 0)).is_some_and(|(low, high)| low < high)
+            };
+            let apart = below("reached", "needed") || below("needed", "reached");
+            check(apart, format!("{side}: what meets is said to be apart: {barrier}"));
+        }
+        let said = [answer["reason"].as_str(), explained[side]["words"].as_str()];
         for sentence in said.into_iter().flatten() {
             // The reason of an answer is that of both sides, unless it says otherwise.
             let is_own = side == "free" || !sentence.starts_with("Without");
-            let excluded =
-                number_before(sentence, " steps (").or(number_before(sentence, " step ("));
+            let words = [" steps (", " step (", " steps keeps", " step keeps", " steps:", " step:"];
+            let excluded = words.iter().find_map(|words| number_before(sentence, words));
             if let (true, Some(excluded), Some(most)) = (is_own, excluded, truth.most) {
                 check(excluded < most as f64, format!("{side}: {sentence}"));
             }
@@ -399,7 +521,8 @@ fn no_sentence_is_wrong() {
     let count =
         std::env::var("SETTINGS").ok().and_then(|text| text.parse().ok()).unwrap_or(SETTINGS);
     let (mut dice, mut wrong, mut decided, mut tried, mut open) = (Dice(7), Vec::new(), 0, 0, 0);
-    let kinds: [fn(&mut Dice) -> Result<Setting, Error>; 4] = [wall, bank, pillar, exchange];
+    let kinds: [fn(&mut Dice) -> Result<Setting, Error>; 6] =
+        [wall, bank, pillar, exchange, mission, gusts];
     while tried < count {
         // What the page refuses with a sentence, such as a goal in an obstacle, is stated by no library.
         let Ok(setting) = kinds[tried % kinds.len()](&mut dice) else { continue };

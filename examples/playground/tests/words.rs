@@ -78,7 +78,7 @@ fn one_step_less_is_explained_and_drawn() {
     let free = answer["free"]["steps"].as_u64().unwrap() as usize - 1;
     let why: Value = serde_json::from_str(&explain(&task, free, steps as usize)).unwrap();
     assert_eq!(
-        why["free"],
+        why["free"]["words"],
         "no plan has 51 steps (2.55 s): at the end, where x of vehicle is 0.3 m, the velocity of vehicle \
          is at most -0.27 m/s, and 0 m/s is needed. It might be possible with twice the range of the \
          acceleration of vehicle"
@@ -89,7 +89,7 @@ fn one_step_less_is_explained_and_drawn() {
     let free = answer["free"]["steps"].as_u64().unwrap() as usize - 1;
     let why: Value = serde_json::from_str(&explain_scene(&task.to_string(), free, 0)).unwrap();
     assert_eq!(
-        why["free"],
+        why["free"]["words"],
         "no plan has 10 steps (2 s): at the end, where x of puck is 0.4 m and y of puck is 0.2 m, the \
          velocity of puck along x is at most -0.23 m/s, and 0 m/s is needed. It might be possible with \
          twice the range of the acceleration of puck along x"
@@ -125,4 +125,63 @@ fn files_and_coarse_plans_are_asked_for() {
     assert_eq!(answer["error"], Value::Null);
     assert!(answer["mps"].as_str().is_some_and(|text| text.contains("ENDATA")), "{answer}");
     assert_eq!(answer["free"]["plan"]["timeStep"], 0.4);
+}
+
+#[test]
+fn flights_through_gusts_stay_in_their_tube() {
+    let mut task = puck([0.3, 0.3, 1.0, 0.0], [1.5, 0.4], CORNER);
+    task["spread"] = json!(0.05);
+    task["bodies"][0]["gusts"] = json!(0.02);
+    task["bodies"][0]["goalHalf"] = json!([0.1, 0.1, 0.3, 0.3]);
+    let answer = scene(&task);
+    for side in ["free", "tolerant"] {
+        assert_eq!(answer[side]["found"], true, "{answer}");
+        let proof = answer[side]["proof"].as_str().unwrap();
+        assert!(
+            proof.contains("Of 100 flights through random gusts, 100 keep the plan"),
+            "{proof}"
+        );
+        let plan = &answer[side]["plan"];
+        let tube = plan["tube"].as_array().unwrap();
+        assert_eq!(tube.len() as u64, answer[side]["steps"].as_u64().unwrap() + 1);
+        let flights = plan["flights"].as_array().unwrap();
+        assert_eq!(flights.len(), 100);
+        // Samples and boxes are rounded to a tenth of a millimetre.
+        let is_in = |place: &Value, sides: &Value| {
+            (0..2).all(|k| {
+                let at = place[k].as_f64().unwrap();
+                sides[k][0].as_f64().unwrap() - 2e-4 <= at
+                    && at <= sides[k][1].as_f64().unwrap() + 2e-4
+            })
+        };
+        for flight in flights.iter().map(|flight| flight.as_array().unwrap()) {
+            assert!(
+                is_in(&flight[0], &tube[0]) && is_in(flight.last().unwrap(), tube.last().unwrap())
+            );
+            if plan["hits"].as_array().unwrap().is_empty() {
+                assert!(flight.iter().zip(tube).all(|(place, sides)| is_in(place, sides)));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_mission_that_no_plan_keeps_is_said() {
+    let mut task = puck([0.3, 0.5, 0.0, 0.0], [0.0, 0.0], CORNER);
+    task["bodies"][0]["goal"] = Value::Null;
+    task["places"] = json!([{ "name": "A", "sides": [[1.5, 1.9], [0.2, 0.5]] },
+        { "name": "B", "sides": [[1.0, 1.3], [0.0, 1.0]] }]);
+    task["mission"] = json!("F in A & G !in B");
+    // A step of 0.2 s passes through B at 3 m/s between two samples.
+    assert_eq!(scene(&task)["tolerant"]["found"], true);
+    task["bodies"][0]["maxSpeed"] = json!(1);
+    task["longest"] = json!(2);
+    let answer = scene(&task);
+    assert_eq!(answer["tolerant"]["none"], true);
+    let steps = answer["tolerant"]["refuted"].as_u64().unwrap() as usize;
+    let why: Value = serde_json::from_str(&explain_scene(&task.to_string(), steps, steps)).unwrap();
+    assert_eq!(
+        why["tolerant"]["words"],
+        "no plan of 10 steps keeps these parts of its mission together: `F in A`, `G[5,8] !in B`"
+    );
 }

@@ -4,7 +4,7 @@ import * as form from "./form.js";
 import { makeMovable } from "./handles.js";
 import { outdateLess, redrawLess, showLess } from "./less.js";
 import { allowed, ends, link, numbers, readLink } from "./link.js";
-import { loadPlanner } from "./load.js";
+import { loadPlanner, plannerFor } from "./load.js";
 import * as pace from "./pace.js";
 import { drawCharts, drawTask, duration } from "./pictures.js";
 import { Planners } from "./planners.js";
@@ -25,6 +25,8 @@ const NARROW = matchMedia("(max-width: 34rem)");
 let [name, state] = readLink(location.hash);
 let kind = KINDS[name];
 let planners = null;
+/** The name of the planner that is being loaded. */
+let loading = "";
 /** The last answer, of the task as it stands or of an older one. */
 let answer = null;
 /** The last request, and since when an answer is missing. */
@@ -54,10 +56,35 @@ function begin() {
   form.showKind(name, (key, value) => { state[key] = value; changed(); });
   for (const side of SIDES) results.showSide(side, null);
   $("#reason").textContent = "";
+  results.showReasons({});
   results.showPreview(null);
-  $("#verdict").textContent = planners ? "Planning …" : "Loading the planner …";
   showLess(null);
+  if (![plannerFor(kind), "all"].includes(planners?.name)) load(plannerFor(kind));
+  $("#verdict").textContent = planners ? "Planning …" : "Loading the planner …";
   changed();
+}
+
+/** Loads another planner instead of the one that there is; of several that are asked for, the last one counts. */
+async function load(name) {
+  planners?.end();
+  planners = null;
+  asked = { id: 0, at: 0, isCoarse: false };
+  page.dataset.asked = 0;
+  delete page.dataset.drawn;
+  delete page.dataset.explained;
+  if (loading === name) return;
+  loading = name;
+  try {
+    const { module, note } = await loadPlanner(name, words => { if (loading === name) $("#progress").textContent = words; });
+    if (loading !== name) return;
+    $("#note").textContent = note;
+    planners = new Planners(name, module, heard);
+    ask(false);
+  } catch (error) {
+    if (loading === name) fail(error.message, 0);
+  } finally {
+    if (loading === name) loading = "";
+  }
 }
 
 /** The state changed: everything that belongs to the old one is out of date from now on. */
@@ -173,7 +200,7 @@ function fail(sentence, id) {
 }
 
 function showReasons(id, reasons) {
-  results.showReasons(reasons);
+  results.showReasons(reasons, answer);
   page.dataset.explained = id;
 }
 
@@ -241,6 +268,13 @@ function listen() {
   for (const [place, k] of [["#track", 0], ["#scene-free", 0], ["#scene-tolerant", 1]]) {
     makeMovable($(place), () => ({ view: views[k].view, kind, state }), (...change) => { player.stop(); move(...change); });
   }
+  for (const part of document.querySelectorAll(".story [data-side]")) {
+    const look = on => () => { if (on) page.dataset.look = part.dataset.side; else delete page.dataset.look; };
+    for (const [begin, end] of [["pointerenter", "pointerleave"], ["focus", "blur"]]) {
+      part.addEventListener(begin, look(true));
+      part.addEventListener(end, look(false));
+    }
+  }
   pace.watchPointer(() => { if (asked.isCoarse) ask(false); });
   $("#cancel").addEventListener("click", cancel);
   $("#link").addEventListener("click", () => { saveLink(); copy($("#link"), location.href); });
@@ -273,11 +307,3 @@ function listen() {
 
 listen();
 begin();
-try {
-  const { module, note } = await loadPlanner(words => { $("#progress").textContent = words; });
-  $("#note").textContent = note;
-  planners = new Planners(module, heard);
-  ask(false);
-} catch (error) {
-  fail(error.message, 0);
-}

@@ -6,6 +6,7 @@ const $ = selector => document.querySelector(selector);
 
 function said(knob, value) {
   if (knob.none && value >= knob.max) return knob.none;
+  if (knob.names) return knob.names[knob.values.indexOf(value)];
   return `${value.toFixed(knob.digits).replace("-", "−")}${knob.unit ? ` ${knob.unit}` : ""}`;
 }
 

@@ -9,7 +9,7 @@ const RIM = 26;
 /** How near a pointer takes hold of something, in pixels. */
 const GRIP = 20;
 /** From below to above: the goal is never hidden. */
-const ORDER = ["obstacle", "body", "velocity", "goal"];
+const ORDER = ["place", "obstacle", "body", "velocity", "goal"];
 
 /** Where the middle of something is, in pixels. */
 export function pixelOf(view, kind, state, own) {
@@ -56,8 +56,8 @@ export function drawHandles(view, kind, state, shape, focusable) {
       [x, y] = [Math.min(view.width - 10, Math.max(10, x)), Math.min(view.height - 10, Math.max(10, y))];
       [inside, high] = [arrow(base, [x, y]), null];
     } else if (own.kind === "goal") {
-      [inside, high] = [view.goal?.(x) ?? '<path class="goal" d="M-9 0H9M0 -9V9"/><circle class="goal" r="6"/>', view.goal ? null : 25];
-    } else [inside, high] = [shape(own), own.kind === "obstacle" ? -own.half[1] * view.scale - 6 : -13];
+      [inside, high] = [view.goal?.(x) ?? `${shape(own)}<path class="goal" d="M-9 0H9M0 -9V9"/><circle class="goal" r="6"/>`, view.goal ? null : 25];
+    } else [inside, high] = [shape(own), own.kind === "obstacle" ? Math.max(14 - y, -own.half[1] * view.scale - 6) : own.kind === "place" ? 4 : -13];
     const label = high === null ? "" : `<text class="tag" y="${round(high)}" text-anchor="middle">${own.label}</text>`;
     const words = `${own.label}: arrow keys ${own.kind === "velocity" ? "change" : "move"} it`;
     const { min, max } = numbers(kind).find(({ key }) => key === own.x);

@@ -1,19 +1,21 @@
-// Loads the planner, and says what is wrong where that fails.
+// Loads a planner, and says what is wrong where that fails.
 
-const FILE = "carom_playground_bg.wasm";
+/** The planner that a kind of task needs: the first one knows no scenes, and is small. */
+export const plannerFor = kind => kind.room ? "all" : "first";
 
 /**
- * The compiled planner, and a note about how it was served, if there is something to say. `tell(words)`
+ * A compiled planner, and a note about how it was served, if there is something to say. `tell(words)`
  * hears how far it is.
  */
-export async function loadPlanner(tell) {
-  const address = new URL(`./pkg/${FILE}`, import.meta.url);
+export async function loadPlanner(name, tell) {
+  const file = `pkg/${name}/carom_playground_bg.wasm`;
+  const address = new URL(`./${file}`, import.meta.url);
   tell("Waiting for the server …");
   const served = await fetch(address).catch(() => {
     throw new Error(`The planner could not be loaded: the server of this page does not answer. Is it still running?`);
   });
   if (!served.ok) {
-    throw new Error(`The planner is missing: the server answers ${served.status} for pkg/${FILE}. ` +
+    throw new Error(`The planner is missing: the server answers ${served.status} for ${file}. ` +
       "In a clone, examples/playground/build makes it.");
   }
   const response = counted(served, tell), whole = response.clone();
@@ -24,7 +26,7 @@ export async function loadPlanner(tell) {
       return { module, note: "" };
     }
   } catch { /* Below it is said why. */ }
-  const compiled = await compile(new Uint8Array(await whole.arrayBuffer()));
+  const compiled = await compile(new Uint8Array(await whole.arrayBuffer()), file);
   tell("");
   return compiled;
 }
@@ -44,24 +46,24 @@ function counted(response, tell) {
   return new Response(response.body.pipeThrough(count), { headers: response.headers });
 }
 
-async function compile(bytes) {
+async function compile(bytes, file) {
   const begins = (...start) => start.every((byte, k) => bytes[k] === byte);
   if (begins(0x1f, 0x8b)) {
     // Compressed, and served as if it were not.
     if (!globalThis.DecompressionStream) {
-      throw new Error(`The planner arrives compressed: the server sends pkg/${FILE} without the header "Content-Encoding: gzip".`);
+      throw new Error(`The planner arrives compressed: the server sends ${file} without the header "Content-Encoding: gzip".`);
     }
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    const { module } = await compile(new Uint8Array(await new Response(stream).arrayBuffer()));
-    return { module, note: `The server sends pkg/${FILE} compressed without the header "Content-Encoding: gzip"; the page unpacked it.` };
+    const { module } = await compile(new Uint8Array(await new Response(stream).arrayBuffer()), file);
+    return { module, note: `The server sends ${file} compressed without the header "Content-Encoding: gzip"; the page unpacked it.` };
   }
   if (!begins(0x00, 0x61, 0x73, 0x6d)) {
-    throw new Error(`The planner cannot be read: what the server sends as pkg/${FILE} is not WebAssembly. ` +
+    throw new Error(`The planner cannot be read: what the server sends as ${file} is not WebAssembly. ` +
       'Is it compressed without the header "Content-Encoding", or another page in its place?');
   }
   try {
     return { module: await WebAssembly.compile(bytes), note: "" };
   } catch (error) {
-    throw new Error(`The planner cannot be read: pkg/${FILE} is damaged or incomplete (${error.message}).`);
+    throw new Error(`The planner cannot be read: ${file} is damaged or incomplete (${error.message}).`);
   }
 }

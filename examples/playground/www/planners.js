@@ -9,8 +9,8 @@ const PATIENCE = 400;
 
 export class Planners {
   /** `listen(message)` hears `{ id, … }` with `progress`, `answer`, `less`, `reasons`, `files`, `failure` or `replaced`. */
-  constructor(module, listen) {
-    Object.assign(this, { module, listen, latest: 0, waiting: null, overdue: 0 });
+  constructor(name, module, listen) {
+    Object.assign(this, { name, module, listen, latest: 0, waiting: null, overdue: 0 });
     this.active = this.#spawn();
     this.spare = this.#spawn();
   }
@@ -35,11 +35,20 @@ export class Planners {
     if (this.active.job) this.#replace();
   }
 
+  /** Ends both workers; nothing is heard of them any more. */
+  end() {
+    clearTimeout(this.overdue);
+    for (const planner of [this.active, this.spare]) {
+      planner.worker.onmessage = planner.worker.onerror = null;
+      planner.worker.terminate();
+    }
+  }
+
   #spawn() {
     const planner = { worker: new Worker(new URL("./worker.js", import.meta.url), { type: "module" }), ready: false, job: null };
     planner.worker.onmessage = ({ data }) => this.#heard(planner, data);
     planner.worker.onerror = event => this.listen({ id: this.latest, failure: event.message || "one of its files could not be loaded" });
-    planner.worker.postMessage({ module: this.module });
+    planner.worker.postMessage({ module: this.module, name: this.name });
     return planner;
   }
 

@@ -1,10 +1,9 @@
 // Verdict, numbers and proofs. What belongs to an older task is dimmed until that of the newest comes.
+import { drawBarriers, plain } from "./barrier.js";
 import { SIDES } from "./charts.js";
 
 const $ = selector => document.querySelector(selector);
 const text = (side, selector, words) => { $(`[data-side=${side}] ${selector}`).textContent = words; };
-/** A sentence without marks of names. */
-const plain = sentence => sentence && sentence.replaceAll("`", "").replace(/^[a-z]/, letter => letter.toUpperCase());
 const steps = count => `${count} ${count === 1 ? "step" : "steps"}`;
 
 /** When the visitor is offered to stop, in ms. */
@@ -102,12 +101,24 @@ export function showSide(name, side) {
   const hits = (side?.plan?.hits ?? []).map(hit =>
     `Hit: ${hit.contact} at ${hit.time.toFixed(2)} s with ${hit.speed.toFixed(2)} m/s, ${Math.hypot(...hit.impulse).toFixed(2)} N s.`);
   text(name, ".hits", hits.length ? `${hits.join(" ")} Speeds and impulses are those of the law that the plan follows: it counts a hit at the end of its step.` : "");
+  text(name, ".tells", tells(side));
   text(name, ".why", "");
 }
 
-export function showReasons(reasons) {
-  for (const name of SIDES) {
-    const why = plain(reasons[name]);
-    text(name, ".why", why ? `${why[0].toUpperCase()}${why.slice(1)}${/[.!?]$/.test(why) ? "" : "."}` : "");
-  }
+/** What happens in the plan of a side. */
+function tells(side) {
+  const hits = side?.plan?.hits?.map(hit => hit.speed) ?? side?.curve?.impacts.map(hit => hit.before);
+  if (!hits) return "";
+  if (!hits.length) return "It touches nothing.";
+  const hardest = `${Math.max(...hits).toFixed(2)} m/s`;
+  return hits.length === 1 ? `One hit, with ${hardest}.` : `${hits.length} hits, the hardest with ${hardest}.`;
+}
+
+/** Why the answer is no better: in words with the proofs, and as the last part of the story. */
+export function showReasons(reasons, found) {
+  const asSentence = why => why && `${why}${/[.!?]$/.test(why) ? "" : "."}`;
+  for (const name of SIDES) text(name, ".why", asSentence(plain(reasons[name]?.words)) ?? "");
+  const name = ["tolerant", "free"].find(name => reasons[name]), side = found?.[name];
+  $("#barrier-title").textContent = side?.none ? "Why there is no plan" : !side || side.found ? "Why nothing is faster" : "Why it takes longer";
+  drawBarriers($("#barrier"), name && reasons[name], side, name === "free" ? "without collisions" : "with collisions");
 }

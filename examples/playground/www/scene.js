@@ -88,7 +88,9 @@ function drawPlan(view, side, { plan, isOlder }, task) {
   const paths = numbers.map(k => `<path class="curve ${side} body-${k}" d="${path(view, plan, k)}"/>`).join("");
   const hits = plan.hits.map(hit => hitMark(view, side, hit)).join("");
   const movers = numbers.map(k => `<g class="mover">${shape(view, task.bodies[k], `body ${side} body-${k}`)}</g>`).join("");
-  return `<g class="plan${isOlder ? " older" : ""}" data-side="${side}">${paths}${hits}${movers}</g>`;
+  const flights = (plan.flights ?? []).map(corners => `M${corners.map(corner => view.at(corner)).join("L")}`).join("");
+  const tube = (plan.tube ?? []).map(box => view.box(box, `tube ${side}`)).join("");
+  return `<g class="plan ${side}${isOlder ? " older" : ""}" data-side="${side}">${tube}${flights && `<path class="flight ${side}" d="${flights}"/>`}${paths}${hits}${movers}</g>`;
 }
 
 /** How near a pointer asks for a sample, in pixels. */
@@ -127,7 +129,8 @@ function tellSamples(place, view, plans) {
 export function drawScene(place, sides, answer, kind, task, state) {
   const view = new View(place, kind);
   const shown = sides.filter(side => answer[side]?.plan);
-  const outline = own => own.kind === "obstacle" ? shape(view, own, "obstacle") : shape(view, task.bodies[own.body], "start");
+  const outline = own => own.kind === "body" ? shape(view, task.bodies[own.body], "start")
+    : own.kind !== "goal" ? shape(view, own, own.kind) : task.bodies[0].goalHalf ? shape(view, { half: task.bodies[0].goalHalf }, "goal") : "";
   const handles = drawHandles(view, kind, state, outline, sides.includes("free"));
   const own = focused(place);
   // A group, so that what can be moved is not hidden inside an image.

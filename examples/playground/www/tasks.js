@@ -17,6 +17,7 @@ const limit = value => value >= NO_LIMIT ? null : value;
 const POINT = [0, 0];
 const body = (name, label, number, half = POINT) => ({ name, label, kind: "body", body: number, half, x: `${name}X`, y: `${name}Y` });
 const goalOf = (half = POINT) => ({ name: "goal", label: "Goal", kind: "goal", half, x: "goalX", y: "goalY" });
+const place = (name, label, half) => ({ name, label, kind: "place", half, x: `${name}X`, y: `${name}Y` });
 const obstacle = (name, label, half) => ({ name, label, kind: "obstacle", half, x: `${name}X`, y: `${name}Y` });
 const arrow = (y = "velocityY") => ({ name: "velocity", label: "Velocity", kind: "velocity", of: "start", x: "velocityX", y });
 
@@ -103,26 +104,29 @@ const pillar = {
     ...velocities(0.5, 0.025),
     restitution("Restitution of the walls"),
     knob("impulseLimit", "Largest impulse", "N s", 0, NO_LIMIT, 0.5, 1, { none: "no limit" }),
-    knob("maxSpeed", "Largest speed along each axis", "m/s", 0.1, 1, 0.05, 2),
-    knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 0.5, 0.025, 3),
+    knob("maxSpeed", "Largest speed", "m/s", 0.1, 1, 0.05, 2),
+    knob("maxAcceleration", "Largest acceleration", "m/s²", 0, 0.5, 0.025, 3),
+    { key: "isRound", label: "These two hold", values: [0, 1], names: ["along each axis", "in every direction"] },
     timeStep([0.5, 1, 2]),
   ],
   handles: [body("start", "Robot", 0, [0.16, 0.16]), goalOf([0.16, 0.16]), obstacle("pillar", "Pillar", [0.3, 0.65]), arrow()],
   main: ["restitution", "impulseLimit"],
   arrow: 1.5,
   coarsest: 2,
-  defaults: { velocityX: -0.4, velocityY: 0.3, restitution: 0.6, impulseLimit: NO_LIMIT, maxSpeed: 0.5, maxAcceleration: 0.15, timeStep: 0.5,
+  defaults: { velocityX: -0.4, velocityY: 0.3, restitution: 0.6, impulseLimit: NO_LIMIT, maxSpeed: 0.5, maxAcceleration: 0.15, isRound: 0, timeStep: 0.5,
     startX: 0.8, startY: 1.5, goalX: 3.5, goalY: 1.2, pillarX: 2, pillarY: 1.55 },
   presets: {
     "Behind the pillar": {},
     "Soft bumpers": { impulseLimit: 6 },
+    "One thruster": { isRound: 1 },
     "At rest": { velocityX: 0, velocityY: 0 },
     "Too fast to stop": { velocityX: -0.5, velocityY: 0, startX: 0.6, restitution: 0.3 },
   },
   task: state => ({
     timeStep: state.timeStep, longest: 30, room: pillar.room, walls: true, restitution: state.restitution, impulseLimit: limit(state.impulseLimit),
     bodies: [{ name: "robot", mass: 10, radius: 0.16, start: [...point(state, "start"), state.velocityX, state.velocityY],
-      goal: [...point(state, "goal"), 0, 0], maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration }],
+      goal: [...point(state, "goal"), 0, 0], maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration,
+      isRound: state.isRound === 1 }],
     obstacles: [{ name: "pillar", sides: around(point(state, "pillar"), [0.3, 0.65]) }],
   }),
 };
@@ -165,4 +169,85 @@ const exchange = {
   }),
 };
 
-export const KINDS = { wall, bank, pillar, exchange };
+/** What a robot has to do, and the formula of signal temporal logic that says so. */
+const MISSIONS = [
+  ["see A, B and C, and never D", "F in A & F in B & F in C & G !in D"],
+  ["see A, and B after it, and never D", "F (in A & F in B) & G !in D"],
+  ["see A within 6 s, and B, and never D", "F[0,6s] in A & F in B & G !in D"],
+  ["stay in C for 3 s", "F G[0,3s] in C"],
+];
+const REACH = [0.4, 0.4];
+
+const mission = {
+  title: "A robot makes its rounds",
+  short: "A mission",
+  intro: "A robot must see some places, in any order or in a given one, and keep out of another. It may avoid the walls, or turn at them. Drag the robot and the places, or move a slider:",
+  room: [[0, 6], [0, 4]],
+  knobs: [
+    { key: "mission", label: "Mission", values: MISSIONS.map((_, k) => k), names: MISSIONS.map(([words]) => words) },
+    restitution("Restitution of the walls"),
+    ...velocities(2, 0.1),
+    knob("maxSpeed", "Largest speed along each axis", "m/s", 0.5, 3, 0.1, 1),
+    knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 2, 0.1, 1),
+    timeStep([0.5, 1]),
+  ],
+  handles: [body("start", "Robot", 0), ...["a", "b", "c"].map(name => place(name, name.toUpperCase(), REACH)), place("d", "not D", [0.6, 0.6]), arrow()],
+  main: ["mission", "restitution"],
+  arrow: 0.4,
+  coarsest: 1,
+  defaults: { mission: 0, restitution: 0.6, velocityX: 0, velocityY: 0, maxSpeed: 2, maxAcceleration: 0.6, timeStep: 0.5,
+    startX: 1, startY: 0.6, aX: 0.8, aY: 3, bX: 5.2, bY: 3.2, cX: 5.2, cY: 0.8, dX: 3, dY: 2 },
+  presets: {
+    "In any order": {},
+    "A, then B": { mission: 1 },
+    "In time": { mission: 2 },
+    "Wait in C": { mission: 3 },
+    "D in the way": { mission: 1, dX: 3, dY: 3.2 },
+  },
+  task: state => ({
+    timeStep: state.timeStep, longest: 15, room: mission.room, walls: true, restitution: state.restitution, impulseLimit: null,
+    bodies: [{ name: "robot", mass: 1, start: [...point(state, "start"), state.velocityX, state.velocityY], goal: null,
+      maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration }],
+    obstacles: [],
+    places: ["a", "b", "c", "d"].map(name => ({ name: name.toUpperCase(), sides: around(point(state, name), name === "d" ? [0.6, 0.6] : REACH) })),
+    mission: MISSIONS[state.mission][1],
+  }),
+};
+
+const gusts = {
+  title: "One plan for all gusts",
+  short: "Gusts",
+  intro: "A puck must come to its goal, whatever gusts blow: its feedback answers them, which keeps every flight in a tube; a hundred are drawn. It may avoid the walls, or bank off them. Drag the puck, its goal and the block, or move a slider:",
+  room: [[0, 2.5], [0, 1.5]],
+  knobs: [
+    knob("gusts", "Largest gust, each axis, a step", "m/s", 0, 0.02, 0.001, 3),
+    restitution("Restitution of the walls"),
+    knob("spread", "The restitution may be off by", "", 0, 0.2, 0.01, 2),
+    ...velocities(3, 0.1),
+    knob("maxSpeed", "Largest speed along each axis", "m/s", 0.5, 3, 0.1, 1),
+    knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 2, 0.1, 1),
+    timeStep([0.25, 0.5]),
+  ],
+  handles: [body("start", "Puck", 0), goalOf([0.25, 0.25]), obstacle("block", "Block", [0.15, 0.45]), arrow()],
+  main: ["gusts", "restitution"],
+  arrow: 0.15,
+  coarsest: 0.5,
+  defaults: { gusts: 0.01, restitution: 0.3, spread: 0.1, velocityX: 1.8, velocityY: 0, maxSpeed: 2.4, maxAcceleration: 0.8, timeStep: 0.25,
+    startX: 0.3, startY: 0.3, goalX: 1.7, goalY: 1.05, blockX: 1.15, blockY: 1.05 },
+  presets: {
+    "Around the block": {},
+    "No wind": { gusts: 0, spread: 0 },
+    "A storm": { gusts: 0.02 },
+  },
+  task: state => ({
+    timeStep: state.timeStep, longest: 6, room: gusts.room, walls: true, restitution: state.restitution, impulseLimit: null,
+    // A restitution is a number from 0 to 1, also where it is off.
+    spread: millimetres(Math.min(state.spread, state.restitution, 1 - state.restitution)),
+    bodies: [{ name: "puck", mass: 1, start: [...point(state, "start"), state.velocityX, state.velocityY],
+      goal: [...point(state, "goal"), 0, 0], goalHalf: [0.25, 0.25, 0.5, 0.5], maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration,
+      gusts: state.gusts }],
+    obstacles: [{ name: "block", sides: around(point(state, "block"), [0.15, 0.45]) }],
+  }),
+};
+
+export const KINDS = { wall, bank, pillar, exchange, mission, gusts };

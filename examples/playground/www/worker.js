@@ -1,7 +1,5 @@
 // One planner. The page ends this worker when what it does is out of date.
-import init, * as planner from "./pkg/carom_playground.js";
-
-let ready;
+let planner, ready;
 
 const call = (job, what, ...more) =>
   JSON.parse(planner[job.isScene ? `${what}_scene` : what](JSON.stringify(job.task), ...more));
@@ -24,10 +22,15 @@ function done(job) {
   return { reasons: call(job, "explain", ...job.steps) };
 }
 
+async function begin({ module, name }) {
+  planner = await import(`./pkg/${name}/carom_playground.js`);
+  await planner.default({ module_or_path: module });
+}
+
 onmessage = async ({ data }) => {
   try {
     if (data.module) {
-      ready = init({ module_or_path: data.module });
+      ready = begin(data);
       await ready;
       return postMessage({ ready: true });
     }

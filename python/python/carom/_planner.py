@@ -225,15 +225,21 @@ class HybridSystem:
         return HybridProgram(self._own.program(steps))
 
     def shortest(
-        self, start: Union[Row, Iterable[Row]], goal: Union[Row, Iterable[Row]], *, max_steps: Optional[int] = None,
-        total_time_limit: Optional[float] = None, **options: Any,
+        self, start: Union[Row, Iterable[Row]], goal: Union[Row, Iterable[Row]], *, mission: "Optional[Mission]" = None,
+        robust: bool = False, max_steps: Optional[int] = None, total_time_limit: Optional[float] = None, **options: Any,
     ) -> "ShortestHorizon":
         """The plan with the fewest steps from a start to a goal, with each smaller number refuted.
+
+        With a `mission`, the plan fulfils it. With `robust`, it holds for every `disturbance` of the system: a
+        linear-quadratic regulator answers them, and numbers are refuted for plans with this feedback.
 
         `total_time_limit` (s) is for the whole search; the options of `carom.solve`, such as `threads` or `time_limit`,
         are for each of its solves.
         """
-        own = self._own.shortest(_rows(start), _rows(goal), max_steps, total_time_limit, settings(options))
+        own = self._own.shortest(
+            _rows(start), _rows(goal), None if mission is None else mission._own, robust, max_steps, total_time_limit,
+            settings(options),
+        )
         return ShortestHorizon(own)
 
 
@@ -357,9 +363,10 @@ class HybridProgram:
         """The gain, made of `sum`, `sum_abs`, `at` and `end`."""
         self._own.maximize(gain)
 
-    def solve(self, **options: Any) -> "HybridPlan":
-        """The best plan; the options are those of `carom.solve`, without `callback`, `start` and `verbose`. Raises ValueError if there is none."""
-        return HybridPlan(self._own.solve(settings(options)))
+    def solve(self, *, robust: bool = False, **options: Any) -> "HybridPlan":
+        """The best plan, for every disturbance of the system if it is `robust`; the options are those of `carom.solve`,
+        without `callback`, `start` and `verbose`. Raises ValueError if there is none."""
+        return HybridPlan(self._own.solve(robust, settings(options)))
 
     def explain(self, **options: Any) -> str:
         """Which statements cannot hold together, in words."""
@@ -433,6 +440,21 @@ class HybridPlan:
         """Inputs by name, each of shape (steps,)."""
         return {name: np.frombuffer(values) for name, values in self._own.table()[1]}
 
+    @property
+    def tube(self) -> "Optional[dict[str, np.ndarray]]":
+        """Of a robust plan: by state, the ends of its values in every disturbed run, shape (steps + 1, 2), by interval
+        simulation. None for a plan that promises nothing under disturbances."""
+        tube = self._own.tube()
+        return None if tube is None else {name: np.frombuffer(ends).reshape(-1, 2) for name, ends in tube}
+
+    def fly(self, seed: int = 0) -> "tuple[dict[str, np.ndarray], bool]":
+        """Of a robust plan: the states of a run through random disturbances, and whether it keeps the plan's modes."""
+        flown = self._own.fly(seed)
+        if flown is None:
+            raise ValueError("this plan is not robust; ask for one by `robust=True`")
+        states, kept = flown
+        return {name: np.frombuffer(values) for name, values in states}, kept
+
     def robustness(self, mission: Mission) -> float:
         """By how much the plan fulfils a mission (positive) or misses it (negative), in the unit of its rows."""
         return self._own.robustness(mission._own)
@@ -496,13 +518,17 @@ class ControlMove(NamedTuple):
 class RecedingHorizon:
     """A controller that solves a program anew in each step, from the measured state, prepared and warm.
 
-    The program has a cost and no start; `budget` (s) is for each step.
+    The program has a cost and no start; `budget` (s) is for each step. With an `integer_horizon` of k, modes and listed
+    values of inputs are decided in the first k steps only, and are mixtures after them: moves come sooner, their source is
+    "integer horizon", they have k planned steps and no objective, and their bound is still one on the cost of every plan.
     """
 
     __slots__ = ("_own",)
 
-    def __init__(self, program: HybridProgram, *, budget: Optional[float] = None, **options: Any) -> None:
-        self._own = _carom.Controller(program._own, budget, settings(options))
+    def __init__(
+        self, program: HybridProgram, *, budget: Optional[float] = None, integer_horizon: Optional[int] = None, **options: Any,
+    ) -> None:
+        self._own = _carom.Controller(program._own, budget, integer_horizon, settings(options))
 
     def step(self, state: Any) -> ControlMove:
         """The move for a measured state, an entry for each state."""

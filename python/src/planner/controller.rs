@@ -63,9 +63,13 @@ impl Controller {
         py: Python<'_>,
         program: PyRef<'_, HybridProgram>,
         budget: Option<f64>,
+        integer_horizon: Option<usize>,
         settings: Settings,
     ) -> PyResult<Self> {
-        let (program, options) = (program.program.clone(), settings.options()?);
+        let (mut program, options) = (program.program.clone(), settings.options()?);
+        if let Some(steps) = integer_horizon {
+            program.set_integer_horizon(steps).map_err(|error| exception(&error))?;
+        }
         let budget = seconds(budget)?;
         let (states, queue) = channel();
         let (mut calling, solving) = session::link();

@@ -1,7 +1,7 @@
 //! Plans, and what a search for the shortest one has found.
 
 use carom::hybrid::reach::{ReachSets, Tube};
-use carom::hybrid::{HybridPlan, HybridRun, ShortestHorizon};
+use carom::hybrid::{Disturbance, HybridPlan, HybridRun, RobustPlan, ShortestHorizon};
 use carom::interval::Interval;
 use carom::picture::Chart;
 use carom::solution::Solution;
@@ -23,7 +23,21 @@ fn done<T>(result: Result<T, carom::Error>) -> PyResult<T> {
 #[pyclass(frozen, module = "carom._carom")]
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
-    pub(crate) plan: HybridPlan,
+    plan: HybridPlan,
+    /// Of a plan that holds for every disturbance.
+    robust: Option<RobustPlan>,
+}
+
+impl From<HybridPlan> for Plan {
+    fn from(plan: HybridPlan) -> Self {
+        Plan { plan, robust: None }
+    }
+}
+
+impl From<RobustPlan> for Plan {
+    fn from(robust: RobustPlan) -> Self {
+        Plan { plan: robust.plan.clone(), robust: Some(robust) }
+    }
 }
 
 /// Objective, bound, and whether nothing better exists.
@@ -71,6 +85,40 @@ impl Plan {
             named.iter().map(|(name, values)| (name.clone(), bytes(py, values))).collect()
         };
         [columns(&run.states), columns(&run.inputs)]
+    }
+
+    /// States with the ends of their values in all disturbed runs, by sample; `None` for a plan
+    /// without disturbances.
+    fn tube<'py>(&self, py: Python<'py>) -> Option<Vec<(String, Bound<'py, PyByteArray>)>> {
+        let widths = &self.robust.as_ref()?.certificate.states;
+        let ends = |(k, (name, values)): (usize, &(String, Vec<f64>))| {
+            let around = |(value, errors): (&f64, &Vec<Interval>)| {
+                [value + errors[k].lower, value + errors[k].upper]
+            };
+            let ends: Vec<f64> = values.iter().zip(widths).flat_map(around).collect();
+            (name.clone(), bytes(py, &ends))
+        };
+        Some(self.plan.run.states.iter().enumerate().map(ends).collect())
+    }
+
+    /// A run through random disturbances, the same for the same seed: states by sample, and whether
+    /// it keeps the transitions of the plan. `None` for a plan without disturbances.
+    #[expect(clippy::type_complexity, reason = "as Python gets it")]
+    fn fly<'py>(
+        &self,
+        py: Python<'py>,
+        seed: u64,
+    ) -> PyResult<Option<(Vec<(String, Bound<'py, PyByteArray>)>, bool)>> {
+        let Some(robust) = &self.robust else { return Ok(None) };
+        let mut dice = Disturbance::new([0.0..=1.0], seed);
+        let mut draw = |range: Interval| {
+            let share = dice.next_value().first().copied().unwrap_or(0.5);
+            range.lower + share * (range.upper - range.lower)
+        };
+        let flown = done(robust.simulate(&mut draw))?;
+        let states = flown.run.states.iter();
+        let states = states.map(|(name, values)| (name.clone(), bytes(py, values))).collect();
+        Ok(Some((states, flown.kept)))
     }
 
     fn robustness(&self, mission: &Mission) -> PyResult<f64> {
@@ -128,10 +176,10 @@ pub(crate) struct Shortest {
 }
 
 impl Shortest {
-    pub(super) fn new(found: ShortestHorizon<HybridPlan>) -> Self {
+    pub(super) fn new<P: Into<Plan>>(found: ShortestHorizon<P>) -> Self {
         let text = found.to_string();
         let ShortestHorizon { steps, refuted_steps, plan, sets, tube, .. } = found;
-        let plan = plan.map(|plan| Plan { plan });
+        let plan = plan.map(P::into);
         Shortest { steps, refuted_steps, text, plan, sets, tube }
     }
 }

@@ -1,7 +1,7 @@
 //! Programs of hybrid systems, and missions.
 
 use carom::explain::{ExplainOptions, infeasibility};
-use carom::hybrid::{self, When};
+use carom::hybrid::{self, Feedback, When};
 use carom::solver::Control;
 use pyo3::prelude::*;
 
@@ -108,12 +108,20 @@ impl HybridProgram {
         done(self.program.maximize(gain.quadratic()))
     }
 
-    fn solve(&self, py: Python<'_>, settings: Settings) -> PyResult<Plan> {
+    /// The best plan; with `robust`, one that holds for every disturbance.
+    fn solve(&self, py: Python<'_>, robust: bool, settings: Settings) -> PyResult<Plan> {
         let program = self.program.clone();
+        if robust {
+            let plan = solve(py, &settings, move |interrupt, solver| {
+                let program = program.robust(&Feedback::regulator(program.system())?)?;
+                program.solve_with(&mut Control::default().with_interrupt(interrupt), solver)
+            })?;
+            return Ok(plan.into());
+        }
         let plan = solve(py, &settings, move |interrupt, solver| {
             program.solve_with(&mut Control::default().with_interrupt(interrupt), solver)
         })?;
-        Ok(Plan { plan })
+        Ok(plan.into())
     }
 
     /// Which statements cannot hold together.

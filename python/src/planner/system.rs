@@ -1,14 +1,14 @@
 //! Hybrid systems and their transitions.
 
 use carom::Error;
-use carom::hybrid::{self, ShortestOptions, State, TransitionMut};
+use carom::hybrid::{self, Feedback, ShortestOptions, State, TransitionMut};
 use carom::model::{Affine, Variable};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::expression::{Expression, Handle, Operand, Row, rows};
 use super::plan::Shortest;
-use super::program::HybridProgram;
+use super::program::{HybridProgram, Mission};
 use super::solve;
 use crate::errors::exception;
 use crate::settings::{Settings, seconds};
@@ -166,12 +166,16 @@ impl HybridSystem {
         Ok(HybridProgram { program: done(program)? })
     }
 
-    /// The plan with the fewest steps.
+    /// The plan with the fewest steps, under a mission and for every disturbance if that is asked
+    /// for.
+    #[expect(clippy::too_many_arguments, reason = "the options of the method in Python")]
     fn shortest(
         &self,
         py: Python<'_>,
         start: Vec<PyRef<'_, Row>>,
         goal: Vec<PyRef<'_, Row>>,
+        mission: Option<&Mission>,
+        robust: bool,
         max_steps: Option<usize>,
         total_time_limit: Option<f64>,
         settings: Settings,
@@ -180,6 +184,17 @@ impl HybridSystem {
         let mut options = ShortestOptions::default();
         options.max_steps = max_steps.unwrap_or(options.max_steps);
         options.time_limit = seconds(total_time_limit)?;
+        if let Some(mission) = mission {
+            options = options.with_mission("mission", &mission.mission);
+        }
+        if robust {
+            let found = solve(py, &settings, move |interrupt, solver| {
+                let (feedback, options) =
+                    (Feedback::regulator(&system)?, options.with_interrupt(interrupt));
+                system.shortest_robust(start, goal, &feedback, &options, solver)
+            })?;
+            return Ok(Shortest::new(found));
+        }
         let found = solve(py, &settings, move |interrupt, solver| {
             system.shortest_with(start, goal, &options.with_interrupt(interrupt), solver)
         })?;

@@ -2,6 +2,7 @@
 
 mod budgets;
 mod finite_inputs;
+mod integer_horizon;
 mod modes;
 mod moving;
 mod soft_boxes;

@@ -45,7 +45,7 @@ impl Model {
         };
         let has_two_values = |j: usize| {
             let data = &self.stored.variables[j];
-            data.kind.is_integral() && data.range.is_none() && data.upper - data.lower <= 1.0
+            data.must_be_whole() && data.range.is_none() && data.upper - data.lower <= 1.0
         };
         // Products with binaries have linear forms.
         let others = |(a, b, _): &Product| !has_two_values(*a) && !has_two_values(*b);

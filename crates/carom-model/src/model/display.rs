@@ -95,13 +95,15 @@ impl fmt::Display for Model {
                 writeln!(f, " {name} = 0 or {}{whole}", limits_text(&name, values))?;
                 continue;
             }
+            let relaxed = if variable.data.relaxed { ", relaxed" } else { "" };
+            let limits = limits_text(&name, bounds);
             match variable.kind() {
                 VariableKind::Binary if bounds == Interval::new(0.0, 1.0) => {
-                    writeln!(f, "  {name} binary")?;
+                    writeln!(f, "  {name} binary{relaxed}")?;
                 }
-                VariableKind::Binary => writeln!(f, "  {} binary", limits_text(&name, bounds))?,
-                VariableKind::Integer => writeln!(f, "  {} integer", limits_text(&name, bounds))?,
-                VariableKind::Continuous => writeln!(f, "  {}", limits_text(&name, bounds))?,
+                VariableKind::Binary => writeln!(f, "  {limits} binary{relaxed}")?,
+                VariableKind::Integer => writeln!(f, "  {limits} integer{relaxed}")?,
+                VariableKind::Continuous => writeln!(f, "  {limits}")?,
             }
         }
         Ok(())

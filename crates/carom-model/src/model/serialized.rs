@@ -16,7 +16,9 @@ impl TryFrom<StoredModel> for Model {
 
     fn try_from(stored: StoredModel) -> Result<Self, Error> {
         let mut model = Model::empty(stored.name, stored.tag);
-        for VariableData { name, kind, lower, upper, range, semicontinuous } in stored.variables {
+        let mut all_relaxed = Vec::new();
+        for data in stored.variables {
+            let VariableData { name, kind, lower, upper, range, semicontinuous, relaxed } = data;
             let variable = match range {
                 Some(range) => model.push_stored_parameter(name, kind, (lower, upper), range)?,
                 None => model.variable(name, kind, lower, upper)?,
@@ -24,6 +26,7 @@ impl TryFrom<StoredModel> for Model {
             if let Some(values) = semicontinuous {
                 model.make_semicontinuous(variable, values.lower, values.upper)?;
             }
+            all_relaxed.extend(relaxed.then_some(variable));
         }
         for ConstraintData { name, row } in stored.constraints {
             let row = row.checked(&model, &name)?;
@@ -53,6 +56,10 @@ impl TryFrom<StoredModel> for Model {
             model.push_stored_function(result, function)?;
         }
         model.set_objective(stored.sense, stored.objective)?;
+        // An objective may have been set before that is convex at whole values only.
+        for variable in all_relaxed {
+            model.relax_integer(variable)?;
+        }
         for family in stored.background {
             model.set_background(&family)?;
         }

@@ -87,6 +87,16 @@ pub(super) struct VariableData {
     /// For a semi-continuous variable, its values other than 0.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) semicontinuous: Option<SemicontinuousRange>,
+    /// Whether an integer need not be whole.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "std::ops::Not::not"))]
+    pub(super) relaxed: bool,
+}
+
+impl VariableData {
+    /// Whether its values must be whole.
+    pub(super) fn must_be_whole(&self) -> bool {
+        self.kind.is_integral() && !self.relaxed
+    }
 }
 
 /// The values of a semi-continuous variable other than 0.

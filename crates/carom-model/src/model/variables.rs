@@ -91,6 +91,7 @@ impl Model {
             upper,
             range: None,
             semicontinuous: None,
+            relaxed: false,
         });
         self.touch();
         Ok(variable)
@@ -203,6 +204,55 @@ impl Model {
         (data.lower, data.upper) = variable_bounds(&data.name, data.kind, lower, upper)?;
         self.touch();
         Ok(())
+    }
+
+    /// Lets an integer variable take values between whole numbers, in a model that is solved with
+    /// some of its integers only: those of a long horizon's first steps, for example.
+    ///
+    /// Statements about it stay as they are, and become rows as if it were whole. So every point of
+    /// the model is still one, and the bound of a solve is a bound on the model with all integers.
+    /// [`Solution::relaxed`](crate::solution::Solution::relaxed) tells these variables, and the
+    /// point is [verified](crate::solution::Solution::verification) by the rows. Continuous
+    /// variables stay as they are. Files tell the kind of the variable alone.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("bag");
+    /// let (rope, tent) = (model.binary("rope")?, model.binary("tent")?);
+    /// model.add("weight", (3.0 * rope + 7.0 * tent).le(8.0))?;
+    /// model.maximize(6.0 * rope + 7.0 * tent)?;
+    /// model.relax_integer(tent)?;
+    ///
+    /// let solution = BranchAndBound::default().solve(&model)?;
+    /// assert!(solution.is_on(rope)?);
+    /// assert!((solution.value(tent)? - 5.0 / 7.0).abs() < 1e-6);
+    /// assert_eq!(solution.relaxed(), [tent]);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::ForeignHandle`].
+    pub fn relax_integer(&mut self, variable: Variable) -> Result<(), Error> {
+        self.check_variable(variable, "relax_integer")?;
+        let data = &mut self.stored.variables[variable.index()];
+        data.relaxed = data.kind.is_integral();
+        self.touch();
+        Ok(())
+    }
+
+    /// The integer variables that need not be whole.
+    pub fn relaxed_integers(&self) -> impl Iterator<Item = Variable> {
+        self.variables().filter(|variable| variable.data.relaxed).map(|variable| variable.id())
+    }
+
+    /// Puts continuous variables in the place of relaxed integers. Only rows may speak of them.
+    #[doc(hidden)]
+    pub fn make_relaxed_continuous(&mut self) {
+        let relaxed = self.stored.variables.iter_mut().filter(|data| data.relaxed);
+        relaxed.for_each(|data| data.kind = VariableKind::Continuous);
+        self.touch();
     }
 
     /// The model with every variable continuous. If it has only rows, this is its relaxation.

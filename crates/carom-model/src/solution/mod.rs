@@ -72,6 +72,8 @@ pub struct Solution {
     /// Variables whose whole range is below the tolerance.
     #[cfg_attr(feature = "serde", serde(default))]
     narrow: usize,
+    #[cfg_attr(feature = "serde", serde(default))]
+    relaxed: Vec<Variable>,
 }
 
 /// The result that a backend reports; [`Solution::new`] checks it against the model.
@@ -181,6 +183,7 @@ impl Solution {
             refused: None,
             proof: None,
             narrow: model.variables().filter(|v| is_narrow(v.bounds(), feasibility)).count(),
+            relaxed: model.relaxed_integers().collect(),
         })
     }
 
@@ -206,6 +209,7 @@ impl Solution {
             refused: None,
             proof: None,
             narrow: 0,
+            relaxed: Vec::new(),
         }
     }
 
@@ -353,6 +357,13 @@ impl Solution {
     /// The report on the MIP start of the solve; `None` if it had none.
     pub fn start_report(&self) -> Option<&StartReport> {
         self.start.as_ref()
+    }
+
+    /// The integers that were [relaxed](crate::model::Model::relax_integer) and may have fractions:
+    /// if there are any, the [bound](Self::bound) is one on the model with all integers whole, and
+    /// the point need not be a point of that model.
+    pub fn relaxed(&self) -> &[Variable] {
+        &self.relaxed
     }
 
     /// Why the solver stopped.

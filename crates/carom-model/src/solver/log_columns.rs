@@ -145,7 +145,7 @@ impl LogColumns {
     }
 
     /// Ten significant digits, or eight where that is too long for a column; six in narrow ones.
-    /// What rounding has left of a 0 is 0.
+    /// The rest that rounding leaves of a 0 is printed as 0.
     pub(super) fn number(&mut self, value: f64) -> String {
         if value.is_finite() {
             self.largest = self.largest.max(value.abs());

@@ -95,12 +95,12 @@ pub struct Options {
     /// Where a solve writes its proof; default none, which writes none. See
     /// [`with_proof`](Options::with_proof).
     pub proof: Option<PathBuf>,
-    /// What is done beside the search, for tests and ablations.
+    /// Parts of a solve beside the search, for tests and ablations.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub(crate) parts: SearchParts,
 }
 
-/// What a solve does beside the search, or leaves out.
+/// Parts of a solve beside the search, each done or left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default))]
@@ -241,14 +241,14 @@ impl Options {
         with_deterministic(deterministic: bool) => deterministic = deterministic;
     }
 
-    /// What a solve does beside the search.
+    /// The parts of a solve beside the search.
     #[doc(hidden)]
     #[inline]
     pub fn parts(&self) -> &SearchParts {
         &self.parts
     }
 
-    /// What a solve does beside the search, for changes.
+    /// The parts of a solve beside the search, for changes.
     #[doc(hidden)]
     #[inline]
     pub fn parts_mut(&mut self) -> &mut SearchParts {

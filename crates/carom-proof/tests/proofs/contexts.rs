@@ -1,6 +1,6 @@
 //! Splits, lemmas, and what a context leaves behind.
 
-use crate::log::{Header, broken, verdict};
+use crate::log::{Header, assert_broken, verdict};
 
 /// 2x + 2y = 3 for whole x and y.
 const PARITY: Header = Header {
@@ -16,7 +16,7 @@ const PARITY: Header = Header {
 fn a_split_of_a_column() {
     // x <= 0: 2y >= 3. x >= 1: 2y <= 1, so y <= 0, and 2x + 2y >= 3 fails.
     let log = PARITY.log("s 0 0\n x 1 0 1\n b 1 U 0 0\n x 1 0 1");
-    broken(
+    assert_broken(
         &log,
         &[
             ("s 0 0", "s 2 0", "rejected: column 2 (z) is not integral"),
@@ -53,7 +53,7 @@ fn splits_in_splits_close_together() {
 fn a_split_of_a_form() {
     // x + y <= 1 or x + y >= 2, each against 2x + 2y = 3.
     let log = PARITY.log("f 1 2 0 1 1 1\n x 2 0 1 1 -2\n x 2 0 -1 1 2");
-    broken(
+    assert_broken(
         &log,
         &[
             ("f 1 2 0 1 1 1", "f 1 2 0 1 2 1", {
@@ -80,7 +80,7 @@ fn a_split_of_a_form() {
 fn a_lemma_of_whole_numbers() {
     // x + y <= 1, because otherwise x + y >= 2. Then x + y >= 1.5 fails.
     let log = PARITY.log("m U 1 2 0 1 1 1\n x 2 0 -1 1 2\n x 2 0 1 1 -2");
-    broken(
+    assert_broken(
         &log,
         &[
             ("m U 1 2", "m U 0 2", {
@@ -104,7 +104,7 @@ fn a_lemma_of_any_numbers() {
     // 2x + 2y <= 3.5 otherwise 2x + 2y >= 3.5; not less: 3.
     let log =
         PARITY.log("m U 1.75 2 0 1 1 1\n x 2 0 -1 1 2\n s 0 0\n x 1 0 1\n b 1 U 0 1\n x 1 0 1");
-    broken(
+    assert_broken(
         &log,
         &[("m U 1.75", "m U 1.5", {
             "rejected: the combination is no contradiction: it holds with 0 to spare"

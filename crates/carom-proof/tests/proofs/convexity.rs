@@ -1,6 +1,6 @@
 //! Tangents of the objective and of cones, and the proof of convexity.
 
-use crate::log::{Header, broken, verdict};
+use crate::log::{Header, assert_broken, verdict};
 
 /// x² - 2x + y² with x in [-3, 3], y in [1, 3]: at least 0.
 const BOWL: Header = Header {
@@ -17,7 +17,7 @@ const NOT_PROVED: &str =
 #[test]
 fn a_tangent_of_the_objective() {
     let log = BOWL.log("p 0\n l 0\n t 2 0 1 1 1\n x 1 0 -1");
-    broken(
+    assert_broken(
         &log,
         &[
             ("t 2 0 1 1 1", "t 2 0 1 1 0.5", {
@@ -44,7 +44,7 @@ fn a_tangent_of_the_objective() {
 #[test]
 fn a_linear_objective_needs_no_proof_of_convexity() {
     let line = Header { squares: "", claim: "bound -6.5", ..BOWL };
-    broken(
+    assert_broken(
         &line.log("t 0\n x 1 0 -1"),
         &[("bound -6.5", "bound -6", {
             "rejected: the combination is no contradiction: it holds with 0 to spare"
@@ -62,7 +62,7 @@ fn deficits_cost_slack() {
         claim: "bound -9.5",
         ..BOWL
     };
-    broken(
+    assert_broken(
         &saddle.log("p 2 0 1 1 1\n l 0\n t 0\n x 1 0 -1"),
         &[
             ("bound -9.5", "bound -8.5", {
@@ -93,7 +93,7 @@ fn a_factor_proves_convexity() {
         claim: "bound -0.5",
         ..BOWL
     };
-    broken(
+    assert_broken(
         &square.log("p 0\n l 2 0 1 1 2\n l 2 0 1 1 2\n l 0\n t 0\n x 1 0 -1"),
         &[
             ("p 0\nl 2 0 1 1 2\nl 2 0 1 1 2\nl 0", "p 0\nl 2 0 1 1 2\nl 0", {
@@ -129,7 +129,7 @@ fn convexity_may_be_proved_again() {
     let steep = "p 2 0 -1 1 4\nl 2 0 1 1 -2\nl 0";
     let bounds = "w 0 0 2 0 L -8 0 U 8";
     let near = "p 2 0 0.0078125 1 0.0078125\nl 2 0 1 1 -1\nl 2 0 1 1 -1\nl 0";
-    broken(
+    assert_broken(
         &flat.log(&format!("{steep}\n{bounds}\n{near}\nt 0\nx 1 0 -1")),
         &[
             (
@@ -167,7 +167,7 @@ fn a_tangent_of_a_cone() {
         claim: "infeasible",
         ..Header::default()
     };
-    broken(
+    assert_broken(
         &cone.log("q 0 2 2 1 1.5\n x 1 0 1"),
         &[
             ("q 0 2 2 1 1.5", "q 0 2 2 2 1.5", {
@@ -202,7 +202,7 @@ fn a_tangent_of_a_rotated_cone() {
         claim: "infeasible",
         ..Header::default()
     };
-    broken(
+    assert_broken(
         &cone.log("q 0 6 4 2 2.875 3.875\n x 1 0 1"),
         &[
             ("q 0 6 4 2 2.875 3.875", "q 0 6 4 2 3 4", {
@@ -237,7 +237,7 @@ fn curvature_bounds_columns() {
     let elsewhere = log.replace("2 0 1 1 2 0 3", "2 0 0 1 2 1 0 1 3");
     assert_eq!(verdict(&elsewhere), "proved: objective >= 4 (5 steps)");
     let no_bound = |what: &str| format!("rejected: the curvature does not bound column {what}");
-    broken(
+    assert_broken(
         &log,
         &[
             ("0 U 3 ", "0 U 2.5 ", &no_bound("0 (x) by 2.5")),

@@ -1,6 +1,6 @@
 //! The header, the end, points, and texts that are no logs.
 
-use crate::log::{Header, broken, verdict};
+use crate::log::{Header, assert_broken, verdict};
 
 const BOX: Header = Header {
     columns: &["c 0 1 a name of words", "i 0 3 n"],
@@ -14,7 +14,7 @@ const STEPS: &str = "p 0\n l 0\n t 0\n a 2 0 0.5 1 2\n x 1 1 -1";
 
 #[test]
 fn texts_that_are_no_logs() {
-    broken(
+    assert_broken(
         &BOX.log(STEPS),
         &[
             ("carom proof 1", "carom proof 2", "unreadable: this is no log of version 1"),

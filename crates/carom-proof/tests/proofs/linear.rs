@@ -1,6 +1,6 @@
 //! Bounds from rows, combinations, contradictions.
 
-use crate::log::{Header, broken, verdict};
+use crate::log::{Header, assert_broken, verdict};
 
 /// x + 2n <= 7 and x + y >= 20 with y <= 12 contradict n >= 0.
 const SUM: Header = Header {
@@ -15,7 +15,7 @@ const SUM: Header = Header {
 #[test]
 fn a_bound_follows_from_a_row() {
     let log = SUM.log("b 0 U 7 0\n b 1 U 3 0\n b 2 L 13 1\n d 2");
-    broken(
+    assert_broken(
         &log,
         &[
             (
@@ -49,7 +49,10 @@ fn a_bound_follows_from_a_row() {
     );
     // Another order: x has no bound from `both` before y has.
     let row = SUM.log("b 0 L 8 1\n b 0 U 7 0\n d 0");
-    broken(&row, &[("b 0 L 8 1", "b 2 L -81 1", "rejected: column 0 (x) may be from 0 to 7")]);
+    assert_broken(
+        &row,
+        &[("b 0 L 8 1", "b 2 L -81 1", "rejected: column 0 (x) may be from 0 to 7")],
+    );
     let free = Header { columns: &["c 0 inf x", "i 0 9 n", "c -inf 12 y"], ..SUM };
     assert_eq!(verdict(&free.log("b 2 L 13 1")), "rejected: column 0 of the fact has no bound");
 }
@@ -84,7 +87,7 @@ fn a_bound_that_is_not_tighter_is_ignored() {
 #[test]
 fn a_combination_that_no_values_reach() {
     // x + 2n <= 7 and x + y >= 20: y - 2n >= 13, but y <= 12 and n >= 0.
-    broken(
+    assert_broken(
         &SUM.log("x 2 0 -1 1 1"),
         &[
             ("x 2 0 -1 1 1", "x 1 1 1", {
@@ -118,7 +121,7 @@ fn a_combination_that_no_values_reach() {
 
 #[test]
 fn a_combination_is_a_fact() {
-    broken(
+    assert_broken(
         &SUM.log("k 2 0 -0.5 1 0.5\n x 1 2 2"),
         &[
             ("x 1 2 2", "x 1 2 -2", "rejected: fact 2 has no upper side, for multiplier -2"),
@@ -139,7 +142,7 @@ fn nothing_is_rounded() {
         claim: "infeasible",
         ..Header::default()
     };
-    broken(
+    assert_broken(
         &tenths.log("x 1 0 -1"),
         &[("c 0.2 1 y", "c 0.19999999999999998 1 y", {
             "rejected: the combination is no contradiction: it holds with 0 to spare"

@@ -50,7 +50,7 @@ pub(crate) fn verdict(log: &str) -> String {
 /// The log is accepted as it is. With the one occurrence of `from` replaced by `to`, it is not, and
 /// the checker says why.
 #[track_caller]
-pub(crate) fn broken(log: &str, changes: &[(&str, &str, &str)]) {
+pub(crate) fn assert_broken(log: &str, changes: &[(&str, &str, &str)]) {
     let proved = verdict(log);
     assert!(proved.starts_with("proved: "), "{proved}\n{log}");
     for (from, to, reason) in changes {

@@ -1,7 +1,7 @@
 //! Columns that are whole or 0 without loss of optimality, and columns that are whole because
 //! others are.
 
-use crate::log::{Header, broken, verdict};
+use crate::log::{Header, assert_broken, verdict};
 
 /// Maximise z <= x, z <= 1 - x over a binary x: nothing is above 0 if z may be rounded up.
 const NEITHER: Header = Header {
@@ -22,7 +22,7 @@ const HELD: &str = "rejected: column 1 (z) must not be moved, or not here";
 #[test]
 fn a_column_that_may_be_rounded() {
     let log = NEITHER.log(ROUNDED);
-    broken(
+    assert_broken(
         &log,
         &[
             ("u 1 U", "u 1 L", "rejected: column 1 (z) costs more there"),
@@ -80,7 +80,7 @@ fn declarations_build_on_each_other() {
     };
     let end = "b 2 L 1 3\n b 1 L 1 1\n b 0 L 1 0\n x 1 2 -1";
     let log = CHAIN.log(&format!("u 1 U\n u 2 U\n {end}"));
-    broken(
+    assert_broken(
         &log,
         &[("claim infeasible", "claim bound 1", "rejected: column 1 (y) costs more there")],
     );
@@ -104,7 +104,7 @@ const SHIFTED: &str = "v 1 2 0 1 1 1\n b 0 U 0 0\n b 0 L 1 0\n d 0";
 fn columns_that_can_be_shifted_together() {
     let log = APART.log(SHIFTED);
     let unfit = "rejected: the steps to where column 1 is 0 are not fit";
-    broken(
+    assert_broken(
         &log,
         &[
             ("v 1 2 0 1 1 1", "v 1 2 0 1 1 2", unfit),
@@ -167,7 +167,7 @@ const EQUAL: Header = Header {
 #[test]
 fn a_column_that_is_whole_because_others_are() {
     let log = EQUAL.log("i 1\n s 0 0\n b 1 U 0 0\n d 1\n b 1 L 1 0\n d 1\n b 1 U 0 1\n x 1 1 1");
-    broken(
+    assert_broken(
         &log,
         &[
             ("i 1\n", "i 0\n", "rejected: column 1 (z) may be from 0 to 0"),

@@ -1,6 +1,6 @@
 //! Products that are 0 at every point, added to the objective.
 
-use crate::log::{Header, broken, verdict};
+use crate::log::{Header, assert_broken, verdict};
 
 /// x² - 4x + 3z with x in [0, 4], and x = 0 while z = 0: at least -1, where x = 2 and z = 1.
 ///
@@ -26,7 +26,7 @@ const STEPS: &str = "
 fn products_of_a_switched_square() {
     let other = "rejected: column 0 (x) may be other than 0 while column 1 (z) is 0";
     let no_place = "rejected: `e` must stand in context 0, before `p`";
-    broken(
+    assert_broken(
         &SWITCHED.log(STEPS),
         &[
             ("c i 0 1 z", "c c 0 1 z", "rejected: column 1 (z) is no binary"),
@@ -101,7 +101,7 @@ fn bounds_of_a_switched_column_may_need_others() {
          x 1 2 -1",
     );
     let other = "rejected: column 0 (x) may be other than 1 while column 2 (z) is 1";
-    broken(
+    assert_broken(
         &log,
         &[
             ("2 2 1 U 0 0 0 U 1 1", "2 1 1 U 0 0", other),
@@ -131,7 +131,7 @@ fn squares_of_binaries_are_linear() {
         ..SWITCHED
     };
     let log = square.log("e 1 0 0 0 0 2 0\n t 0\n x 1 0 -1");
-    broken(
+    assert_broken(
         &log,
         &[
             ("0 0 0 2 0", "0 0 0 1.5 0", {

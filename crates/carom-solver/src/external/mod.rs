@@ -106,6 +106,9 @@ impl Solver for ExternalSolver {
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
         control.refuse_lazy_constraints(self.name())?;
+        if let Some(rows) = reformulate::with_some_integers(model)? {
+            return self.solve_with(&rows, control);
+        }
         let token = StopToken::new(self.options.time_limit, control.interrupt());
         let Some(lowered) = reformulate::lower_until(model, None, &token)? else {
             return stopped(model, &self.options, &token);

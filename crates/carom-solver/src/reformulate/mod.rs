@@ -49,6 +49,7 @@ mod sos;
 pub use compare::{MethodComparison, MethodSize, compare_methods};
 pub(crate) use conic::with_slack;
 pub use relaxed::relaxed;
+pub(crate) use relaxed::with_some_integers;
 pub use report::{BigMEntry, BigMReport, BigMShare, BigMSource, Side};
 
 use crate::error::{Error, ErrorKind};
@@ -104,6 +105,10 @@ impl Lowered {
         let mut plain = self.model.clone();
         plain.take_parameters(model);
         let found = solver.solve(&plain)?;
+        if !found.relaxed().is_empty() {
+            // Statements about relaxed integers hold as rows only.
+            return Ok(found);
+        }
         let outcome = Outcome::new(
             found.termination(),
             found.point().map(|point| self.restore(point.as_slice())),
@@ -175,7 +180,8 @@ fn restore(original: usize, one_sided: &[(Variable, Function, Tie)], values: &[f
 /// The M of an indicator comes from the *current* bounds (of parameters: from their declared
 /// ranges) or, for variables without bounds, from those that rows imply. If the model pushes the
 /// variable of a function only towards its convex (or concave) side, only that side becomes rows,
-/// which need neither binaries nor bounds; [`Lowered::restore`] moves points back.
+/// which need neither binaries nor bounds; [`Lowered::restore`] moves points back. Relaxed integers
+/// become continuous.
 ///
 /// # Errors
 ///
@@ -222,6 +228,7 @@ pub(crate) fn lower_until(
         };
         lowered = tighter;
     }
+    lowered.model.make_relaxed_continuous();
     lowered.model.take_parameters(model);
     lowered.revision = model.revision();
     Ok(Some(lowered))

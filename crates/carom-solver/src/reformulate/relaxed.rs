@@ -41,3 +41,13 @@ use crate::model::Model;
 pub fn relaxed(model: &Model) -> Result<Model, Error> {
     Ok(lower(model)?.model.with_continuous_variables())
 }
+
+/// The model as rows, by which points are verified if it has [relaxed
+/// integers](Model::relax_integer); `None` if it has none.
+pub(crate) fn with_some_integers(model: &Model) -> Result<Option<Model>, Error> {
+    let is_integral = |variable| model.variable_ref(variable).is_ok_and(|v| v.kind().is_integral());
+    match model.relaxed_integers().any(is_integral) {
+        true => Ok(Some(lower(model)?.model)),
+        false => Ok(None),
+    }
+}

@@ -1,4 +1,4 @@
-//! What a cascade has spent, for the statistics of a solve.
+//! The work of a cascade so far, for the statistics of a solve.
 
 use web_time::Duration;
 

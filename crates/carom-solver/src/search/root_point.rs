@@ -178,8 +178,8 @@ impl RootPoint {
         point
     }
 
-    /// What the bounds of the columns prove alone, for a search that is over before it begins;
-    /// `None` if that is nothing.
+    /// The bound that the bounds of the columns prove alone, for a search that is over before it
+    /// begins; `None` if that is nothing.
     pub(super) fn of_bounds(
         program: &Program,
         domain: &Domain,

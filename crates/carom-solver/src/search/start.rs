@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::saved_tree::SavedTree;
 use crate::solution::Heuristic;
 
-/// The start of a search, from the user or from earlier searches, in columns of the program.
-/// Nothing of it is trusted.
+/// The start of a search, from the user or from earlier searches, in columns of the program. It
+/// is checked like any other point.
 #[derive(Debug, Clone, Default)]
 pub struct Start {
     /// Values of integral columns to complete to a point, the most certain ones first.

@@ -6,13 +6,17 @@
 //! | expressions of a system, taken at a sample | `program/sample.rs` |
 //! | starts, goals, way-points, time windows | `program/require.rs` |
 //! | the memory of the start | `program/memory.rs` |
+//! | the start as a parameter | `program/open_start.rs` |
 //! | sums over the steps, magnitudes, soft limits | `program/costs.rs` |
+//! | the first steps alone with whole integers | `program/integer_horizon.rs` |
 //! | certified plans | `program/plan.rs` |
 //! | plans that are the runs of their inputs | `program/settle.rs` |
 //! | scenes and others that own such a program | `program/owner.rs` |
 
 mod costs;
+mod integer_horizon;
 mod memory;
+mod open_start;
 mod owner;
 mod plan;
 mod require;
@@ -279,6 +283,7 @@ impl HybridProgram {
         control: &mut Control<'_>,
         solver: &mut dyn Solver,
     ) -> Result<HybridPlan, Error> {
+        self.check_is_whole()?;
         let solution = solver.solve_with(&self.model, control)?;
         self.plan_by(&solution, solver)
     }
@@ -289,6 +294,7 @@ impl HybridProgram {
         solution: &Solution,
         solver: &mut dyn Solver,
     ) -> Result<HybridPlan, Error> {
+        self.check_is_whole()?;
         HybridPlan::of(&self.systems, &*self.settled(solution, Some(solver))?)
     }
 
@@ -300,6 +306,7 @@ impl HybridProgram {
     /// Those of [`solve`](HybridProgram::solve) that do not come from the solver;
     /// [`ErrorKind::ForeignHandle`] for a solution of another model.
     pub fn plan(&self, solution: &Solution) -> Result<HybridPlan, Error> {
+        self.check_is_whole()?;
         HybridPlan::of(&self.systems, &*self.settled(solution, None)?)
     }
 

@@ -38,6 +38,8 @@ pub(crate) struct ProgramSystems {
     /// Whether the state says in which modes a step begins, as with bodies at rest, so that no mode
     /// is carried.
     pub(crate) modes_follow_states: bool,
+    /// How many first steps have whole integers, if later ones are relaxed.
+    pub(crate) integer_steps: Option<usize>,
 }
 
 impl ProgramSystems {
@@ -45,8 +47,18 @@ impl ProgramSystems {
         let steps = variables.horizon().steps();
         let (cases, implied, missions) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
         let all = vec![(String::new(), variables)];
-        let (memory, modes_follow_states) = (None, false);
-        ProgramSystems { tag, steps, all, cases, missions, implied, memory, modes_follow_states }
+        let (memory, modes_follow_states, integer_steps) = (None, false, None);
+        ProgramSystems {
+            tag,
+            steps,
+            all,
+            cases,
+            missions,
+            implied,
+            memory,
+            modes_follow_states,
+            integer_steps,
+        }
     }
 
     /// The first system's variables.

@@ -58,6 +58,9 @@ impl ProgramSystems {
         mut solver: Option<&mut dyn Solver>,
     ) -> Result<Cow<'s, Solution>, Error> {
         let Some(point) = solution.point() else { return Ok(Cow::Borrowed(solution)) };
+        if self.integer_steps.is_some() {
+            return Ok(Cow::Borrowed(solution));
+        }
         let Some((corrections, drift)) = self.corrected(model, point)? else {
             return Ok(Cow::Borrowed(solution));
         };

@@ -132,6 +132,11 @@ impl Fallback<'_> {
         Ok(Some(self.judged(present, plan, MoveSource::Given)))
     }
 
+    /// Whether the system runs as a plan says; `None` without a system.
+    pub(super) fn is_run(&mut self, present: Present<'_>, plan: LoopPlan) -> Option<bool> {
+        self.judged(present, plan, MoveSource::IntegerHorizon).is_admissible
+    }
+
     /// A plan with what a simulation says of it: whether it comes to the end, and if it does, with
     /// which states and transitions. Where it does not, the transitions are those of the plan, or
     /// stay in the modes.

@@ -63,17 +63,22 @@ impl LoopPlan {
 
     /// A plan of one input with the transitions of this plan's first step.
     pub(super) fn with_first_input(&self, input: &[f64]) -> Self {
+        LoopPlan { states: Vec::new(), inputs: vec![input.to_vec()], ..self.head(1) }
+    }
+
+    /// The first steps of the plan.
+    pub(super) fn head(&self, steps: usize) -> Self {
         let first = |all: &Named, count: usize| -> Named {
             let own = all.iter();
             own.map(|(name, own)| (name.clone(), own.iter().take(count).cloned().collect()))
                 .collect()
         };
         LoopPlan {
-            states: Vec::new(),
-            inputs: vec![input.to_vec()],
-            transitions: first(&self.transitions, 1),
-            modes: first(&self.modes, 2),
-            events: self.events.iter().take(1).copied().collect(),
+            states: self.states.iter().take(steps + 1).cloned().collect(),
+            inputs: self.inputs.iter().take(steps).cloned().collect(),
+            transitions: first(&self.transitions, steps),
+            modes: first(&self.modes, steps + 1),
+            events: self.events.iter().take(steps).copied().collect(),
         }
     }
 

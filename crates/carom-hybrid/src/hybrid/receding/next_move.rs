@@ -39,7 +39,12 @@ impl RecedingHorizon<'_> {
         let mut next = match planned {
             Planned::Found(solution, plan, excess) => {
                 self.rest = plan.clone();
-                ControlMove::planned(&solution, plan, excess)
+                let mut next = ControlMove::planned(&solution, plan, excess);
+                if !solution.relaxed().is_empty() {
+                    let present = Present { system: self.system.as_ref(), state, memory: &memory };
+                    next.is_admissible = self.fallback.is_run(present, self.rest.clone());
+                }
+                next
             }
             Planned::Nothing(solution, why) => {
                 let present = Present { system: self.system.as_ref(), state, memory: &memory };

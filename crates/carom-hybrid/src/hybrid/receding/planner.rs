@@ -221,6 +221,9 @@ impl Planned {
         }
         if let Some(systems) = systems {
             plan.choose(systems, point)?;
+            if let Some(steps) = systems.integer_steps {
+                plan = plan.head(steps);
+            }
         }
         let excess = excess.map(|excess| point.value(excess)).transpose()?;
         Ok(Planned::Found(solution, plan, excess))

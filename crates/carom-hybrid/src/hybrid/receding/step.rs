@@ -22,6 +22,10 @@ pub enum MoveSource {
     Optimal,
     /// The best plan when a limit was reached.
     BestSoFar,
+    /// The first steps of a program whose later steps are
+    /// [relaxed](crate::hybrid::HybridProgram::set_integer_horizon), simulated. It has no
+    /// objective; its bound is one on the cost of every plan.
+    IntegerHorizon,
     /// A plan, optimal or not, that exceeds softened limits.
     Softened,
     /// The rest of the last plan, simulated from the measured state where there is a system.
@@ -43,6 +47,7 @@ impl fmt::Display for MoveSource {
         f.write_str(match self {
             MoveSource::Optimal => "optimal",
             MoveSource::BestSoFar => "best so far",
+            MoveSource::IntegerHorizon => "integer horizon",
             MoveSource::Softened => "softened",
             MoveSource::LastPlan => "last plan",
             MoveSource::TerminalFeedback => "terminal feedback",
@@ -155,14 +160,16 @@ impl ControlMove {
 
     /// From a plan.
     pub(super) fn planned(solution: &Solution, plan: LoopPlan, excess: Option<f64>) -> Self {
+        let is_whole = solution.relaxed().is_empty();
         let source = match excess {
             Some(excess) if excess > SOFTENED => MoveSource::Softened,
+            _ if !is_whole => MoveSource::IntegerHorizon,
             _ if solution.is_optimal() => MoveSource::Optimal,
             _ => MoveSource::BestSoFar,
         };
         let mut next = ControlMove::of(Substitute { plan, source, is_admissible: Some(true) });
         next.excess = excess;
-        next.objective = solution.objective();
+        next.objective = solution.objective().filter(|_| is_whole);
         next.count(solution);
         next
     }

@@ -94,6 +94,25 @@ pub struct SystemVariables {
 }
 
 impl SystemVariables {
+    /// The variables that say which transitions, modes and listed values of inputs are taken from a
+    /// step on.
+    pub(crate) fn decisions_from(&self, step: usize) -> Vec<Variable> {
+        let mut families: Vec<&Family> = Vec::new();
+        for choice in &self.choices {
+            let own = [&choice.taken, &choice.modes];
+            families.extend(own.iter().flat_map(|of| of.families()).map(|(_, family)| family));
+        }
+        for (input, levels) in self.inputs.iter().zip(&self.levels) {
+            match levels {
+                None => {}
+                Some(Levels::Whole) => families.push(input),
+                Some(Levels::Even { numbers, .. }) => families.push(numbers),
+                Some(Levels::Each { chosen, .. }) => families.extend(chosen),
+            }
+        }
+        families.into_iter().flat_map(|family| family.iter().skip(step)).collect()
+    }
+
     /// The system as it is stated.
     pub fn system(&self) -> &HybridSystem {
         self.stated.as_deref().unwrap_or(&self.system)

@@ -119,7 +119,7 @@ pub(super) struct Switch {
     pub(super) own: Vec<Vec<SwitchRow>>,
 }
 
-/// What is known of the transitions of a choice at a step.
+/// The facts about the transitions of a choice at a step.
 pub(super) struct Analysis<'a> {
     pub(super) regions: &'a [Region],
     /// The values of the groups' variables, by group and transition.
@@ -135,7 +135,7 @@ pub(super) struct Analysis<'a> {
     pub(super) alone: bool,
 }
 
-/// What is known of a step in every transition of a choice.
+/// The facts about a step in every transition of a choice.
 pub(super) struct Setting<'a> {
     /// The ranges of the states and of the inputs.
     pub(super) ranges: &'a [Interval],

@@ -6,7 +6,7 @@ use super::operators::{Operator, not_taken, refused};
 use super::polynomial::Polynomial;
 use crate::error::Error;
 
-/// What expressions refer to.
+/// The columns and defined variables to which expressions refer.
 #[derive(Debug)]
 pub(super) struct Known {
     pub(super) columns: usize,

@@ -9,7 +9,7 @@ use crate::error::Error;
 #[derive(Debug)]
 pub(super) struct NlHeader {
     pub(super) name: String,
-    /// What a solver sends back as it came.
+    /// Options that a solver sends back as they came.
     pub(super) options: Vec<i64>,
     pub(super) tolerance: Option<f64>,
     pub(super) columns: usize,

@@ -40,7 +40,7 @@ impl NlRow {
     }
 }
 
-/// What suffixes say of a column: its set, and its weight in there.
+/// Suffixes of a column: its set, and its weight in there.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct NlMember {
     pub(super) set: i64,
@@ -320,7 +320,7 @@ impl<'a> Segments<'a> {
         Ok(())
     }
 
-    /// What is there at the end, and whether that is all.
+    /// The file that was read, and the place behind it; an error if a segment is missing.
     fn finished(mut self) -> Result<(NlFile, Cursor<'a>), Error> {
         let end = self.cursor.place();
         if self.known.columns > 0 && !self.has_bounds {

@@ -34,7 +34,7 @@ use crate::model::text::quadratic_rows::with_quadratic_rows;
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct SolFile {
-    /// What the solver says to people.
+    /// The message of the solver to people.
     pub message: String,
     /// The options of the first line of the NL file, which come back as they were sent.
     pub options: Vec<i64>,

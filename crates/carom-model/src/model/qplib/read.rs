@@ -45,7 +45,7 @@ pub(super) struct QplibRow<'a> {
     pub(super) name: Option<&'a str>,
 }
 
-/// What the three letters of the second line say.
+/// The kind of program, from the three letters of the second line.
 struct ProblemType {
     has_products: bool,
     variables: u8,

@@ -104,7 +104,7 @@ pub struct Postsolve {
     pub(super) own_row_count: usize,
 }
 
-/// What a column of a presolved program says of the original one: `factor x + shift`.
+/// A column of the original program by one of the presolved program: `factor x + shift`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ColumnMeaning {
     pub(crate) factor: f64,

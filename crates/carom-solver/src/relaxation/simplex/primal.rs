@@ -15,7 +15,7 @@ pub(super) struct Primal {
     reference: Vec<f64>,
 }
 
-/// What ends the way of an entering column.
+/// The limit at which the way of an entering column ends.
 struct BlockingSide {
     slot: usize,
     step: f64,

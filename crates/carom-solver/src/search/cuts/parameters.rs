@@ -53,7 +53,7 @@ pub(super) struct CutParameters {
     pub(super) aggregate_entries: usize,
     /// Most entries of a row of a tableau that is rounded.
     pub(super) tableau_entries: usize,
-    /// What is left of terms that cancel, relative to their magnitudes.
+    /// The rest of terms that cancel, relative to their magnitudes.
     pub(super) cancelled: f64,
     /// Most rows from which aggregates are started.
     pub(super) start_rows: usize,

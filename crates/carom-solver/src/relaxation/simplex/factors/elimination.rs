@@ -167,7 +167,7 @@ impl Triangles {
     }
 }
 
-/// What is left of a basis, and what elimination makes of it.
+/// The rest of a basis, and the factors that elimination makes of it.
 struct Nucleus {
     /// By column of the nucleus: its number in the basis, its entries in rows that have pivots, and
     /// in those that have none.

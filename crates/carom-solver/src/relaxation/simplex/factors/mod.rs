@@ -22,7 +22,7 @@ use reach::{GONE, ReachSearch, TriangularFactor};
 /// The share of the past in what is expected of the next solve.
 const MEMORY: f64 = 0.9;
 
-/// What a solve is for: solves for the same purpose have results of similar density.
+/// The purpose of a solve: solves for the same purpose have results of similar density.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum SolveFor {
     /// A column in the basis.

@@ -28,7 +28,7 @@ pub(super) struct ReachSearch {
 /// Half of a factorisation, by the rows of the pivots.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TriangularFactor<'a> {
-    /// What is subtracted from other places once a place is known.
+    /// The multiples that are subtracted from other places once a place is known.
     pub(super) lists: &'a Lists,
     /// By row, the inverse of the pivot; `None` if all pivots are 1.
     pub(super) inverse: Option<&'a [f64]>,

@@ -1,0 +1,279 @@
+//! The arrays of a look-up, and what is rounded in them.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+
+use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupTable};
+
+use crate::build::{Partition, PartitionCell};
+use crate::form::ParametricForm;
+use crate::relaxed::CornerRelaxation;
+
+/// The arrays of a look-up in `f64` or `f32`, as they are written for devices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LookupArrays<T> {
+    pub(crate) lower: Vec<T>,
+    pub(crate) upper: Vec<T>,
+    pub(crate) scale: Vec<T>,
+    pub(crate) roots: Vec<u32>,
+    pub(crate) nodes: Vec<LookupNode>,
+    pub(crate) leaves: Vec<LookupLeaf<T>>,
+    pub(crate) laws: Vec<u32>,
+    pub(crate) values: Vec<T>,
+    pub(crate) inputs: usize,
+    pub(crate) depth: u32,
+    pub(crate) remarks: Vec<String>,
+    pub(crate) state_rounding: Vec<f64>,
+    pub(crate) input_rounding: f64,
+    /// The largest sum of magnitudes behind an input, and its number of terms and two more.
+    largest: [f64; 2],
+}
+
+/// An input of a law, as an affine expression of the columns of a plan.
+#[derive(Debug, Clone)]
+pub(crate) struct LawOutput {
+    pub(crate) offset: f64,
+    pub(crate) terms: Vec<(usize, f64)>,
+}
+
+impl LawOutput {
+    /// Its value, without a zero of its own sign.
+    fn value(&self, x: &[f64]) -> f64 {
+        let sum = self.terms.iter().fold(self.offset, |sum, &(j, a)| sum + a * x[j]);
+        sum + 0.0
+    }
+
+    /// The sum of the magnitudes of its terms.
+    fn size(&self, x: &[f64]) -> f64 {
+        self.terms.iter().fold(self.offset.abs(), |sum, &(j, a)| sum + (a * x[j]).abs())
+    }
+
+    pub(crate) fn text(&self, form: &ParametricForm) -> String {
+        match self.terms[..] {
+            [(j, 1.0)] if self.offset == 0.0 => form.names[j].clone(),
+            _ => {
+                let terms = self.terms.iter().map(|&(j, a)| format!("{a} {}", form.names[j]));
+                let terms = terms.chain((self.offset != 0.0).then(|| self.offset.to_string()));
+                terms.collect::<Vec<_>>().join(" + ")
+            }
+        }
+    }
+}
+
+/// Numbers things that are the same alike.
+struct Numbered<K> {
+    known: HashMap<K, u32>,
+}
+
+impl<K: Hash + Eq> Numbered<K> {
+    /// The number of a thing, and whether it is new.
+    fn number(&mut self, thing: K) -> (u32, bool) {
+        let next = self.known.len() as u32;
+        let number = *self.known.entry(thing).or_insert(next);
+        (number, number == next)
+    }
+}
+
+/// The relative error of an operation.
+const DOUBLE_UNIT: f64 = f64::EPSILON / 2.0;
+const SINGLE_UNIT: f64 = f32::EPSILON as f64 / 2.0;
+
+/// By how much the state of a look-up may differ from the one that was asked for, in units of the
+/// box: rounding to whole units, four roundings of numbers up to all units, and what the lower end
+/// and the scale of the device are off.
+fn units_off(ends: [f64; 2], device: [f64; 3], units: f64, rounding: f64) -> f64 {
+    let [lower, upper] = ends;
+    let [own_lower, own_upper, own_scale] = device;
+    let exact = |x: f64| (x - lower) * (units / (upper - lower));
+    let off = |x: f64| ((x - own_lower) * own_scale - exact(x)).abs();
+    let ends = off(own_lower.min(lower)).max(off(own_upper.max(upper)));
+    0.5 + 4.0 * rounding * (1.0 + units) * (1.0 + 1e-6) + ends * (1.0 + 1e-6) + 1e-6
+}
+
+impl LookupArrays<f64> {
+    pub(crate) fn new(form: &ParametricForm, partition: &Partition, outputs: &[LawOutput]) -> Self {
+        let side = |of: &[f64]| form.axes.iter().map(|&j| of[j]).collect::<Vec<f64>>();
+        let (lower, upper) = (side(&form.lower), side(&form.upper));
+        let widths = upper.iter().zip(&lower);
+        let mut arrays = LookupArrays {
+            scale: widths.map(|(u, l)| f64::from(f64::UNITS) / (u - l)).collect(),
+            lower,
+            upper,
+            roots: Vec::new(),
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            laws: Vec::new(),
+            values: Vec::new(),
+            inputs: outputs.len(),
+            depth: partition.depth as u32,
+            remarks: Vec::new(),
+            state_rounding: Vec::new(),
+            input_rounding: 0.0,
+            largest: [0.0; 2],
+        };
+        let mut values = Numbered { known: HashMap::new() };
+        let mut laws = Numbered { known: HashMap::new() };
+        let mut leaves = Numbered { known: HashMap::new() };
+        let mut codes = Vec::with_capacity(partition.cells.len());
+        let mut cuts = 0;
+        for cell in &partition.cells {
+            let leaf = match cell {
+                PartitionCell::Cut { .. } => {
+                    codes.push(cuts);
+                    cuts += 1;
+                    continue;
+                }
+                PartitionCell::Open => LookupLeaf::Open,
+                PartitionCell::NoPlan(_) => LookupLeaf::NoPlan,
+                PartitionCell::Plan(law) => {
+                    let mut corners = Vec::with_capacity(law.plans.len());
+                    for plan in &law.plans {
+                        let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
+                        let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
+                        let bits: Vec<u64> = own.iter().map(|value| value.to_bits()).collect();
+                        let (number, is_new) = values.number(bits);
+                        if is_new {
+                            arrays.values.extend(own);
+                        }
+                        // Also of those with the same sum of other terms.
+                        outputs.iter().for_each(|output| arrays.measure(output, x));
+                        corners.push(number);
+                    }
+                    let (number, is_new) = laws.number(corners.clone());
+                    if is_new {
+                        arrays.laws.append(&mut corners);
+                    }
+                    LookupLeaf::Plan { law: number, loss: law.loss }
+                }
+            };
+            let key = match leaf {
+                LookupLeaf::Plan { law, loss } => (law, loss.to_bits()),
+                LookupLeaf::NoPlan => (u32::MAX, 0),
+                LookupLeaf::Open => (u32::MAX, 1),
+            };
+            let (number, is_new) = leaves.number(key);
+            if is_new {
+                arrays.leaves.push(leaf);
+            }
+            codes.push(number | LookupTable::<f64>::LEAF);
+        }
+        for cell in &partition.cells {
+            if let PartitionCell::Cut { edge, next } = cell {
+                let edge = edge.map(|corner| corner as u8);
+                arrays.nodes.push(LookupNode { edge, next: next.map(|number| codes[number]) });
+            }
+        }
+        arrays.roots = codes[..partition.orders].to_vec();
+        let ends = arrays.lower.iter().zip(&arrays.upper).zip(&arrays.scale);
+        let off = ends.map(|((&l, &u), &scale)| {
+            let units = f64::from(f64::UNITS);
+            units_off([l, u], [l, u, scale], units, DOUBLE_UNIT) * (u - l) / units
+        });
+        arrays.state_rounding = off.collect();
+        arrays.input_rounding = arrays.largest_sum_error(DOUBLE_UNIT);
+        arrays
+    }
+
+    /// The same in 32 bits.
+    pub(crate) fn single(&self) -> LookupArrays<f32> {
+        let narrow = |of: &[f64]| of.iter().map(|&value| value as f32).collect::<Vec<f32>>();
+        let loss_above = |loss: f64| {
+            let near = loss as f32;
+            if f64::from(near) < loss { near.next_up() } else { near }
+        };
+        let leaf = |leaf: &LookupLeaf<f64>| match *leaf {
+            LookupLeaf::Plan { law, loss } => LookupLeaf::Plan { law, loss: loss_above(loss) },
+            LookupLeaf::NoPlan => LookupLeaf::NoPlan,
+            LookupLeaf::Open => LookupLeaf::Open,
+        };
+        let (lower, upper) = (narrow(&self.lower), narrow(&self.upper));
+        let units = f64::from(f32::UNITS);
+        let widths = self.upper.iter().zip(&self.lower);
+        let scale: Vec<f32> = widths.map(|(u, l)| (units / (u - l)) as f32).collect();
+        let off = (0..lower.len()).map(|a| {
+            let ends = [self.lower[a], self.upper[a]];
+            let device = [lower[a], upper[a], scale[a]].map(f64::from);
+            units_off(ends, device, units, SINGLE_UNIT) * (ends[1] - ends[0]) / units
+        });
+        LookupArrays {
+            state_rounding: off.collect(),
+            input_rounding: self.largest_sum_error(SINGLE_UNIT),
+            lower,
+            upper,
+            scale,
+            roots: self.roots.clone(),
+            nodes: self.nodes.clone(),
+            leaves: self.leaves.iter().map(leaf).collect(),
+            laws: self.laws.clone(),
+            values: narrow(&self.values),
+            inputs: self.inputs,
+            depth: self.depth,
+            remarks: self.remarks.clone(),
+            largest: self.largest,
+        }
+    }
+
+    /// Counts an input among the largest ones.
+    fn measure(&mut self, output: &LawOutput, x: &[f64]) {
+        let [size, terms] = &mut self.largest;
+        *size = size.max(output.size(x));
+        *terms = terms.max(output.terms.len() as f64 + 2.0);
+    }
+
+    /// The most by which an input may be off: where it is computed from a plan, where it is stored,
+    /// in the product with each weight, and in each sum.
+    fn largest_sum_error(&self, rounding: f64) -> f64 {
+        let [size, terms] = self.largest;
+        let corners = self.lower.len() as f64 + 1.0;
+        ((corners + 3.0) * rounding + terms * DOUBLE_UNIT) * size * (1.0 + 1e-9)
+    }
+}
+
+impl<T> LookupArrays<T> {
+    /// The look-up.
+    #[must_use]
+    pub fn view(&self) -> LookupTable<'_, T> {
+        LookupTable {
+            lower: &self.lower,
+            upper: &self.upper,
+            scale: &self.scale,
+            roots: &self.roots,
+            nodes: &self.nodes,
+            leaves: &self.leaves,
+            laws: &self.laws,
+            values: &self.values,
+            inputs: self.inputs,
+            depth: self.depth,
+        }
+    }
+
+    /// The number of inputs that a look-up writes.
+    #[must_use]
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    /// By how much the state of a look-up may differ from the one that was asked for, an entry an
+    /// axis, in its unit: the law is that of a state so near.
+    #[must_use]
+    pub fn state_rounding(&self) -> &[f64] {
+        &self.state_rounding
+    }
+
+    /// By how much inputs may differ from those of the plan, in the unit of the largest one.
+    #[must_use]
+    pub fn input_rounding(&self) -> f64 {
+        self.input_rounding
+    }
+
+    /// The memory that the arrays take as Rust constants, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let numbers = [&self.lower, &self.upper, &self.scale, &self.values];
+        let whole = [&self.roots, &self.laws];
+        numbers.map(|of| size_of_val(&of[..])).iter().sum::<usize>()
+            + whole.map(|of| size_of_val(&of[..])).iter().sum::<usize>()
+            + size_of_val(&self.nodes[..])
+            + size_of_val(&self.leaves[..])
+    }
+}

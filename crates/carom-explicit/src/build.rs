@@ -1,0 +1,317 @@
+//! The partition: cells wait in a queue, and each becomes a leaf or is cut through its longest
+//! edge.
+
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use carom_model::internals::solver::StopToken;
+
+use crate::bounds::{self, Coefficients};
+use crate::corner::{Corner, CornerOptimum, Workshop};
+use crate::proof_of_cell::{CellClaim, CellProof, NoProof, square};
+use crate::relaxed::CornerRelaxation;
+use crate::simplex_cell::{BOX_UNITS, kuhn, midpoint, orders, squared_length};
+
+/// When a cell is finished.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BuildGoal {
+    pub(crate) absolute: f64,
+    pub(crate) relative: f64,
+    /// The length of an edge, as a share of the side of the box, below which cells are not cut.
+    pub(crate) finest: f64,
+    /// The most leaves.
+    pub(crate) cells: usize,
+}
+
+impl BuildGoal {
+    /// The loss that is allowed over a cell, from the coefficients of its cost: with the least cost
+    /// f over the cell, at most `absolute + relative |f|`.
+    fn loss(&self, cost: &Coefficients) -> f64 {
+        let least = cost.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = cost.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let BuildGoal { absolute, relative, .. } = *self;
+        // The optimum is at least the cost less the loss, and at most the cost.
+        let positive = (absolute + relative * least) / (1.0 + relative);
+        absolute.max(positive).max(absolute - relative * most)
+    }
+}
+
+/// A room that a claimed loss leaves for the rounding of the sums, relative to the cost.
+const LOSS_ROUNDING: f64 = 1e-9;
+
+/// The most integers that are tried before a cell is cut.
+const MOST_LAWS_TRIED: usize = 3;
+
+/// The most integers that a half takes over from the whole.
+const MOST_INHERITED: usize = 8;
+
+/// A law: the plans of the corners, with the same integers.
+#[derive(Debug)]
+pub(crate) struct CellLaw {
+    pub(crate) plans: Vec<Rc<CornerRelaxation>>,
+    /// The most that it loses; infinite without a proof.
+    pub(crate) loss: f64,
+    /// The most that it may lose.
+    pub(crate) allowed: f64,
+    /// No steps without a proof.
+    pub(crate) proof: CellProof,
+}
+
+/// A cell of the finished partition.
+#[derive(Debug)]
+pub(crate) enum PartitionCell {
+    Cut { edge: [usize; 2], next: [usize; 2] },
+    Plan(CellLaw),
+    NoPlan(CellProof),
+    Open,
+}
+
+/// A cell in the queue.
+struct WaitingCell {
+    corners: Vec<Rc<Corner>>,
+    /// Integers that were good for the whole.
+    tried: Vec<usize>,
+    number: usize,
+}
+
+/// The edge that is cut, and the corners of the halves.
+type CutCell = ([usize; 2], [Vec<Rc<Corner>>; 2]);
+
+/// A law that is not proved yet.
+struct Trial {
+    number: usize,
+    plans: Vec<Rc<CornerRelaxation>>,
+    cost: Coefficients,
+    sum: f64,
+}
+
+impl Trial {
+    fn slack(&self) -> f64 {
+        let largest = self.cost.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        LOSS_ROUNDING * (1.0 + largest)
+    }
+
+    /// The loss that a proof may have, so that there is room for rounding.
+    fn allowed(&self, goal: BuildGoal) -> f64 {
+        goal.loss(&self.cost) - self.slack()
+    }
+
+    /// Whether another law costs less at a corner by more than a loss that is allowed.
+    fn is_dearer(&self, other: &Trial, goal: BuildGoal) -> bool {
+        let allowed = self.allowed(goal);
+        let corner = |v: usize| self.cost[square(v)] - other.cost[square(v)] > allowed;
+        (0..self.plans.len()).any(corner)
+    }
+
+    fn law(self, proof: CellProof, goal: BuildGoal) -> PartitionCell {
+        let (loss, allowed) = (proof.loss.max(0.0) + self.slack(), goal.loss(&self.cost));
+        PartitionCell::Plan(CellLaw { plans: self.plans, loss, allowed, proof })
+    }
+}
+
+/// The partition as a tree; the first cells are those of the orders of the axes.
+#[derive(Debug)]
+pub(crate) struct Partition {
+    pub(crate) cells: Vec<PartitionCell>,
+    pub(crate) orders: usize,
+    /// The largest number of cuts on a way to a leaf.
+    pub(crate) depth: usize,
+}
+
+/// Builds the partition. `progress` is told the number of leaves and the share of the set that they
+/// are.
+pub(crate) fn partition(
+    shop: &mut Workshop,
+    goal: BuildGoal,
+    token: &StopToken,
+    progress: &mut dyn FnMut(usize, f64),
+) -> Partition {
+    let mut queue = VecDeque::new();
+    let mut cells = Vec::new();
+    let mut depths = Vec::new();
+    let mut shares = Vec::new();
+    let orders = orders(shop.form.axes.len());
+    for order in &orders {
+        let corners = kuhn(order).into_iter().map(|units| shop.corner(units)).collect();
+        queue.push_back(WaitingCell { corners, tried: Vec::new(), number: cells.len() });
+        cells.push(PartitionCell::Open);
+        depths.push(0);
+        shares.push(1.0 / orders.len() as f64);
+    }
+    let (mut leaves, mut done, mut depth) = (0, 0.0, 0);
+    while let Some(cell) = queue.pop_front() {
+        let number = cell.number;
+        let room = leaves + queue.len() + 2 <= goal.cells && !token.is_over();
+        let (decided, tried) = shop.decide(&cell, goal, room, token);
+        if let Some(decided) = decided {
+            cells[number] = decided;
+            (leaves, done) = (leaves + 1, done + shares[number]);
+            progress(leaves, done);
+            if leaves % 1024 == 0 {
+                shop.sweep();
+            }
+            continue;
+        }
+        let Some((edge, halves)) = shop.halves(&cell) else {
+            leaves += 1;
+            continue;
+        };
+        let next = [cells.len(), cells.len() + 1];
+        for (corners, number) in halves.into_iter().zip(next) {
+            queue.push_back(WaitingCell { corners, tried: tried.clone(), number });
+            cells.push(PartitionCell::Open);
+            depths.push(depths[cell.number] + 1);
+            shares.push(0.5 * shares[cell.number]);
+        }
+        depth = depth.max(depths[cell.number] + 1);
+        cells[number] = PartitionCell::Cut { edge, next };
+    }
+    Partition { cells, orders: orders.len(), depth }
+}
+
+impl Workshop {
+    /// Decides a cell: it becomes a leaf, or, if the first is `None`, is cut. Then the second has
+    /// integers to try in its halves.
+    fn decide(
+        &mut self,
+        cell: &WaitingCell,
+        goal: BuildGoal,
+        room: bool,
+        token: &StopToken,
+    ) -> (Option<PartitionCell>, Vec<usize>) {
+        let corners = &cell.corners;
+        if token.is_over() {
+            return (Some(PartitionCell::Open), Vec::new());
+        }
+        let mut waiting = cell.tried.clone();
+        let (mut seen, mut trials, mut failed) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut has_optima, mut proofs) = (false, 0);
+        // The best integers of corners come first for the halves.
+        let mut good = Vec::new();
+        loop {
+            for number in std::mem::take(&mut waiting) {
+                if !seen.contains(&number) {
+                    seen.push(number);
+                    trials.extend(self.trial(corners, number));
+                }
+            }
+            // The cheapest one is last.
+            trials.sort_by(|a: &Trial, b: &Trial| b.sum.total_cmp(&a.sum));
+            let next = if proofs < MOST_LAWS_TRIED { trials.pop() } else { None };
+            if let Some(trial) = next {
+                // Where another law is cheaper by more at a corner, there is no proof.
+                let mut others = trials.iter().chain(&failed);
+                if others.any(|other| trial.is_dearer(other, goal)) {
+                    failed.push(trial);
+                    continue;
+                }
+                proofs += 1;
+                match self
+                    .prove(corners, CellClaim::Loss(&trial.cost, trial.allowed(goal), trial.number))
+                {
+                    Ok(proof) => return (Some(trial.law(proof, goal)), Vec::new()),
+                    Err(NoProof { better }) => waiting.extend(better),
+                }
+                failed.push(trial);
+                continue;
+            }
+            if has_optima || proofs >= MOST_LAWS_TRIED {
+                break;
+            }
+            has_optima = true;
+            let optima = corners.iter().map(|corner| self.optimum(corner));
+            let optima: Vec<CornerOptimum> = optima.collect();
+            if optima.iter().all(|optimum| *optimum == CornerOptimum::NoPlan) {
+                match self.prove(corners, CellClaim::NoPlan) {
+                    Ok(proof) => return (Some(PartitionCell::NoPlan(proof)), Vec::new()),
+                    Err(_) => break,
+                }
+            }
+            let best = |optimum: &CornerOptimum| match optimum {
+                CornerOptimum::Best(number) => Some(*number),
+                _ => None,
+            };
+            waiting.extend(optima.iter().filter_map(best));
+            good = waiting.clone();
+            if optima.contains(&CornerOptimum::NoPlan) {
+                // No law holds at a corner without a plan, and some may in a half.
+                break;
+            }
+        }
+        if room && self.can_be_cut(cell, goal) {
+            failed.append(&mut trials);
+            failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+            good.extend(failed.iter().map(|trial| trial.number));
+            good.extend(seen);
+            let mut known = Vec::new();
+            good.retain(|number| {
+                !known.contains(number) && {
+                    known.push(*number);
+                    true
+                }
+            });
+            good.truncate(MOST_INHERITED);
+            return (None, good);
+        }
+        failed.append(&mut trials);
+        let Some(trial) = failed.into_iter().min_by(|a, b| a.sum.total_cmp(&b.sum)) else {
+            return (Some(PartitionCell::Open), Vec::new());
+        };
+        let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
+        let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
+        let proof = self.prove(corners, claim).unwrap_or(none);
+        (Some(trial.law(proof, goal)), Vec::new())
+    }
+
+    /// The law of these integers, if it holds at all corners.
+    fn trial(&mut self, corners: &[Rc<Corner>], number: usize) -> Option<Trial> {
+        let mut plans = Vec::with_capacity(corners.len());
+        let mut sum = 0.0;
+        for corner in corners {
+            let plan = self.relaxed(corner, number);
+            let CornerRelaxation::Solved { cost, .. } = &*plan else { return None };
+            sum += cost;
+            plans.push(plan);
+        }
+        let point = |plan: &Rc<CornerRelaxation>| match &**plan {
+            CornerRelaxation::Solved { x, .. } => x.clone(),
+            _ => Vec::new(),
+        };
+        let points: Vec<Vec<f64>> = plans.iter().map(point).collect();
+        let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+        let cost = bounds::cost(&self.form, &points);
+        Some(Trial { number, plans, cost, sum })
+    }
+
+    fn can_be_cut(&self, cell: &WaitingCell, goal: BuildGoal) -> bool {
+        let longest = longest_edge(&cell.corners).1;
+        (longest as f64).sqrt() / BOX_UNITS as f64 > goal.finest
+    }
+
+    /// The edge that is cut, and the corners of the halves.
+    fn halves(&mut self, cell: &WaitingCell) -> Option<CutCell> {
+        let [i, j] = longest_edge(&cell.corners).0;
+        let middle = midpoint(&cell.corners[i].units, &cell.corners[j].units)?;
+        let middle = self.corner(middle);
+        let with = |k: usize| {
+            let mut corners = cell.corners.clone();
+            corners[k] = Rc::clone(&middle);
+            corners
+        };
+        Some(([i, j], [with(j), with(i)]))
+    }
+}
+
+/// The longest edge, the first one if there are several, and the square of its length.
+fn longest_edge(corners: &[Rc<Corner>]) -> ([usize; 2], i128) {
+    let mut longest = ([0, 1], -1);
+    for i in 0..corners.len() {
+        for j in i + 1..corners.len() {
+            let length = squared_length(&corners[i].units, &corners[j].units);
+            if length > longest.1 {
+                longest = ([i, j], length);
+            }
+        }
+    }
+    longest
+}

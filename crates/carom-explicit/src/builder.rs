@@ -1,0 +1,280 @@
+//! A table that is asked for: its program, its limits, and its build.
+
+use std::fmt;
+
+use carom_model::Error;
+#[cfg(doc)]
+use carom_model::ErrorKind;
+use carom_model::internals::solver::StopToken;
+use carom_model::model::{Affine, Model, Variable};
+use carom_model::solver::Interrupt;
+use carom_solver::reformulate;
+use web_time::{Duration, Instant};
+
+use crate::arrays::{LawOutput, LookupArrays};
+use crate::build::{BuildGoal, Partition, PartitionCell, partition};
+use crate::corner::Workshop;
+use crate::form::{ParametricForm, refused};
+use crate::relaxed::CornerRelaxer;
+use crate::table::{ExplicitTable, TableReport};
+
+/// How far a build has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct TableProgress {
+    /// The cells that are finished.
+    pub cells: usize,
+    /// The share of the set that they are, from 0 to 1.
+    pub share: f64,
+    /// The time since the build began.
+    pub elapsed: Duration,
+}
+
+type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
+
+/// A model of which a table of laws is to be built: some of its parameters range over a box.
+///
+/// ```
+/// use carom::explicit::{LookupAnswer, ExplicitProgram};
+/// use carom::prelude::*;
+///
+/// // Move x to 0 by a step of at least 1, or not at all.
+/// let mut model = Model::new("step");
+/// let x = model.parameter("x", 0.0, -3.0, 3.0)?;
+/// let u = model.continuous("u", -2.0, 2.0)?;
+/// let up = model.binary("up")?;
+/// let down = model.binary("down")?;
+/// model.add("least_up", u.ge(1.0 * up - 2.0 * down))?;
+/// model.add("least_down", u.le(2.0 * up - 1.0 * down))?;
+/// model.add("one", (up + down).le(1.0))?;
+/// let rest = model.continuous("rest", -9.0, 9.0)?;
+/// model.add("move", rest.equals(x + u))?;
+/// model.minimize(rest.square() + 0.1 * (up + down))?;
+///
+/// let table = ExplicitProgram::new(&model, [x], [u])?.with_loss(0.05, 0.0)?.build();
+/// let (answer, input) = table.evaluate(&[2.0]);
+/// assert!(matches!(answer, LookupAnswer::Plan { loss } if loss <= 0.05));
+/// assert!((input[0] + 2.0).abs() < 0.3);
+/// assert_eq!(table.evaluate(&[4.0]).0, LookupAnswer::Outside);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[must_use]
+pub struct ExplicitProgram<'a> {
+    form: ParametricForm,
+    outputs: Vec<LawOutput>,
+    goal: BuildGoal,
+    time_limit: Option<Duration>,
+    interrupt: Interrupt,
+    watch: Option<Watch<'a>>,
+}
+
+impl fmt::Debug for ExplicitProgram<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ExplicitProgram").field("goal", &self.goal).finish_non_exhaustive()
+    }
+}
+
+impl<'a> ExplicitProgram<'a> {
+    /// A table of a model for all values of some parameters.
+    ///
+    /// # Arguments
+    ///
+    /// * `axes`: the parameters that range over the box of their declared ranges, at most six.
+    ///   Other parameters have their current values.
+    /// * `outputs`: what a look-up returns, such as the first inputs of a plan: variables or affine
+    ///   expressions, without axes.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::NotParameter`] for an axis that is none; [`ErrorKind::OutOfRange`] for no axes
+    /// or too many, and for no outputs; [`ErrorKind::Unsupported`] for norms, for costs that are
+    /// not convex at fixed values of the axes, and for variables without bounds; the errors of
+    /// [`reformulate::lower`].
+    pub fn new(
+        model: &Model,
+        axes: impl IntoIterator<Item = Variable>,
+        outputs: impl IntoIterator<Item = impl Into<Affine>>,
+    ) -> Result<Self, Error> {
+        let axes: Vec<Variable> = axes.into_iter().collect();
+        let lowered = reformulate::lower(model)?;
+        let form = ParametricForm::of(lowered.model(), &axes)?;
+        let mut columns = Vec::new();
+        for output in outputs {
+            let output: Affine = output.into();
+            let mut own = LawOutput { offset: output.offset(), terms: Vec::new() };
+            for (variable, a) in output.terms() {
+                let name = model.variable_ref(variable)?.name();
+                if form.is_axis[variable.index()] {
+                    let what = format!("the axis `{name}` in an output");
+                    return Err(refused(what, "add it to the inputs behind the look-up"));
+                }
+                own.terms.push((variable.index(), a));
+            }
+            columns.push(own);
+        }
+        if columns.is_empty() {
+            return Err(Error::out_of_range("the number of outputs of a table", 0.0, 1.0..));
+        }
+        let goal =
+            BuildGoal { absolute: 1e-3, relative: 1e-2, finest: 1.0 / 256.0, cells: 1_000_000 };
+        let interrupt = Interrupt::new();
+        Ok(ExplicitProgram {
+            form,
+            outputs: columns,
+            goal,
+            time_limit: None,
+            interrupt,
+            watch: None,
+        })
+    }
+
+    /// How much a law may lose, ε: at most `absolute + relative |f|`, where f is the least cost
+    /// from a state. The default is 0.001 and 0.01.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::OutOfRange`] for negative or infinite numbers, and if both are 0.
+    pub fn with_loss(mut self, absolute: f64, relative: f64) -> Result<Self, Error> {
+        let is_one = |value: f64| value.is_finite() && value >= 0.0;
+        if !is_one(absolute) || !is_one(relative) || absolute + relative == 0.0 {
+            let value = if is_one(absolute) { relative } else { absolute };
+            let range = "finite, not negative, and not 0 both absolutely and relatively";
+            return Err(Error::out_of_range_in_words("the loss of a table", value, 0.0.., range));
+        }
+        (self.goal.absolute, self.goal.relative) = (absolute, relative);
+        Ok(self)
+    }
+
+    /// The length of the longest edge of a cell, as a share of the side of the box, below which it
+    /// is not cut. Cells across the border of what has a plan are cut as far as that. The default
+    /// is 1/256.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::OutOfRange`] for numbers that are not between 1e-6 and 1.
+    pub fn with_finest(mut self, share: f64) -> Result<Self, Error> {
+        if !(1e-6..=1.0).contains(&share) {
+            return Err(Error::out_of_range("the finest edge of a table", share, 1e-6..=1.0));
+        }
+        self.goal.finest = share;
+        Ok(self)
+    }
+
+    /// The most cells. When there are as many, cells that would be cut become leaves with whatever
+    /// is proved of them. The default is a million.
+    pub fn with_cell_limit(mut self, cells: usize) -> Self {
+        // Numbers of cells have 31 bits.
+        self.goal.cells = cells.min(1 << 30);
+        self
+    }
+
+    /// The time after which the rest of the set is left open. There is no limit by default.
+    pub fn with_time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// A handle that ends the build; what is not decided then is left open.
+    pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
+        self.interrupt = interrupt.clone();
+        self
+    }
+
+    /// Calls a function after each cell.
+    pub fn with_progress(mut self, watch: impl FnMut(&TableProgress) + 'a) -> Self {
+        self.watch = Some(Box::new(watch));
+        self
+    }
+
+    /// Builds the table.
+    ///
+    /// A limit is no error: [`TableReport`] says which share of the set is proved, and the look-up
+    /// answers [`LookupAnswer::Open`](crate::LookupAnswer::Open) for states that are not decided.
+    #[must_use]
+    pub fn build(self) -> ExplicitTable {
+        let ExplicitProgram { form, outputs, goal, time_limit, interrupt, watch } = self;
+        let began = Instant::now();
+        let token = StopToken::new(time_limit, &interrupt);
+        let relaxer = CornerRelaxer::new(&form, token.clone());
+        let mut shop = Workshop::new(form, relaxer);
+        let mut watch = watch;
+        let mut tell = |cells: usize, share: f64| {
+            if let Some(watch) = &mut watch {
+                watch(&TableProgress { cells, share, elapsed: began.elapsed() });
+            }
+        };
+        let partition = partition(&mut shop, goal, &token, &mut tell);
+        let mut arrays = LookupArrays::new(&shop.form, &partition, &outputs);
+        let mut report = report(&partition);
+        report.laws = arrays.laws.len() / (arrays.lower.len() + 1);
+        (report.relaxations, report.duration) = (shop.solved, began.elapsed());
+        let goal = [goal.absolute, goal.relative];
+        arrays.remarks = remarks(&shop.form, &report, goal, &outputs);
+        ExplicitTable { form: shop.form, partition, outputs, goal, report, arrays }
+    }
+}
+
+/// Lines that the sources of a table say of it.
+fn remarks(
+    form: &ParametricForm,
+    report: &TableReport,
+    [absolute, relative]: [f64; 2],
+    outputs: &[LawOutput],
+) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for &j in &form.axes {
+        let (name, lower, upper) = (&form.names[j], form.lower[j], form.upper[j]);
+        remarks.push(format!("state `{name}` from {lower} to {upper}"));
+    }
+    for output in outputs {
+        remarks.push(format!("input `{}`", output.text(form)));
+    }
+    let TableReport { cells, laws, .. } = report;
+    remarks.push(format!("{cells} cells, {laws} laws"));
+    remarks.push(format!("loss at most {absolute} + {relative} |least cost|"));
+    let percent = |share: f64| 100.0 * share;
+    remarks.push(format!(
+        "of the set, in percent: {:.3} within that loss, {:.3} with a larger one, {:.3} without a \
+         plan, {:.3} open",
+        percent(report.proved),
+        percent(report.unproved),
+        percent(report.refuted),
+        percent(report.open)
+    ));
+    remarks
+}
+
+/// The proved shares of a partition; laws, relaxations and time are left out.
+fn report(partition: &Partition) -> TableReport {
+    let mut report = TableReport {
+        cells: 0,
+        laws: 0,
+        depth: partition.depth,
+        proved: 0.0,
+        unproved: 0.0,
+        refuted: 0.0,
+        open: 0.0,
+        loss: 0.0,
+        relaxations: 0,
+        duration: Duration::ZERO,
+    };
+    let mut shares = vec![1.0 / partition.orders as f64; partition.cells.len()];
+    for (number, cell) in partition.cells.iter().enumerate() {
+        let share = shares[number];
+        match cell {
+            PartitionCell::Cut { next, .. } => {
+                next.iter().for_each(|&half| shares[half] = 0.5 * share);
+                continue;
+            }
+            PartitionCell::Plan(law) if law.loss <= law.allowed => {
+                report.proved += share;
+                report.loss = report.loss.max(law.loss);
+            }
+            PartitionCell::Plan(_) => report.unproved += share,
+            PartitionCell::NoPlan(_) => report.refuted += share,
+            PartitionCell::Open => report.open += share,
+        }
+        report.cells += 1;
+    }
+    report
+}

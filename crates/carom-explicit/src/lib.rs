@@ -1,0 +1,22 @@
+#![doc = include_str!("../README.md")]
+
+mod arrays;
+mod bounds;
+mod build;
+mod builder;
+mod c_source;
+mod certificate;
+mod corner;
+mod form;
+mod integer_tree;
+mod proof_of_cell;
+mod relaxed;
+mod rust_source;
+mod simplex_cell;
+mod source_text;
+mod table;
+
+pub use arrays::LookupArrays;
+pub use builder::{ExplicitProgram, TableProgress};
+pub use carom_embedded::{LookupAnswer, LookupLeaf, LookupNode, LookupNumber, LookupTable};
+pub use table::{ExplicitTable, TableCell, TableReport};

@@ -1,0 +1,133 @@
+//! The finished table.
+
+use carom_embedded::LookupAnswer;
+use web_time::Duration;
+
+use crate::arrays::{LawOutput, LookupArrays};
+use crate::build::{Partition, PartitionCell};
+use crate::form::ParametricForm;
+use crate::relaxed::CornerRelaxation;
+use crate::simplex_cell::{kuhn, midpoint, orders};
+
+/// The size of a table, and what is proved of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct TableReport {
+    /// The cells that are not cut.
+    pub cells: usize,
+    /// The different laws.
+    pub laws: usize,
+    /// The most comparisons of a look-up.
+    pub depth: usize,
+    /// The share of the set with a plan whose loss is within ε, from 0 to 1.
+    pub proved: f64,
+    /// The share with a plan whose loss is larger, or not proved.
+    pub unproved: f64,
+    /// The share of the set that is proved to have no plan.
+    pub refuted: f64,
+    /// The share without an answer: cells across the border of what has a plan, and those that the
+    /// build did not reach.
+    pub open: f64,
+    /// The largest proved loss of a plan within ε, in the unit of the objective.
+    pub loss: f64,
+    /// The relaxations that were solved.
+    pub relaxations: u64,
+    /// The time that the build took.
+    pub duration: Duration,
+}
+
+/// A cell of a table: a simplex of the box.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TableCell {
+    /// Its corners, one more than axes, an entry an axis, in their units.
+    pub corners: Vec<Vec<f64>>,
+    /// The answer of a look-up inside.
+    pub answer: LookupAnswer<f64>,
+    /// The integers of the plan, in the order of the lowered model's variables; empty without a
+    /// plan.
+    pub integers: Vec<f64>,
+}
+
+/// A table of laws for a box of parameters, made by
+/// [`ExplicitProgram::build`](crate::ExplicitProgram::build).
+#[derive(Debug)]
+pub struct ExplicitTable {
+    pub(crate) form: ParametricForm,
+    pub(crate) partition: Partition,
+    pub(crate) outputs: Vec<LawOutput>,
+    /// The absolute and the relative loss that was asked for.
+    pub(crate) goal: [f64; 2],
+    pub(crate) report: TableReport,
+    pub(crate) arrays: LookupArrays<f64>,
+}
+
+impl ExplicitTable {
+    /// The size of the table, and what is proved of it.
+    #[must_use]
+    pub fn report(&self) -> &TableReport {
+        &self.report
+    }
+
+    /// The table as a device has it, in 64 bits.
+    #[must_use]
+    pub fn double(&self) -> &LookupArrays<f64> {
+        &self.arrays
+    }
+
+    /// The table as a device has it, in 32 bits.
+    ///
+    /// Cells, integers and losses are the same; what is rounded is in
+    /// [`state_rounding`](LookupArrays::state_rounding) and
+    /// [`input_rounding`](LookupArrays::input_rounding).
+    #[must_use]
+    pub fn single(&self) -> LookupArrays<f32> {
+        self.arrays.single()
+    }
+
+    /// Looks up the inputs of a state.
+    ///
+    /// # Arguments
+    ///
+    /// * `state`: an entry for each axis, in its unit.
+    ///
+    /// Returns the answer and the inputs, which are zeros if the answer has none.
+    pub fn evaluate(&self, state: &[f64]) -> (LookupAnswer<f64>, Vec<f64>) {
+        let mut inputs = vec![0.0; self.arrays.inputs()];
+        let answer = self.arrays.view().evaluate(state, &mut inputs);
+        (answer, inputs)
+    }
+
+    /// The cells, for pictures and statistics.
+    pub fn cells(&self) -> impl Iterator<Item = TableCell> + '_ {
+        let orders = orders(self.form.axes.len());
+        let mut corners: Vec<Vec<Vec<i64>>> = orders.iter().map(|order| kuhn(order)).collect();
+        self.partition.cells.iter().enumerate().filter_map(move |(number, cell)| {
+            let own = std::mem::take(corners.get_mut(number)?);
+            let state = |units: &Vec<i64>| self.form.state(units);
+            let leaf = |answer, integers| {
+                Some(TableCell { corners: own.iter().map(state).collect(), answer, integers })
+            };
+            match cell {
+                PartitionCell::Cut { edge: [i, j], .. } => {
+                    let middle = midpoint(&own[*i], &own[*j])?;
+                    for replaced in [*j, *i] {
+                        let mut half = own.clone();
+                        half[replaced].clone_from(&middle);
+                        corners.push(half);
+                    }
+                    None
+                }
+                PartitionCell::Open => leaf(LookupAnswer::Open, Vec::new()),
+                PartitionCell::NoPlan(_) => leaf(LookupAnswer::NoPlan, Vec::new()),
+                PartitionCell::Plan(law) => {
+                    let first = law.plans.first().map(|plan| &**plan);
+                    let Some(CornerRelaxation::Solved { x, .. }) = first else { return None };
+                    let whole = x.iter().zip(&self.form.integral).filter(|(_, whole)| **whole);
+                    let integers = whole.map(|(x, _)| *x).collect();
+                    leaf(LookupAnswer::Plan { loss: law.loss }, integers)
+                }
+            }
+        })
+    }
+}
