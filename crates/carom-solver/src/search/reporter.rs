@@ -62,7 +62,7 @@ impl<'w, 'c> Reporter<'w, 'c> {
             control.report(&Event::Progress(progress));
         }
         if let Some(pauses) = &mut self.pauses
-            && !tree.is_stopped()
+            && tree.lock().stop.is_none()
             && pauses.is_end(&progress)
         {
             tree.stop(Termination::NodeLimit);

@@ -199,10 +199,6 @@ impl<'a> Tree<'a> {
         self.wake.notify_all();
     }
 
-    pub(super) fn is_stopped(&self) -> bool {
-        self.lock().stop.is_some()
-    }
-
     /// Rounds a bound up to the next value that the objective can take.
     pub(super) fn strengthen(&self, bound: f64) -> f64 {
         if self.granularity == 0.0 || !bound.is_finite() {
