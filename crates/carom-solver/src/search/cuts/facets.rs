@@ -162,6 +162,10 @@ fn centre(union: &CaseUnion, tools: &mut FacetTools<'_>) -> Vec<f64> {
 }
 
 /// The cut of a facet in a union, if a point violates it.
+///
+/// Where the cases exclude each other, each has its own limit: what is added up over the cases,
+/// each limit times the weight of its case, is a limit of the sum. So the coefficients of their
+/// binaries are those of this union, and the other ones are the facet's.
 fn cut_of(
     union: &CaseUnion,
     exit: &HullExit,
@@ -169,21 +173,33 @@ fn cut_of(
     tools: &mut FacetTools<'_>,
 ) -> Option<Cut> {
     let rows = union.own_rows(tools.program);
-    let terms = || union.columns.iter().copied().zip(exit.direction.iter().copied());
-    let at: f64 = terms().map(|(j, a)| a * x[j]).sum();
+    let weights = union.weights();
+    let mut direction = exit.direction.clone();
+    let decided = weights.iter().flatten().flat_map(|weight| &weight.0);
+    decided.for_each(|&(k, _)| direction[k] = 0.0);
     let zeros = vec![0.0; union.columns.len()];
-    let mut limit = f64::NEG_INFINITY;
+    let mut limits = Vec::with_capacity(exit.multipliers.len());
     for (case, multipliers) in exit.multipliers.iter().enumerate() {
         let bounds = union.bounds(tools.domain, case);
-        let cost = exit.direction.iter().map(|a| -a).collect();
+        let cost = direction.iter().map(|a| -a).collect();
         let polytope = CaseUnion::polytope(&rows, &bounds, cost);
         tools.work[0] += rows.len() as f64;
-        limit = limit.max(-tools.cascade.prover().lower_bound(&polytope, &zeros, multipliers));
-        if limit >= at {
-            return None;
+        limits.push(-tools.cascade.prover().lower_bound(&polytope, &zeros, multipliers));
+    }
+    // A case that is empty has no limit.
+    let most = limits.iter().copied().filter(|limit| limit.is_finite()).reduce(f64::max)?;
+    if limits.contains(&f64::INFINITY) {
+        return None;
+    }
+    limits.iter_mut().filter(|limit| !limit.is_finite()).for_each(|limit| *limit = most);
+    let mut limit = most;
+    if let Some(weights) = weights {
+        limit = limits.iter().zip(&weights).map(|(most, weight)| most * weight.1).sum();
+        for (most, (terms, _)) in limits.iter().zip(&weights) {
+            terms.iter().for_each(|&(k, a)| direction[k] -= most * a);
         }
     }
-    let terms: BTreeMap<usize, f64> = terms().filter(|(_, a)| *a != 0.0).collect();
-    let cut = Cut::new(terms, limit, 0.0, tools.domain, x)?;
+    let terms = union.columns.iter().copied().zip(direction).filter(|(_, a)| *a != 0.0);
+    let cut = Cut::new(terms.collect::<BTreeMap<_, _>>(), limit, 0.0, tools.domain, x)?;
     Some(Cut { cases: union.case_columns(), ..cut })
 }

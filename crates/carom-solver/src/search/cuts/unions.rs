@@ -15,6 +15,9 @@ use crate::program::Program;
 /// A row by places of columns, with its limits.
 pub(super) type UnionRow = (Vec<(usize, f64)>, [f64; 2]);
 
+/// Terms by places of columns, and a constant.
+pub(super) type CaseWeight = (Vec<(usize, f64)>, f64);
+
 /// A union of polytopes.
 #[derive(Debug, Clone)]
 pub(super) struct CaseUnion {
@@ -81,6 +84,27 @@ impl CaseUnion {
         places.sort_unstable();
         places.dedup();
         places.into_iter().map(|k| self.columns[k]).collect()
+    }
+
+    /// By case, what is 1 in it and 0 in the others: terms by places of binaries and a constant;
+    /// `None` if cases overlap.
+    pub(super) fn weights(&self) -> Option<Vec<CaseWeight>> {
+        let binaries = self.case_columns().len();
+        if self.cases.iter().any(|case| case.len() != binaries) {
+            return None;
+        }
+        let literal = |(k, case): (usize, &Vec<(usize, f64)>)| match case[k].1 {
+            1.0 => (vec![(k, 1.0)], 0.0),
+            _ => (vec![(k, -1.0)], 1.0),
+        };
+        let mut weights: Vec<CaseWeight> =
+            self.cases.iter().take(binaries).enumerate().map(literal).collect();
+        if self.cases.len() > binaries {
+            let terms = weights.iter().flat_map(|(terms, _)| terms.iter().map(|&(k, a)| (k, -a)));
+            let held: f64 = weights.iter().map(|weight| weight.1).sum();
+            weights.push((terms.collect(), 1.0 - held));
+        }
+        Some(weights)
     }
 
     /// The bounds of its columns in a case.
@@ -252,7 +276,7 @@ impl<'a> Region<'a> {
     }
 }
 
-/// What the unions of a shape have in common: the coefficients by places of columns, and the cases.
+/// What the unions of a shape have in common: the places of columns in rows, and the cases.
 fn shape(
     program: &Program,
     columns: &[usize],
@@ -268,7 +292,8 @@ fn shape(
     for &row in rows {
         key.push(u64::MAX);
         for (j, a) in program.row_terms(row) {
-            key.extend([places.get(&j).map_or(u64::MAX, |k| *k as u64), a.to_bits()]);
+            let place = places.get(&j).map_or(u64::MAX, |k| *k as u64);
+            key.extend([place, u64::from(a > 0.0)]);
         }
         let limits = [program.row_lower[row], program.row_upper[row]];
         key.extend(limits.map(|limit| u64::from(limit.is_finite())));
