@@ -33,6 +33,8 @@ pub(crate) struct FacetRounds<'a> {
     /// What the last whole rounds have lifted, and what the parts of the next one have.
     gains: Vec<f64>,
     partial_gain: f64,
+    /// Whether the next round looks for new facets of unions whose known ones are violated, too.
+    is_thorough: bool,
     is_over: bool,
 }
 
@@ -57,6 +59,7 @@ impl<'a> FacetRounds<'a> {
             work: 0.0,
             gains: Vec::new(),
             partial_gain: 0.0,
+            is_thorough: false,
             is_over: false,
         }
     }
@@ -105,12 +108,13 @@ impl<'a> FacetRounds<'a> {
         let domain = &root.domain;
         let work = [self.work, budget];
         let mut tools = FacetTools { program: begun, domain, cascade, options, token, work };
-        let (found, is_whole) = pool.separate(&last.x, &mut tools);
+        let (found, is_whole) = pool.separate(&last.x, self.is_thorough, &mut tools);
         self.work = tools.work[0];
         // A round that has not looked at all unions says nothing about the next one.
         let found = select(found, &self.cuts, &last.x);
         if found.is_empty() {
-            return (!is_whole).then_some(());
+            let was_thorough = std::mem::replace(&mut self.is_thorough, true);
+            return (!is_whole || !was_thorough).then_some(());
         }
         self.rounds += u32::from(is_whole);
         self.cuts.extend(found);
@@ -124,13 +128,16 @@ impl<'a> FacetRounds<'a> {
         if !is_whole {
             return Some(());
         }
-        self.gains.push(std::mem::take(&mut self.partial_gain));
+        let last_gain = std::mem::take(&mut self.partial_gain);
+        self.gains.push(last_gain);
         let recent = self.gains.iter().rev().take(CUTS.recent_rounds);
         let recent = recent.fold(0.0, |most: f64, gain| most.max(*gain));
-        let is_idle = recent < CUTS.idle_facets * (last.value.max(bound) - first.value);
+        let is_idle = |gain: f64| gain < CUTS.idle_facets * (last.value.max(bound) - first.value);
         let left = f64::from(CUTS.facet_rounds - self.rounds);
         let is_hopeless = last.value + left * recent < bound;
-        (!is_idle && !is_hopeless).then_some(())
+        // Facets of other steps may be slight where new ones are not.
+        let was_thorough = std::mem::replace(&mut self.is_thorough, is_idle(last_gain));
+        (!(is_idle(recent) && was_thorough) && !is_hopeless).then_some(())
     }
 
     /// The program with the facets that bind its relaxed root, and its root, which knows a bound.

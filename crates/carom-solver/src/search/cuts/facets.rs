@@ -80,8 +80,14 @@ impl FacetPool {
     }
 
     /// The facets that a point violates: those that are known, and new ones of unions for which
-    /// there are none. Whether all unions were looked at is the second value.
-    pub(super) fn separate(&mut self, x: &[f64], tools: &mut FacetTools<'_>) -> (Vec<Cut>, bool) {
+    /// there are none, or of all if the search is thorough. Whether all unions were looked at is
+    /// the second value.
+    pub(super) fn separate(
+        &mut self,
+        x: &[f64],
+        is_thorough: bool,
+        tools: &mut FacetTools<'_>,
+    ) -> (Vec<Cut>, bool) {
         let mut cuts = Vec::new();
         let count = self.unions.all.len();
         let order = (0..count).map(|k| (k + self.next) % count);
@@ -89,6 +95,9 @@ impl FacetPool {
         let mut is_cut = vec![false; count];
         for facet in &self.templates {
             self.translate(facet, &open, x, tools, &mut is_cut, &mut cuts);
+        }
+        if is_thorough {
+            is_cut.fill(false);
         }
         let mut programs = 0;
         for &k in &open {
