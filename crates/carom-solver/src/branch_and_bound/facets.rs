@@ -13,16 +13,13 @@ use crate::search::{
 use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Progress};
 
-/// Nodes before the first pause.
-const FIRST_PAUSE: u64 = 150;
-
 /// Whether a search of a task may begin again.
 pub(super) fn may_begin_again(
     task: SolveTask<'_>,
     start: Option<&Start>,
     control: &Control<'_>,
 ) -> bool {
-    task.options.parts().facets
+    task.options.parts().facet_nodes < u64::MAX
         && task.options.pool == 1
         && !task.judge.finds_rows()
         && !task.program.is_feasibility_problem()
@@ -50,11 +47,11 @@ pub(super) fn search_with_facets(
     let mut ends = |progress: &Progress| {
         let mut cascade = task.cascades.take();
         let bound = program.sign * progress.bound;
-        is_lifted = rounds.go_on(bound, [progress.nodes, progress.iterations], &mut cascade);
+        is_lifted = rounds.go_on(bound, progress.iterations, &mut cascade);
         task.cascades.give_back(cascade);
         is_lifted
     };
-    let pauses = Pauses { nodes: FIRST_PAUSE, ends: &mut ends };
+    let pauses = Pauses { nodes: options.parts().facet_nodes, ends: &mut ends };
     let mut before = search_with_pauses(task, control, start.as_ref(), Some(pauses));
     let is_paused = is_lifted && before.termination == Termination::NodeLimit;
     if !is_paused || before.contradiction.is_some() {

@@ -30,9 +30,8 @@ pub(crate) struct FacetRounds<'a> {
     rounds: u32,
     /// The work that they have taken: iterations times rows.
     work: f64,
-    /// What the last whole rounds have lifted, and what the parts of the next one have.
-    gains: Vec<f64>,
-    partial_gain: f64,
+    /// What the parts of a round have lifted so far.
+    gain: f64,
     /// Whether the next round looks for new facets of unions whose known ones are violated, too.
     is_thorough: bool,
     is_over: bool,
@@ -57,8 +56,7 @@ impl<'a> FacetRounds<'a> {
             points: None,
             rounds: 0,
             work: 0.0,
-            gains: Vec::new(),
-            partial_gain: 0.0,
+            gain: 0.0,
             is_thorough: false,
             is_over: false,
         }
@@ -69,40 +67,56 @@ impl<'a> FacetRounds<'a> {
     pub(crate) fn go_on(
         &mut self,
         bound: f64,
-        [nodes, iterations]: [u64; 2],
+        iterations: u64,
         cascade: &mut MethodCascade,
     ) -> bool {
-        // A search that has gone on for long has more to win, so the share grows.
-        let growth = (nodes as f64 / CUTS.facet_nodes).sqrt();
-        let share = (CUTS.facet_share[0] * growth).min(CUTS.facet_share[1]);
-        let budget = share * self.program.row_count() as f64 * iterations as f64;
-        while !self.is_over && self.work < budget && !self.token.is_over() {
-            self.is_over |= self.run_round(bound, budget, cascade).is_none();
-            if let Some([_, last]) = &self.points
-                && last.value > bound
-            {
-                // What is left of the rounds is worth its time.
-                while !self.is_over && self.run_round(bound, f64::INFINITY, cascade).is_some() {}
+        let is_forced = self.options.parts().facet_nodes == 0;
+        let aim = if is_forced { f64::NEG_INFINITY } else { bound };
+        let all = match is_forced {
+            true => f64::INFINITY,
+            false => self.program.row_count() as f64 * iterations as f64,
+        };
+        self.is_over |= self.relax(cascade).is_none();
+        while !self.is_over && !self.token.is_over() {
+            // The share grows with the part of the way to the bound that is done.
+            let budget = self.lifted_part(aim).clamp(CUTS.facet_share, 1.0) * all;
+            if self.work >= budget {
                 break;
             }
+            self.is_over |= self.run_round(aim, budget, cascade).is_none();
         }
         let lifts = |[first, last]: &[RootPoint; 2]| {
-            last.value > bound && first.is_lifted_by(CUTS.slight_lift, last.value)
+            is_forced || last.value > bound && first.is_lifted_by(CUTS.slight_lift, last.value)
         };
         self.points.as_ref().is_some_and(lifts) && !self.cuts.is_empty()
     }
 
-    /// One round; `None` after the last one.
-    fn run_round(&mut self, bound: f64, budget: f64, cascade: &mut MethodCascade) -> Option<()> {
-        let FacetRounds { begun, program, root, options, token, .. } = *self;
+    /// Relaxes the root, if its relaxed point is not known.
+    fn relax(&mut self, cascade: &mut MethodCascade) -> Option<()> {
         if self.points.is_none() {
+            let FacetRounds { program, root, options, token, .. } = *self;
             let relax = || RootPoint::new(program, &root.domain, cascade, options, token, None);
             let point = root.point.clone().or_else(relax)?;
             self.points = Some([point.clone(), point]);
         }
+        Some(())
+    }
+
+    /// The part of the way from the root to an aim that facets have lifted it.
+    fn lifted_part(&self, aim: f64) -> f64 {
+        let Some([first, last]) = &self.points else { return 0.0 };
+        match aim > first.value {
+            true => (last.value - first.value) / (aim - first.value),
+            false => 1.0,
+        }
+    }
+
+    /// One round; `None` after the last one.
+    fn run_round(&mut self, aim: f64, budget: f64, cascade: &mut MethodCascade) -> Option<()> {
+        let FacetRounds { begun, program, root, options, token, .. } = *self;
         let pool = self.pool.get_or_insert_with(|| FacetPool::new(begun, &root.domain));
         let [first, last] = self.points.as_mut()?;
-        if pool.is_empty() || self.rounds == CUTS.facet_rounds || self.token.is_over() {
+        if pool.is_empty() || self.rounds == CUTS.facet_rounds {
             return None;
         }
         let domain = &root.domain;
@@ -111,7 +125,7 @@ impl<'a> FacetRounds<'a> {
         let (found, is_whole) = pool.separate(&last.x, self.is_thorough, &mut tools);
         self.work = tools.work[0];
         // A round that has not looked at all unions says nothing about the next one.
-        let found = select(found, &self.cuts, &last.x);
+        let found = select(found, &self.cuts, CUTS.most_facet_cosine, &last.x);
         if found.is_empty() {
             let was_thorough = std::mem::replace(&mut self.is_thorough, true);
             return (!is_whole || !was_thorough).then_some(());
@@ -122,22 +136,18 @@ impl<'a> FacetRounds<'a> {
         let warm = last.warm.as_ref().filter(|_| last.is_vertex);
         let point = RootPoint::new(&more, domain, cascade, options, token, warm)?;
         self.work += point.iterations as f64 * more.row_count() as f64;
-        let gain = (point.value - last.value).max(0.0);
+        self.gain += (point.value - last.value).max(0.0);
         *last = point;
-        self.partial_gain += gain;
         if !is_whole {
             return Some(());
         }
-        let last_gain = std::mem::take(&mut self.partial_gain);
-        self.gains.push(last_gain);
-        let recent = self.gains.iter().rev().take(CUTS.recent_rounds);
-        let recent = recent.fold(0.0, |most: f64, gain| most.max(*gain));
-        let is_idle = |gain: f64| gain < CUTS.idle_facets * (last.value.max(bound) - first.value);
-        let left = f64::from(CUTS.facet_rounds - self.rounds);
-        let is_hopeless = last.value + left * recent < bound;
-        // Facets of other steps may be slight where new ones are not.
-        let was_thorough = std::mem::replace(&mut self.is_thorough, is_idle(last_gain));
-        (!(is_idle(recent) && was_thorough) && !is_hopeless).then_some(())
+        let gain = std::mem::take(&mut self.gain);
+        // Later rounds lift the root less and less.
+        let is_hopeless = last.value + CUTS.further_gains * gain < aim;
+        // Known facets may be slight where new ones are not.
+        let is_idle = gain < CUTS.idle_facets * (last.value.max(aim) - first.value);
+        let was_thorough = std::mem::replace(&mut self.is_thorough, is_idle);
+        (!(is_idle && was_thorough) && !is_hopeless).then_some(())
     }
 
     /// The program with the facets that bind its relaxed root, and its root, which knows a bound.

@@ -245,7 +245,7 @@ impl CutRounds<'_> {
         let mut cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
         cuts.extend(gomory_cuts(program, self.domain, x, &point.inverse, token));
         cuts.extend(polymatroid_cuts(program, self.domain, x, token));
-        select(cuts, &[], x)
+        select(cuts, &[], CUTS.most_cosine, x)
     }
 
     /// Whether a round rounds single rows only.
@@ -259,7 +259,7 @@ impl CutRounds<'_> {
         if self.sets == Sets::Idle || self.looks_at_single_rows(round) {
             return Vec::new();
         }
-        select(cut_set_cuts(self.program, self.domain, x, token), found, x)
+        select(cut_set_cuts(self.program, self.domain, x, token), found, CUTS.most_cosine, x)
     }
 
     /// Drops the cuts that were not active for more than some rounds.
@@ -300,14 +300,14 @@ impl CutRounds<'_> {
 }
 
 /// The deepest cuts, no two of them nearly parallel, nor to those that there are.
-fn select(mut cuts: Vec<Cut>, others: &[Cut], x: &[f64]) -> Vec<Cut> {
+fn select(mut cuts: Vec<Cut>, others: &[Cut], most_cosine: f64, x: &[f64]) -> Vec<Cut> {
     cuts.sort_by(|a, b| b.depth(x).total_cmp(&a.depth(x)));
     let mut chosen: Vec<Cut> = Vec::new();
     for cut in cuts {
         if chosen.len() == CUTS.most_cuts {
             break;
         }
-        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= CUTS.most_cosine) {
+        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= most_cosine) {
             chosen.push(cut);
         }
     }

@@ -95,13 +95,14 @@ pub(super) struct CutParameters {
     pub(super) facet_failures: u32,
     /// Most rounds of facets.
     pub(super) facet_rounds: u32,
-    /// The share of the work of a search that facets may take after so many nodes, which grows with
-    /// the root of their number, and the largest share.
-    pub(super) facet_nodes: f64,
-    pub(super) facet_share: [f64; 2],
-    /// The last rounds one of which has to lift the root, and by which part of what is to be lifted.
-    pub(super) recent_rounds: usize,
+    /// The share of the work of a search that facets may take before they have lifted its root.
+    pub(super) facet_share: f64,
+    /// Most cosine of two facets: those of a union may be near to each other.
+    pub(super) most_facet_cosine: f64,
+    /// The part of what is to be lifted that a round lifts at least.
     pub(super) idle_facets: f64,
+    /// What all later rounds may lift, relative to the last one.
+    pub(super) further_gains: f64,
     /// Coefficients below this, relative to the largest, are left out of a direction.
     pub(super) slight_coefficient: f64,
 }
@@ -149,9 +150,9 @@ pub(super) const CUTS: CutParameters = CutParameters {
     facet_programs: 60,
     facet_failures: 6,
     facet_rounds: 12,
-    facet_nodes: 1000.0,
-    facet_share: [0.1, 0.3],
-    recent_rounds: 3,
+    facet_share: 0.1,
+    most_facet_cosine: 0.99,
     idle_facets: 0.01,
+    further_gains: 2.0,
     slight_coefficient: 1e-7,
 };
