@@ -5,6 +5,7 @@
 //! begins again with them.
 
 use super::cut::CutOutcome;
+use super::events::{PartOfSolve, Told};
 use crate::program::Program;
 use crate::search::cuts::FacetRounds;
 use crate::search::{
@@ -43,12 +44,13 @@ pub(super) fn search_with_facets(
     let SolveTask { program, options, token, .. } = task;
     let start = cut.start(given);
     let mut rounds = FacetRounds::new([begun, program], root, options, token);
-    let mut is_lifted = false;
+    let (mut is_lifted, mut told) = (false, Told::nothing(program.sign));
     let mut ends = |progress: &Progress| {
         let mut cascade = task.cascades.take();
         let bound = program.sign * progress.bound;
         is_lifted = rounds.go_on(bound, progress.iterations, &mut cascade);
         task.cascades.give_back(cascade);
+        told = Told::up_to(program.sign, progress.incumbent);
         is_lifted
     };
     let pauses = Pauses { nodes: options.parts().facet_nodes, ends: &mut ends };
@@ -57,8 +59,13 @@ pub(super) fn search_with_facets(
     if !is_paused || before.contradiction.is_some() {
         return before;
     }
-    let Some((lifted, root)) = rounds.strengthened(before.bound) else { return before };
-    if options.proof_path().is_some() {
+    // The proof of the new tree does not have the old one's.
+    let has_proof = options.proof_path().is_some();
+    let bound = if has_proof { f64::NEG_INFINITY } else { before.bound };
+    let Some((lifted, root)) = rounds.strengthened(bound) else {
+        return search(task, control, start.as_ref());
+    };
+    if has_proof {
         let none = || Box::new(RootCuts::none(begun, &root));
         cut.cuts.get_or_insert_with(none).add(&lifted.cuts);
     }
@@ -72,10 +79,26 @@ pub(super) fn search_with_facets(
         None => options.clone(),
     };
     let own = SolveTask { program: &lifted.program, root: Some(&root), options, ..task };
-    let mut found = search(own, control, Some(&start));
+    let figures = |own: &Progress| {
+        let mut progress = *own;
+        progress.nodes += before.statistics.nodes;
+        progress.relaxations += before.statistics.relaxations;
+        progress.iterations += before.statistics.iterations;
+        progress.bound = program.sign * (program.sign * own.bound).max(bound);
+        progress
+    };
+    let part = PartOfSolve {
+        is_first: false,
+        figures: &figures,
+        objective: &|value| Some(value),
+        told: Some(&told),
+        token: &token.child(None),
+    };
+    let mut found = part.run(control, |control| search(own, control, Some(&start)));
     found.statistics.add(&before.statistics);
+    found.completion = before.completion;
     if found.contradiction.is_none() {
-        found.bound = found.bound.max(before.bound);
+        found.bound = found.bound.max(bound);
     }
     found
 }

@@ -14,7 +14,7 @@ use super::parameters::CUTS;
 use super::unions::{CaseUnion, CaseUnions};
 use crate::presolve::Domain;
 use crate::program::Program;
-use crate::relaxation::{MethodCascade, Purpose, RelaxationClaim};
+use crate::relaxation::{CascadePool, MethodCascade, Purpose, RelaxationClaim};
 use crate::solver::{Options, StopToken};
 
 /// A facet of the unions of a shape.
@@ -148,6 +148,15 @@ impl FacetPool {
         let own: Vec<f64> = union.columns.iter().map(|&j| x[j]).collect();
         HullExit::find(union, centre, &own, tools)
     }
+}
+
+/// The facets of unions of a program that a point violates.
+pub fn facet_cuts(program: &Program, domain: &Domain, x: &[f64], options: &Options) -> Vec<Cut> {
+    let token = &StopToken::default();
+    let cascade = &mut CascadePool::new(options).take();
+    let work = [0.0, f64::INFINITY];
+    let mut tools = FacetTools { program, domain, cascade, options, token, work };
+    FacetPool::new(program, domain).separate(x, true, &mut tools).0
 }
 
 /// A point within the hull of a union, the mean of points of its cases; empty if there is none.

@@ -21,6 +21,7 @@ mod unions;
 pub use cut::{Cut, CutSide, WholeForm};
 pub use cut_sets::cut_set_cuts;
 pub(crate) use facet_rounds::FacetRounds;
+pub use facets::facet_cuts;
 pub use gomory::gomory_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
 pub use polymatroid::polymatroid_cuts;
