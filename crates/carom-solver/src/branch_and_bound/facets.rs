@@ -48,7 +48,8 @@ pub(super) fn search_with_facets(
     let mut ends = |progress: &Progress| {
         let mut cascade = task.cascades.take();
         let bound = program.sign * progress.bound;
-        is_lifted = rounds.go_on(bound, progress.iterations, &mut cascade);
+        let incumbent = progress.incumbent.map_or(f64::INFINITY, |value| program.sign * value);
+        is_lifted = rounds.go_on([bound, incumbent], progress.iterations, &mut cascade);
         task.cascades.give_back(cascade);
         told = Told::up_to(program.sign, progress.incumbent);
         is_lifted

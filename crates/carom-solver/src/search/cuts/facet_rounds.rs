@@ -62,11 +62,11 @@ impl<'a> FacetRounds<'a> {
         }
     }
 
-    /// Goes on for a share of the work of a search that has come to a bound. Returns whether facets
-    /// lift the root above it.
+    /// Goes on for a share of the work of a search that has come to a bound, with an incumbent whose
+    /// value is `+inf` if there is none. Returns whether facets lift the root above the bound.
     pub(crate) fn go_on(
         &mut self,
-        bound: f64,
+        [bound, incumbent]: [f64; 2],
         iterations: u64,
         cascade: &mut MethodCascade,
     ) -> bool {
@@ -77,9 +77,15 @@ impl<'a> FacetRounds<'a> {
             false => self.program.row_count() as f64 * iterations as f64,
         };
         self.is_over |= self.relax(cascade).is_none();
+        // A search that has closed much of its gap is likely to close the rest soon.
+        let is_late = |[first, _]: &[RootPoint; 2]| {
+            bound - first.value > CUTS.facet_gap * (incumbent - first.value)
+        };
+        self.is_over |= !is_forced && self.points.as_ref().is_some_and(is_late);
         while !self.is_over && !self.token.is_over() {
             // The share grows with the part of the way to the bound that is done.
-            let budget = self.lifted_part(aim).clamp(CUTS.facet_share, 1.0) * all;
+            let part = CUTS.share_growth * self.lifted_part(aim);
+            let budget = part.clamp(CUTS.facet_share, 1.0) * all;
             if self.work >= budget {
                 break;
             }

@@ -158,7 +158,12 @@ impl<'a> ExitProgram<'a> {
     /// The multipliers of the rows of the cases, then those of the links; `None` if the way does
     /// not end before the point.
     fn solve(mut self, tools: &mut FacetTools<'_>) -> Option<Vec<f64>> {
-        let links = self.links.into_iter().zip(self.centre).map(|(link, p)| (link, [*p, *p]));
+        // Rounding may have put the centre outside by a little.
+        let near = |p: f64| {
+            let room = CUTS.centre_room * p.abs().max(1.0);
+            [p - room, p + room]
+        };
+        let links = self.links.into_iter().zip(self.centre).map(|(link, p)| (link, near(*p)));
         self.lines.extend(links);
         self.lines.push((self.weights, [1.0, 1.0]));
         let mut rows = Compressed::with_capacity(self.lines.len(), 4 * self.lines.len());

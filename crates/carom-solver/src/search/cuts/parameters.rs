@@ -97,12 +97,19 @@ pub(super) struct CutParameters {
     pub(super) facet_rounds: u32,
     /// The share of the work of a search that facets may take before they have lifted its root.
     pub(super) facet_share: f64,
+    /// The share, relative to the part of the way to the bound of the search that they have lifted
+    /// the root.
+    pub(super) share_growth: f64,
+    /// Most of the gap between root and incumbent that a search has closed which facets help.
+    pub(super) facet_gap: f64,
     /// Most cosine of two facets: those of a union may be near to each other.
     pub(super) most_facet_cosine: f64,
     /// The part of what is to be lifted that a round lifts at least.
     pub(super) idle_facets: f64,
     /// What all later rounds may lift, relative to the last one.
     pub(super) further_gains: f64,
+    /// How far the centre of a union may be off, relative to its size.
+    pub(super) centre_room: f64,
     /// Coefficients below this, relative to the largest, are left out of a direction.
     pub(super) slight_coefficient: f64,
 }
@@ -151,8 +158,11 @@ pub(super) const CUTS: CutParameters = CutParameters {
     facet_failures: 6,
     facet_rounds: 12,
     facet_share: 0.1,
+    share_growth: 2.0,
+    facet_gap: 0.5,
     most_facet_cosine: 0.99,
     idle_facets: 0.01,
-    further_gains: 2.0,
+    further_gains: 5.0,
+    centre_room: 1e-6,
     slight_coefficient: 1e-7,
 };
