@@ -14,7 +14,7 @@
 //! * `pseudocosts` - the average effect of branching on a column
 //! * `tree` - shared by all workers: queue, best points, bounds, limits
 //! * `tree_view` - one worker's view of the tree
-//! * `reporter` - progress events
+//! * `reporter` - progress events, `pause` - questions whether the search ends
 //! * `shared_tree` - a tree that several processes search together
 //!
 //! The program:

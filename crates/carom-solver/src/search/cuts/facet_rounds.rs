@@ -62,8 +62,8 @@ impl<'a> FacetRounds<'a> {
         }
     }
 
-    /// Goes on for a share of the work of a search that has come to a bound, with an incumbent whose
-    /// value is `+inf` if there is none. Returns whether facets lift the root above the bound.
+    /// Goes on for a share of the work of a search that has come to a bound. The value of its
+    /// incumbent is `+inf` if there is none. Returns whether facets lift the root above the bound.
     pub(crate) fn go_on(
         &mut self,
         [bound, incumbent]: [f64; 2],

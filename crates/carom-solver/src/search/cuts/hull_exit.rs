@@ -3,9 +3,9 @@
 //! A point of the hull is a sum of points of the cases, each times its weight. One linear program
 //! over these parts goes from a centre within the hull towards a relaxed point as far as it can.
 //! Its multipliers are the direction in which the hull ends there (Balas, "Disjunctive
-//! programming", Annals of Discrete Mathematics 5, 1979; Conforti and Wolsey, "“Facet” separation with one linear
-//! program", Mathematical Programming 178, 2019), and those of the rows of each case prove how far
-//! the case reaches in that direction. Nothing rests on the accuracy of the method: any direction
+//! programming", Annals of Discrete Mathematics 5, 1979; Conforti and Wolsey, "“Facet” separation
+//! with one linear program", Mathematical Programming 178, 2019), and those of the rows of each
+//! case prove how far the case reaches in that direction. Nothing rests on the accuracy of the method: any direction
 //! and any multipliers make a valid cut.
 
 use super::facets::FacetTools;

@@ -159,7 +159,7 @@ pub(super) const CUTS: CutParameters = CutParameters {
     facet_rounds: 12,
     facet_share: 0.1,
     share_growth: 2.0,
-    facet_gap: 0.5,
+    facet_gap: 0.33,
     most_facet_cosine: 0.99,
     idle_facets: 0.01,
     further_gains: 5.0,

@@ -1,4 +1,4 @@
-//! CaseUnions of polytopes in a program: the cases of some binaries, with the rows around them.
+//! Unions of polytopes in a program: the cases of some binaries, with the rows around them.
 //!
 //! Takes rows that say that one of some binaries is 1, at least one, or at most one; the two values
 //! of a binary that is in no such row are two cases, too. Each case of a union is the polytope of
