@@ -8,7 +8,7 @@ use crate::common::mode_steps::{ModeSteps, Numbers};
 fn facets_change_no_optimum_and_are_proved() -> Result<(), Error> {
     let numbers = &mut Numbers(17);
     let mut fewer = 0;
-    for case in 0..60 {
+    for case in 0..36 {
         let system = ModeSteps::random(numbers, 1 + case % 6);
         let model = system.model(false)?;
         let solve = |options: Options| BranchAndBound::new(options).solve(&model);
@@ -30,6 +30,6 @@ fn facets_change_no_optimum_and_are_proved() -> Result<(), Error> {
         assert!((value(&plain) - value(&without)).abs() <= 1e-5 * size, "{case}");
         fewer += u32::from(plain.statistics().nodes != without.statistics().nodes);
     }
-    assert!(fewer > 5, "{fewer} trees were begun again");
+    assert!(fewer > 3, "{fewer} trees were begun again");
     Ok(())
 }

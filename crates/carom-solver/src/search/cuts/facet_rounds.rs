@@ -71,17 +71,19 @@ impl<'a> FacetRounds<'a> {
         cascade: &mut MethodCascade,
     ) -> bool {
         let is_forced = self.options.parts().facet_nodes == 0;
-        let aim = if is_forced { f64::NEG_INFINITY } else { bound };
         let all = match is_forced {
             true => f64::INFINITY,
             false => self.program.row_count() as f64 * iterations as f64,
         };
         self.is_over |= self.relax(cascade).is_none();
-        // A search that has closed much of its gap is likely to close the rest soon.
-        let is_late = |[first, _]: &[RootPoint; 2]| {
-            bound - first.value > CUTS.facet_gap * (incumbent - first.value)
+        let first = self.points.as_ref().map_or(bound, |[first, _]| first.value);
+        let aim = match is_forced {
+            true => f64::NEG_INFINITY,
+            false => bound + CUTS.facet_margin * (bound - first).max(0.0),
         };
-        self.is_over |= !is_forced && self.points.as_ref().is_some_and(is_late);
+        // A search that has closed much of its gap is likely to close the rest soon.
+        let is_late = bound - first > CUTS.facet_gap * (incumbent - first);
+        self.is_over |= is_late && !is_forced;
         while !self.is_over && !self.token.is_over() {
             // The share grows with the part of the way to the bound that is done.
             let part = CUTS.share_growth * self.lifted_part(aim);
@@ -92,7 +94,7 @@ impl<'a> FacetRounds<'a> {
             self.is_over |= self.run_round(aim, budget, cascade).is_none();
         }
         let lifts = |[first, last]: &[RootPoint; 2]| {
-            is_forced || last.value > bound && first.is_lifted_by(CUTS.slight_lift, last.value)
+            is_forced || last.value > aim && first.is_lifted_by(CUTS.slight_lift, last.value)
         };
         self.points.as_ref().is_some_and(lifts) && !self.cuts.is_empty()
     }
@@ -153,7 +155,8 @@ impl<'a> FacetRounds<'a> {
         // Known facets may be slight where new ones are not.
         let is_idle = gain < CUTS.idle_facets * (last.value.max(aim) - first.value);
         let was_thorough = std::mem::replace(&mut self.is_thorough, is_idle);
-        (!(is_idle && was_thorough) && !is_hopeless).then_some(())
+        let is_last = is_hopeless || is_idle && was_thorough;
+        (!is_last).then_some(())
     }
 
     /// The program with the facets that bind its relaxed root, and its root, which knows a bound.

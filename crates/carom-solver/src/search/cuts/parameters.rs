@@ -100,6 +100,8 @@ pub(super) struct CutParameters {
     /// The share, relative to the part of the way to the bound of the search that they have lifted
     /// the root.
     pub(super) share_growth: f64,
+    /// How far above the bound of a search facets have to lift its root, relative to its own lift.
+    pub(super) facet_margin: f64,
     /// Most of the gap between root and incumbent that a search has closed which facets help.
     pub(super) facet_gap: f64,
     /// Most cosine of two facets: those of a union may be near to each other.
@@ -159,6 +161,7 @@ pub(super) const CUTS: CutParameters = CutParameters {
     facet_rounds: 12,
     facet_share: 0.1,
     share_growth: 2.0,
+    facet_margin: 0.2,
     facet_gap: 0.33,
     most_facet_cosine: 0.99,
     idle_facets: 0.01,

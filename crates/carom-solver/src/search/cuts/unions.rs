@@ -15,6 +15,9 @@ use crate::program::Program;
 /// A row by places of columns, with its limits.
 pub(super) type UnionRow = (Vec<(usize, f64)>, [f64; 2]);
 
+/// The places of binaries and their values in a case.
+pub(super) type UnionCase = Vec<(usize, f64)>;
+
 /// Terms by places of columns, and a constant.
 pub(super) type CaseWeight = (Vec<(usize, f64)>, f64);
 
@@ -24,8 +27,8 @@ pub(super) struct CaseUnion {
     /// The columns; those of the cases come first.
     pub(super) columns: Vec<usize>,
     pub(super) rows: Vec<usize>,
-    /// By case, the places of binaries among the columns and their values.
-    pub(super) cases: Vec<Vec<(usize, f64)>>,
+    /// The cases, by places among the columns.
+    pub(super) cases: Vec<UnionCase>,
     /// The number of its shape.
     pub(super) shape: usize,
 }
@@ -169,7 +172,7 @@ fn cases_of(
     program: &Program,
     domain: &Domain,
     row: usize,
-) -> Option<(Vec<usize>, Vec<Vec<(usize, f64)>>)> {
+) -> Option<(Vec<usize>, Vec<UnionCase>)> {
     let terms = program.row_terms(row);
     let open: Vec<(usize, f64)> =
         terms.iter().copied().filter(|&(j, _)| !domain.is_fixed(j)).collect();
