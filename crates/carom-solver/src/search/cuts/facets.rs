@@ -1,11 +1,11 @@
 //! Facets of unions of polytopes that a relaxed point violates.
 //!
 //! A facet is found once, where the line from a centre of a union to the relaxed point leaves its
-//! hull. Unions of the same shape take over its direction and its multipliers, in their own columns,
-//! coefficients and limits: in a hybrid system these are the other steps of the horizon. The largest
-//! value of the direction in each case of a union is proved by multipliers of the rows of that case,
-//! rounded outward. If the cases exclude each other, these values are the coefficients of their
-//! binaries, so a direction suits steps whose Ms differ.
+//! hull. Unions of the same shape take over its direction and its multipliers, in their own
+//! columns, coefficients and limits: in a hybrid system these are the other steps of the horizon.
+//! The largest value of the direction in each case of a union is proved by multipliers of the rows
+//! of that case, rounded outward. If the cases exclude each other, these values are the
+//! coefficients of their binaries, so a direction suits steps whose Ms differ.
 
 use std::collections::BTreeMap;
 
