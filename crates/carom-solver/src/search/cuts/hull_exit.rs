@@ -5,8 +5,8 @@
 //! Its multipliers are the direction in which the hull ends there (Balas, "Disjunctive
 //! programming", Annals of Discrete Mathematics 5, 1979; Conforti and Wolsey, "“Facet” separation
 //! with one linear program", Mathematical Programming 178, 2019), and those of the rows of each
-//! case prove how far the case reaches in that direction. Nothing rests on the accuracy of the method: any direction
-//! and any multipliers make a valid cut.
+//! case prove how far the case reaches in that direction. Nothing rests on the accuracy of the
+//! method: any direction and any multipliers make a valid cut.
 
 use super::facets::FacetTools;
 use super::parameters::CUTS;
