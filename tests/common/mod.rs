@@ -9,6 +9,7 @@ pub(crate) mod case;
 pub(crate) mod enumeration;
 pub(crate) mod generate;
 pub(crate) mod judge;
+pub(crate) mod mode_steps;
 pub(crate) mod other_words;
 pub(crate) mod quadratic_program;
 pub(crate) mod rows;

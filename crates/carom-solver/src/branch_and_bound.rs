@@ -7,6 +7,7 @@ mod convex_objective;
 mod cut;
 mod cutoff;
 mod events;
+mod facets;
 mod far;
 mod last_solve;
 mod lossy;

@@ -56,7 +56,7 @@ pub mod search {
 
     pub mod cuts {
         pub use crate::search::cuts::{
-            Cut, CutSide, MOST_ROWS, WholeForm, cut_set_cuts, gomory_cuts,
+            Cut, CutSide, MOST_ROWS, WholeForm, cut_set_cuts, facet_cuts, gomory_cuts,
             mixed_integer_rounding_cuts, polymatroid_cuts,
         };
     }

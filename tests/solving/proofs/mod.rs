@@ -6,6 +6,7 @@ mod compared;
 mod cuts;
 mod damaged;
 mod declarations;
+mod facets;
 mod lemmas;
 mod open_integers;
 mod past_mutations;

@@ -19,6 +19,7 @@ fn options(bits: u8) -> Options {
         .with_blocks(on(3))
         .with_disjunctive_tightening(on(4))
         .with_big_m_tightening(on(5))
+        .with_facet_nodes(if on(6) { 0 } else { u64::MAX })
 }
 
 fn solve(options: Options, model: &Model) -> Solution {
@@ -31,7 +32,7 @@ proptest! {
     #[test]
     fn any_combination_finds_the_optimum(
         case in case(Shape::QUADRATIC),
-        bits in 0..64_u8,
+        bits in 0..128_u8,
         threads in 1..=2_usize,
         deterministic in any::<bool>(),
     ) {

@@ -128,6 +128,10 @@ pub struct SearchParts {
     /// Whether parts of the program without a common row are searched one after the other; default
     /// on. Not used without presolve, for pools and leaves, or with a MIP start.
     pub blocks: bool,
+    /// Nodes after which a search looks for facets of unions for the first time, to begin again if
+    /// these lift its root above the bound of its tree; default 500. With 0 it begins again with
+    /// all facets that are found, and with `u64::MAX` it never looks. Not used without cuts.
+    pub facet_nodes: u64,
 }
 
 impl Default for SearchParts {
@@ -139,6 +143,7 @@ impl Default for SearchParts {
             big_m_tightening: true,
             probing: true,
             blocks: true,
+            facet_nodes: 500,
         }
     }
 }
@@ -284,6 +289,8 @@ impl Options {
         with_probing(probing: bool) => parts.probing = probing;
         #[doc(hidden)]
         with_blocks(blocks: bool) => parts.blocks = blocks;
+        #[doc(hidden)]
+        with_facet_nodes(nodes: u64) => parts.facet_nodes = nodes;
         /// Sets whether cuts are added to the root relaxation.
         with_cuts(cuts: bool) => cuts = cuts;
         /// Sets the primal heuristics.

@@ -35,6 +35,15 @@ impl Told {
         Told { sign, event, point }
     }
 
+    /// With an objective that the user was told of, both as an event and as a point.
+    pub(super) fn up_to(sign: f64, objective: Option<f64>) -> Self {
+        let told = Told::nothing(sign);
+        for told in [&told.event, &told.point] {
+            told.set(objective.map_or(f64::INFINITY, |objective| sign * objective));
+        }
+        told
+    }
+
     /// Whether an objective is better than all those told before. Counts it as told.
     fn is_news(&self, told: &Cell<f64>, objective: f64) -> bool {
         let minimised = self.sign * objective;

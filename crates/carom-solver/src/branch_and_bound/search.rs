@@ -2,6 +2,7 @@
 
 use super::alternation::{alternates, search_in_turns};
 use super::cut::{CutOutcome, cut};
+use super::facets::{may_begin_again, search_with_facets};
 use super::solve::EarlierResults;
 use super::start::PreliminaryResult;
 use super::tighten::Tightened;
@@ -69,9 +70,15 @@ pub(super) fn search_once(
     let cuts = options.cuts && !options.parts().keep_leaves && !known.skips_cuts;
     let mut cut =
         if cuts { cut(task, &mut root, known.start, control) } else { CutOutcome::default() };
-    let program = cut.program.as_ref().unwrap_or(task.program);
+    let cut_program = cut.program.take();
+    let program = cut_program.as_ref().unwrap_or(task.program);
+    let begun = task.program;
     let task = SolveTask { program, root: Some(&root), ..task };
-    let mut found = search(task, control, cut.start(known.start).as_ref());
+    let mut found = if cuts && may_begin_again(task, known.start, control) {
+        search_with_facets(task, begun, &root, &mut cut, known.start, control)
+    } else {
+        search(task, control, cut.start(known.start).as_ref())
+    };
     if let Some(what) = found.contradiction {
         debug_assert!(mutations::has_any(), "a strengthened program is wrong: {what:?}");
         found = search_unstrengthened(task, found, control);

@@ -118,7 +118,10 @@ impl ProofWriter<'_, '_> {
             // A column that presolve has added has no name in the log.
             let is_known = cut.terms.iter().all(|&(j, _)| j < columns);
             let lemma = if is_known { Some(self.cut_lemma(&mut presolved, cut)?) } else { None };
+            let named = cut.cases.iter().filter(|&&j| j < columns);
+            self.lemma_cases = named.map(|&j| origins.columns[j]).collect();
             let tried = lemma.as_ref().map(|lemma| self.try_lemma(lemma, &mut unproved));
+            self.lemma_cases.clear();
             let fact = match tried.transpose()? {
                 Some(Tried::Closed) => return Ok(true),
                 Some(Tried::Proved(fact)) => Some(fact),

@@ -5,6 +5,7 @@ use super::found::SearchResult;
 use super::heuristics::{complete_start, look_for_first_point, suits_jumps};
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
+use super::pause::Pauses;
 use super::reporter::Reporter;
 use super::root::Root;
 use super::saved_tree::{End, ProofMultipliers, ProofTrial};
@@ -23,6 +24,16 @@ pub fn search(
     task: SolveTask<'_>,
     control: &mut Control<'_>,
     start: Option<&Start>,
+) -> SearchResult {
+    search_with_pauses(task, control, start, None)
+}
+
+/// Searches the tree of a program, which ends in a pause if that says so.
+pub(crate) fn search_with_pauses<'a>(
+    task: SolveTask<'_>,
+    control: &'a mut Control<'_>,
+    start: Option<&Start>,
+    pauses: Option<Pauses<'a>>,
 ) -> SearchResult {
     span!(
         INFO,
@@ -62,7 +73,7 @@ pub fn search(
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
     let tree = Tree::new(task, root, start, search_nested, workers);
     let mut reporter = Reporter::new(control);
-    reporter.exchange = exchange;
+    (reporter.exchange, reporter.pauses) = (exchange, pauses);
     if let Some(exchange) = reporter.exchange.as_deref_mut() {
         reporter.drops_nodes = shared_tree::begin(&tree, exchange);
     }

@@ -14,7 +14,7 @@
 //! * `pseudocosts` - the average effect of branching on a column
 //! * `tree` - shared by all workers: queue, best points, bounds, limits
 //! * `tree_view` - one worker's view of the tree
-//! * `reporter` - progress events
+//! * `reporter` - progress events, `pause` - questions whether the search ends
 //! * `shared_tree` - a tree that several processes search together
 //!
 //! The program:
@@ -77,6 +77,7 @@ mod node_probing;
 mod node_relaxation;
 mod outer_approximation;
 mod parallel;
+mod pause;
 mod perspective;
 mod perspective_cones;
 mod pseudocosts;
@@ -98,11 +99,12 @@ mod worker;
 
 pub(crate) use close_node::opposite;
 pub use comparison::Contradiction;
-pub(crate) use driver::{complete, first_point, wants_first_point};
+pub(crate) use driver::{complete, first_point, search_with_pauses, wants_first_point};
 pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
 pub use found::SearchResult;
 pub(crate) use outer_approximation::{ConeApproximation, approximate_cones};
+pub(crate) use pause::Pauses;
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use perspective::{lifting_slopes, with_perspective};
 pub use perspective_cones::squares_as_cones;

@@ -2,6 +2,7 @@
 
 use web_time::{Duration, Instant};
 
+use super::pause::Pauses;
 use super::tree::Tree;
 use crate::solution::Termination;
 use crate::solver::{Control, Event, Incumbent, TreeExchange};
@@ -13,6 +14,7 @@ pub(super) struct Reporter<'w, 'c> {
     pub(super) exchange: Option<&'c mut dyn TreeExchange>,
     /// Whether the nodes below the root are another process's.
     pub(super) drops_nodes: bool,
+    pub(super) pauses: Option<Pauses<'w>>,
     root_done: bool,
     incumbent: Option<f64>,
     last: Instant,
@@ -25,6 +27,7 @@ impl<'w, 'c> Reporter<'w, 'c> {
             control,
             exchange: None,
             drops_nodes: false,
+            pauses: None,
             root_done: false,
             incumbent: None,
             last,
@@ -57,6 +60,12 @@ impl<'w, 'c> Reporter<'w, 'c> {
         if self.last.elapsed() >= Duration::from_millis(200) {
             self.last = Instant::now();
             control.report(&Event::Progress(progress));
+        }
+        if let Some(pauses) = &mut self.pauses
+            && tree.lock().stop.is_none()
+            && pauses.is_end(&progress)
+        {
+            tree.stop(Termination::NodeLimit);
         }
     }
 }

@@ -76,6 +76,22 @@ impl RootCuts {
     }
 }
 
+impl RootCuts {
+    /// The root of a program without cuts.
+    pub(crate) fn none(begun: &Program, root: &Root) -> Self {
+        let all = 0..begun.column_count();
+        let bounds = all.map(|j| root.bounds(j).unwrap_or([begun.lower[j], begun.upper[j]]));
+        let bounds = bounds.collect();
+        RootCuts { program: begun.clone(), bounds, found: Vec::new(), last: Vec::new() }
+    }
+
+    /// Adds cuts that are rows of the last program, too.
+    pub(crate) fn add(&mut self, cuts: &[Cut]) {
+        self.last.extend(cuts.iter().map(|cut| cut.terms.clone()));
+        self.found.extend_from_slice(cuts);
+    }
+}
+
 /// The result of a pilot search: a search of one node, which tells whether cuts are wanted.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PilotResult {

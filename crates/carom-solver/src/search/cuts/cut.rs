@@ -40,6 +40,9 @@ pub struct Cut {
     /// The form that was rounded: where it is at most its value, and where it is at least the next
     /// one, the cut follows from rows and bounds. `None` if it was found in another way.
     pub form: Option<WholeForm>,
+    /// The binaries in each of whose cases it follows from rows and bounds; empty if it was found
+    /// in another way.
+    pub cases: Vec<usize>,
 }
 
 impl Cut {
@@ -75,7 +78,7 @@ impl Cut {
         }
         limit += CUTS.limit_margin * size;
         kept.iter_mut().for_each(|(_, a)| *a /= largest);
-        let cut = Cut { terms: kept, limit: limit / largest, form: None };
+        let cut = Cut { terms: kept, limit: limit / largest, form: None, cases: Vec::new() };
         (cut.depth(x) >= CUTS.least_depth && cut.limit.is_finite()).then_some(cut)
     }
 

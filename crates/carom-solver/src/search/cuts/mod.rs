@@ -6,16 +6,22 @@
 
 mod cut;
 mod cut_sets;
+mod facet_rounds;
+mod facets;
 mod gomory;
+mod hull_exit;
 mod mixed_integer_rounding;
 mod parameters;
 mod polymatroid;
 mod rounded_cut;
 mod rounding;
 mod separated_point;
+mod unions;
 
 pub use cut::{Cut, CutSide, WholeForm};
 pub use cut_sets::cut_set_cuts;
+pub(crate) use facet_rounds::FacetRounds;
+pub use facets::facet_cuts;
 pub use gomory::gomory_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
 pub use polymatroid::polymatroid_cuts;
@@ -240,7 +246,7 @@ impl CutRounds<'_> {
         let mut cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
         cuts.extend(gomory_cuts(program, self.domain, x, &point.inverse, token));
         cuts.extend(polymatroid_cuts(program, self.domain, x, token));
-        select(cuts, &[], x)
+        select(cuts, &[], CUTS.most_cosine, x)
     }
 
     /// Whether a round rounds single rows only.
@@ -254,7 +260,7 @@ impl CutRounds<'_> {
         if self.sets == Sets::Idle || self.looks_at_single_rows(round) {
             return Vec::new();
         }
-        select(cut_set_cuts(self.program, self.domain, x, token), found, x)
+        select(cut_set_cuts(self.program, self.domain, x, token), found, CUTS.most_cosine, x)
     }
 
     /// Drops the cuts that were not active for more than some rounds.
@@ -295,14 +301,14 @@ impl CutRounds<'_> {
 }
 
 /// The deepest cuts, no two of them nearly parallel, nor to those that there are.
-fn select(mut cuts: Vec<Cut>, others: &[Cut], x: &[f64]) -> Vec<Cut> {
+fn select(mut cuts: Vec<Cut>, others: &[Cut], most_cosine: f64, x: &[f64]) -> Vec<Cut> {
     cuts.sort_by(|a, b| b.depth(x).total_cmp(&a.depth(x)));
     let mut chosen: Vec<Cut> = Vec::new();
     for cut in cuts {
         if chosen.len() == CUTS.most_cuts {
             break;
         }
-        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= CUTS.most_cosine) {
+        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= most_cosine) {
             chosen.push(cut);
         }
     }
@@ -321,7 +327,7 @@ fn tangents(program: &Program, x: &[f64]) -> Vec<Cut> {
         // A power of two, so that nothing is rounded.
         let scale = (-largest_magnitude(terms.iter().map(|term| &term.1)).log2().ceil()).exp2();
         terms.iter_mut().for_each(|term| term.1 *= scale);
-        Cut { terms, limit: 0.0, form: None }
+        Cut { terms, limit: 0.0, form: None, cases: Vec::new() }
     };
     separate_program_cones(program, x).into_iter().map(tangent).collect()
 }

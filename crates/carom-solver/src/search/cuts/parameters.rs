@@ -77,6 +77,43 @@ pub(super) struct CutParameters {
     pub(super) most_flips: usize,
     /// Share of an aggregate's size that counts for the margin of its cut: rounding, and no more.
     pub(super) margin_share: f64,
+    /// Most unions of a program.
+    pub(super) most_unions: usize,
+    /// Numbers of binaries of a row whose cases are a union.
+    pub(super) case_counts: std::ops::RangeInclusive<usize>,
+    /// Most columns and rows of a union, and the longest of these.
+    pub(super) region_columns: usize,
+    pub(super) region_rows: usize,
+    pub(super) longest_region_row: usize,
+    /// By pass that adds rows to a union, most further columns of a row.
+    pub(super) region_growth: [usize; 8],
+    /// Distance from a whole number up to which a binary counts as decided.
+    pub(super) least_fraction: f64,
+    /// Most linear programs of a round.
+    pub(super) facet_programs: usize,
+    /// Linear programs in a row without a facet after which a shape is left alone.
+    pub(super) facet_failures: u32,
+    /// Most rounds of facets.
+    pub(super) facet_rounds: u32,
+    /// The share of the work of a search that facets may take before they have lifted its root.
+    pub(super) facet_share: f64,
+    /// The share, relative to the part of the way to the bound of the search that they have lifted
+    /// the root.
+    pub(super) share_growth: f64,
+    /// How far above the bound of a search facets have to lift its root, relative to its own lift.
+    pub(super) facet_margin: f64,
+    /// Most of the gap between root and incumbent that a search has closed which facets help.
+    pub(super) facet_gap: f64,
+    /// Most cosine of two facets: those of a union may be near to each other.
+    pub(super) most_facet_cosine: f64,
+    /// The part of what is to be lifted that a round lifts at least.
+    pub(super) idle_facets: f64,
+    /// What all later rounds may lift, relative to the last one.
+    pub(super) further_gains: f64,
+    /// How far the centre of a union may be off, relative to its size.
+    pub(super) centre_room: f64,
+    /// Coefficients below this, relative to the largest, are left out of a direction.
+    pub(super) slight_coefficient: f64,
 }
 
 pub(super) const CUTS: CutParameters = CutParameters {
@@ -112,4 +149,23 @@ pub(super) const CUTS: CutParameters = CutParameters {
     most_divisors: 12,
     most_flips: 12,
     margin_share: 1e-3,
+    most_unions: 2000,
+    case_counts: 2..=8,
+    region_columns: 40,
+    region_rows: 60,
+    longest_region_row: 14,
+    region_growth: [0, 1, 0, 1, 2, 0, 1, 0],
+    least_fraction: 1e-6,
+    facet_programs: 60,
+    facet_failures: 6,
+    facet_rounds: 12,
+    facet_share: 0.1,
+    share_growth: 2.0,
+    facet_margin: 0.2,
+    facet_gap: 0.33,
+    most_facet_cosine: 0.99,
+    idle_facets: 0.01,
+    further_gains: 5.0,
+    centre_room: 1e-6,
+    slight_coefficient: 1e-7,
 };

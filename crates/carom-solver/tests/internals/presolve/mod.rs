@@ -5,6 +5,7 @@ mod conditional_cones;
 mod cones;
 mod cut_sets;
 mod cuts;
+mod facets;
 mod grid;
 mod kkt;
 mod lineality;
