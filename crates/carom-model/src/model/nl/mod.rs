@@ -24,8 +24,8 @@ use crate::error::Error;
 ///
 /// [`ErrorKind::Parse`](crate::error::ErrorKind::Parse) with the line and column of anything
 /// damaged, unknown or contradictory; [`ErrorKind::Operator`](crate::error::ErrorKind::Operator)
-/// with the place of an operator that is not taken, such as `floor`, of a logical or complementarity
-/// constraint.
+/// with the place of an operator that is not taken, such as `floor`, of a logical or
+/// complementarity constraint.
 ///
 /// # Complexity
 ///
