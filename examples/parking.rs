@@ -3,7 +3,8 @@
 //! `cargo run --release --example parking`
 //!
 //! The car has a heading and a steering limit, so its motion has sines and cosines, and it goes
-//! forward or backward in each step. A step is one of Euler's: the plan and the proof are about that.
+//! forward or backward in each step. A step is one of Euler's: the plan and the proof are about
+//! that.
 
 use std::time::Instant;
 

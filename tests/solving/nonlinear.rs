@@ -239,8 +239,8 @@ impl NonlinearCase {
         Ok((model, x))
     }
 
-    /// A lower and an upper bound on the optimum; the upper one is infinite if no sample is a point.
-    /// Points that miss a row by up to `miss` count for the lower bound.
+    /// A lower and an upper bound on the optimum; the upper one is infinite if no sample is a
+    /// point. Points that miss a row by up to `miss` count for the lower bound.
     fn bracket(&self, miss: f64) -> Span {
         let mut best = f64::INFINITY;
         let mut boxes = vec![self.bounds.clone()];

@@ -1,8 +1,8 @@
 //! Spatial branch and bound: programs with functions that are neither affine nor piecewise affine.
 //!
-//! Each such function is a [`SmoothTerm`](term::SmoothTerm): a column that equals a function of one or two
-//! others. At a node, rows enclose it over the ranges of its arguments, so that the relaxation is
-//! linear. Splitting a range makes both enclosures tighter.
+//! Each such function is a `SmoothTerm`: a column that equals a function of one or two others. At a
+//! node, rows enclose it over the ranges of its arguments, so that the relaxation is linear.
+//! Splitting a range makes both enclosures tighter.
 //!
 //! * `program.rs`: a lowered program with its terms; `term.rs`: what a term is.
 //! * `enclosure.rs`: rows about a term over a box (McCormick 1976; tangents and chords).

@@ -113,8 +113,8 @@ impl SpatialProgram {
     /// Puts the columns of terms and arguments of a point on their functions, in the order in which
     /// they depend on each other.
     pub(super) fn settle(&self, x: &mut [f64]) {
-        // Arguments follow from variables, and terms from arguments. Terms are in order; an argument
-        // may depend on terms before it.
+        // Arguments follow from variables, and terms from arguments. Terms are in order; an
+        // argument may depend on terms before it.
         let mut next = 0;
         for term in &self.terms {
             while let Some(argument) = self.arguments.get(next) {
