@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::reformulate::{lower_around_functions, ties};
 use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Verification};
 use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
-use crate::spatial::{FoundPoint, SearchFlaw, SpatialProgram, SpatialSearch};
+use crate::spatial::{Occasion, SearchFlaw, SearchNews, SpatialProgram, SpatialSearch};
 
 use super::refusals::Refusals;
 
@@ -65,25 +65,12 @@ pub(super) fn solve_nonlinear(
         vec![x]
     });
     let watched = RefCell::new(control);
-    let mut notify = |found: &FoundPoint<'_>| {
-        let FoundPoint { statistics, x, value, bound } = *found;
-        let mut control = watched.borrow_mut();
-        let (objective, bound) = (sign * value, sign * bound);
-        let progress = Progress::new(
-            statistics.nodes,
-            0,
-            statistics.relaxations,
-            Some(objective),
-            bound,
-            token.elapsed(),
-        );
-        control.report(&Event::Incumbent(progress));
-        if let Some(point) = restored(x).filter(|_| control.watches_incumbents()) {
-            let incumbent = Incumbent::new(&point, objective, Heuristic::Leaf, progress);
-            if control.report_incumbent(&incumbent).is_break() {
-                token.stop();
-            }
-        }
+    watched.borrow_mut().report(&Event::Presolved(
+        program.size(),
+        Progress::new(0, 0, 0, None, -sign * f64::INFINITY, token.elapsed()),
+    ));
+    let mut notify = |news: &SearchNews<'_>| {
+        report(model, &mut watched.borrow_mut(), token, news, &restored);
     };
     let search =
         SpatialSearch { program: &program, options, token, accepts: &accepts, notify: &mut notify };
@@ -106,6 +93,37 @@ pub(super) fn solve_nonlinear(
     let outcome = Outcome::new(found.termination, values, sign * found.bound, found.statistics);
     let solution = Solution::new(model, outcome, options.feasibility)?;
     Ok(solution.with_refused(refusals.take()))
+}
+
+/// Reports how the search stands, and stops it if that is asked for.
+fn report(
+    model: &Model,
+    control: &mut Control<'_>,
+    token: &StopToken,
+    news: &SearchNews<'_>,
+    restored: &dyn Fn(&[f64]) -> Option<Point>,
+) {
+    let sign = model.sense().sign();
+    let (best, bound) = (news.best.map(|value| sign * value), sign * news.bound);
+    let (nodes, relaxations) = (news.statistics.nodes, news.statistics.relaxations);
+    let elapsed = token.elapsed();
+    let mut progress = Progress::new(nodes, news.open, relaxations, best, bound, elapsed);
+    (progress.depth, progress.iterations) = (news.statistics.depth, news.statistics.iterations);
+    progress.constant = model.objective_constant();
+    control.report(&match news.occasion {
+        Occasion::Root => Event::Root(progress),
+        Occasion::Better(_) => Event::Incumbent(progress),
+        Occasion::Time => Event::Progress(progress),
+    });
+    if let (Occasion::Better(x), Some(objective)) = (&news.occasion, best)
+        && control.watches_incumbents()
+        && let Some(point) = restored(x)
+    {
+        let incumbent = Incumbent::new(&point, objective, Heuristic::Relaxation, progress);
+        if control.report_incumbent(&incumbent).is_break() {
+            token.stop();
+        }
+    }
 }
 
 /// The model with variables for the squares and products of its objective, if they are squares of

@@ -9,9 +9,9 @@
 //! * `propagation.rs`: ranges of arguments from those of values, and the reverse.
 //! * `relaxation.rs`: the relaxation of a box, with rows that its point violates.
 //! * `bound_tightening.rs`: the range of a column over the relaxation.
-//! * `local.rs`: points from a sequence of linear programs.
+//! * `local.rs`: points from a sequence of linear programs; `points.rs`: those that count.
 //! * `branching.rs`: where to split; `tree.rs`: open nodes; `search.rs`: the search;
-//!   `flaw.rs`: why there may be none.
+//!   `state.rs`: its state and its result; `flaw.rs`: why there may be none.
 //!
 //! The overall method is that of Tawarmalani and Sahinidis, *Convexification and Global
 //! Optimization in Continuous and Mixed-Integer Nonlinear Programming* (2002).
@@ -21,13 +21,15 @@ mod branching;
 mod enclosure;
 mod flaw;
 mod local;
+mod points;
 mod program;
 mod propagation;
 mod relaxation;
 mod search;
+mod state;
 mod term;
 mod tree;
 
 pub(crate) use flaw::SearchFlaw;
 pub(crate) use program::SpatialProgram;
-pub(crate) use search::{FoundPoint, SpatialSearch};
+pub(crate) use search::{Occasion, SearchNews, SpatialSearch};

@@ -9,6 +9,7 @@ use crate::model::{Affine, Function, Model, Name, StoredRow, VariableKind};
 use crate::presolve::{Domain, Reduced, ReducedCone};
 use crate::program::Program;
 use crate::reformulate::Tie;
+use crate::solver::ProgramSize;
 
 /// A lowered program with its terms. Columns are the variables of the model, those of the lowering,
 /// and those of arguments.
@@ -67,6 +68,11 @@ impl SpatialProgram {
         spatial.sort_unstable();
         spatial.dedup();
         Ok(SpatialProgram { program, terms, arguments: builder.arguments, base, cones, spatial })
+    }
+
+    /// Its size, without the rows of terms.
+    pub(crate) fn size(&self) -> ProgramSize {
+        self.program.size()
     }
 
     /// A point between the bounds of all columns.

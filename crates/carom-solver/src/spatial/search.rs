@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
+use web_time::{Duration, Instant};
+
 use super::bound_tightening::{tighten_by_reduced_costs, tighten_by_relaxations};
-use super::branching::{BoxSplit, SplitHistory, choose};
+use super::branching::{BoxSplit, choose};
 use super::flaw::SearchFlaw;
-use super::local::TangentSearch;
 use super::program::{SpatialProgram, middle};
 use super::propagation::propagate;
-use super::relaxation::{BoxRelaxer, BoxVerdict, RelaxedBox};
-use super::tree::{OpenNodes, SpatialNode};
-use crate::presolve::{Domain, Propagator};
-use crate::relaxation::MethodCascade;
+use super::relaxation::{BoxVerdict, RelaxedBox};
+use super::state::{SearchState, SpatialResult};
+use super::tree::SpatialNode;
+use crate::presolve::Domain;
 use crate::solution::{Statistics, Termination};
 use crate::solver::{Options, StopToken};
 use crate::tolerance;
@@ -26,24 +27,11 @@ const NO_OBJECTIVE_BOUND: f64 = -0.01 * tolerance::FREE_RADIUS;
 /// Nodes after which the objective has to have a bound.
 const NODES_WITHOUT_BOUND: u64 = 200;
 
-/// Random starts of local searches at the root, if no point is known.
-const RANDOM_STARTS: usize = 6;
+/// The time between two reports.
+const BETWEEN_NEWS: Duration = Duration::from_millis(250);
 
 /// The longest way down before the node with the least bound is next.
 const MAX_PLUNGE: u32 = 12;
-
-/// The result of a search. Objective values are those of the minimised program.
-#[derive(Debug)]
-pub(crate) struct SpatialResult {
-    pub(crate) termination: Termination,
-    /// The best point that was accepted, by column, and its objective.
-    pub(crate) best: Option<(Vec<f64>, f64)>,
-    /// Proved; infinite if there is no point.
-    pub(crate) bound: f64,
-    pub(crate) statistics: Statistics,
-    /// What makes the program one that cannot be searched.
-    pub(crate) flaw: Option<SearchFlaw>,
-}
 
 /// A search over the boxes of a program.
 pub(crate) struct SpatialSearch<'a> {
@@ -52,51 +40,37 @@ pub(crate) struct SpatialSearch<'a> {
     pub(crate) token: &'a StopToken,
     /// Whether a point, by column, satisfies the model.
     pub(crate) accepts: &'a dyn Fn(&[f64]) -> bool,
-    /// Told of each better point.
-    pub(crate) notify: &'a mut dyn FnMut(&FoundPoint<'_>),
+    /// Told of each better point, and a few times a second.
+    pub(crate) notify: &'a mut dyn FnMut(&SearchNews<'_>),
 }
 
-/// A better point, while the search goes on.
-pub(crate) struct FoundPoint<'a> {
+/// What a search tells while it goes on.
+pub(crate) struct SearchNews<'a> {
+    pub(crate) occasion: Occasion<'a>,
     pub(crate) statistics: &'a Statistics,
-    pub(crate) x: &'a [f64],
-    /// Its objective, and the proved bound.
-    pub(crate) value: f64,
+    /// The number of open nodes.
+    pub(crate) open: usize,
+    /// The objective of the best point, and the proved bound.
+    pub(crate) best: Option<f64>,
     pub(crate) bound: f64,
 }
 
-/// The state of a search.
-struct State<'a> {
-    best: Option<(Vec<f64>, f64)>,
-    /// The least bound of boxes that are closed because no point in them is better by enough, or
-    /// that can be neither split nor closed.
-    closed: f64,
-    is_stalled: bool,
-    statistics: Statistics,
-    cascade: MethodCascade,
-    propagator: Propagator,
-    history: SplitHistory,
-    open: OpenNodes,
-    relaxer: BoxRelaxer<'a>,
+/// The occasion of news.
+pub(crate) enum Occasion<'a> {
+    /// The root is done.
+    Root,
+    /// A better point, by column.
+    Better(&'a [f64]),
+    /// Some time has passed.
+    Time,
 }
 
 impl SpatialSearch<'_> {
     /// Runs the search from points that may be good ones.
     pub(crate) fn run(mut self, starts: &[Vec<f64>]) -> SpatialResult {
         let SpatialSearch { program, options, token, .. } = self;
-        let mut state = State {
-            best: None,
-            closed: f64::INFINITY,
-            is_stalled: false,
-            statistics: Statistics::default(),
-            cascade: MethodCascade::new(options.relaxation),
-            propagator: Propagator::new(&program.program),
-            history: SplitHistory::new(program.program.column_count()),
-            open: OpenNodes::default(),
-            relaxer: BoxRelaxer::new(program, options, token),
-        };
+        let mut state = SearchState::new(program, options, token);
         let mut root = Domain::new(&program.program);
-        state.statistics.threads = 1;
         if propagate(program, &mut state.propagator, &mut root, None).is_err() {
             return state.result(Termination::Infeasible, f64::INFINITY);
         }
@@ -117,6 +91,7 @@ impl SpatialSearch<'_> {
         };
         let mut next = Some(first);
         let mut plunge = 0;
+        let mut told = Instant::now();
         loop {
             let Some(node) = next.take().or_else(|| state.open.pop()) else { break };
             let reason = self.limit(&state);
@@ -140,28 +115,51 @@ impl SpatialSearch<'_> {
                 state.statistics.cut_off += 1;
                 continue;
             }
+            state.in_hand = node.bound;
+            let is_root = node.depth == 0;
             next = self.process(&mut state, &mut root, node);
+            state.in_hand = next.as_ref().map_or(f64::INFINITY, |node| node.bound);
+            if is_root {
+                self.tell(&state, Occasion::Root);
+            } else if told.elapsed() >= BETWEEN_NEWS {
+                told = Instant::now();
+                self.tell(&state, Occasion::Time);
+            }
             plunge = if next.is_some() { plunge + 1 } else { 0 };
             if plunge > MAX_PLUNGE {
                 plunge = 0;
                 next.take().into_iter().for_each(|node| state.open.push(node));
             }
         }
-        let reason = match (&state.best, state.is_stalled) {
+        let reason = self.ended(&state);
+        state.result(reason, f64::INFINITY)
+    }
+
+    /// Why a search ends that has no open nodes.
+    fn ended(&self, state: &SearchState<'_>) -> Termination {
+        match (&state.best, state.is_stalled) {
             (None, false) => Termination::Infeasible,
             (None, true) => Termination::Stalled,
             (Some((_, value)), _) => {
-                let gap = options.allowed_gap(*value, program.program.constant);
+                let gap = self.options.allowed_gap(*value, self.program.program.constant);
                 match value - state.closed.min(*value) <= gap * (1.0 + 1e-9) {
                     true => Termination::Optimal,
                     false => Termination::Stalled,
                 }
             }
-        };
-        state.result(reason, f64::INFINITY)
+        }
     }
 
-    fn limit(&self, state: &State<'_>) -> Option<Termination> {
+    /// Tells how the search stands.
+    pub(super) fn tell(&mut self, state: &SearchState<'_>, occasion: Occasion<'_>) {
+        let open = state.open.bound().unwrap_or(f64::INFINITY).min(state.in_hand);
+        let best = state.best.as_ref().map(|(_, value)| *value);
+        let bound = open.min(state.closed).min(best.unwrap_or(f64::INFINITY));
+        let (statistics, open) = (&state.statistics, state.open.len());
+        (self.notify)(&SearchNews { occasion, statistics, open, best, bound });
+    }
+
+    fn limit(&self, state: &SearchState<'_>) -> Option<Termination> {
         if self.token.is_over() {
             return Some(self.token.ended().unwrap_or(Termination::Interrupted));
         }
@@ -175,7 +173,7 @@ impl SpatialSearch<'_> {
     }
 
     /// The bound from which a box holds no point that is better by enough.
-    fn cutoff(&self, state: &State<'_>) -> f64 {
+    pub(super) fn cutoff(&self, state: &SearchState<'_>) -> f64 {
         state.best.as_ref().map_or(f64::INFINITY, |(_, value)| {
             value - self.options.allowed_gap(*value, self.program.program.constant)
         })
@@ -184,7 +182,7 @@ impl SpatialSearch<'_> {
     /// Closes or splits a box; one of its children, if it was split.
     fn process(
         &mut self,
-        state: &mut State<'_>,
+        state: &mut SearchState<'_>,
         root: &mut Domain,
         node: SpatialNode,
     ) -> Option<SpatialNode> {
@@ -248,7 +246,7 @@ impl SpatialSearch<'_> {
     /// is worth relaxing again; `None` if nothing is left.
     fn tighten(
         &mut self,
-        state: &mut State<'_>,
+        state: &mut SearchState<'_>,
         root: &mut Domain,
         domain: &mut Domain,
         relaxed: &RelaxedBox,
@@ -304,7 +302,7 @@ impl SpatialSearch<'_> {
     /// Splits a box, and returns the child with the relaxed point.
     fn split(
         &mut self,
-        state: &mut State<'_>,
+        state: &mut SearchState<'_>,
         root: &Domain,
         domain: &Domain,
         (bound, depth): (f64, u64),
@@ -369,110 +367,5 @@ impl SpatialSearch<'_> {
         state.open.push(child(!is_right));
         state.statistics.max_open = state.statistics.max_open.max(state.open.len() as u64);
         Some(child(is_right))
-    }
-
-    /// Offers a relaxed point, settled on the functions.
-    fn offer(&mut self, state: &mut State<'_>, x: &[f64]) {
-        let mut settled = x.to_vec();
-        for &j in &self.program.program.integers {
-            settled[j] = settled[j].round();
-        }
-        self.program.settle(&mut settled);
-        self.accept(state, &settled);
-    }
-
-    /// Makes a point the best one if it is, and if it satisfies the model.
-    fn accept(&mut self, state: &mut State<'_>, x: &[f64]) {
-        let value = self.program.program.objective(x);
-        let is_better = state.best.as_ref().is_none_or(|(_, best)| value < *best);
-        if value.is_finite() && is_better && (self.accepts)(x) {
-            state.statistics.incumbents += 1;
-            state.best = Some((x.to_vec(), value));
-            let bound = state.open.bound().unwrap_or(f64::NEG_INFINITY).min(value);
-            (self.notify)(&FoundPoint { statistics: &state.statistics, x, value, bound });
-        }
-    }
-
-    /// Looks for points from random ones, as long as none is known.
-    fn try_random_starts(&mut self, state: &mut State<'_>, domain: &Domain) {
-        let mut random = 0x9e37_79b9_7f4a_7c15_u64;
-        for _ in 0..RANDOM_STARTS {
-            if state.best.is_some() || self.token.is_over() {
-                return;
-            }
-            let place = |j: usize| {
-                random ^= random << 13;
-                random ^= random >> 7;
-                random ^= random << 17;
-                let part = (random >> 11) as f64 / (1_u64 << 53) as f64;
-                let [lower, upper] = domain.bounds(j);
-                let (lower, upper) =
-                    (lower.max(upper.min(0.0) - 10.0), upper.min(lower.max(0.0) + 10.0));
-                lower + part * (upper - lower)
-            };
-            let start: Vec<f64> = (0..domain.column_count()).map(place).collect();
-            self.improve(state, domain, &start);
-        }
-    }
-
-    /// Looks for a point near another one, with the integers rounded.
-    fn improve(&mut self, state: &mut State<'_>, domain: &Domain, x: &[f64]) {
-        let program = self.program;
-        let mut fixed = domain.clone();
-        let mark = fixed.mark();
-        for &j in &program.program.integers {
-            let [lower, upper] = fixed.bounds(j);
-            let value = x[j].round().max(lower).min(upper);
-            fixed.set_lower(j, value);
-            fixed.set_upper(j, value);
-        }
-        let has_integers = !program.program.integers.is_empty();
-        // The cutoff must not exclude what a local search could still improve.
-        state.propagator.set_cutoff(&program.program, f64::INFINITY);
-        if has_integers
-            && propagate(program, &mut state.propagator, &mut fixed, Some(mark)).is_err()
-        {
-            return;
-        }
-        let mut cascade =
-            std::mem::replace(&mut state.cascade, MethodCascade::new(self.options.relaxation));
-        let mut found = Vec::new();
-        {
-            let search = TangentSearch { relaxer: &state.relaxer, domain: &fixed };
-            search.run(&mut cascade, x, &mut |x| found.push(x.to_vec()));
-        }
-        state.cascade = cascade;
-        state.count();
-        for x in found.iter().rev() {
-            self.accept(state, x);
-        }
-    }
-}
-
-impl State<'_> {
-    /// Notes that no point of a box is below a bound.
-    fn close(&mut self, bound: f64) {
-        self.closed = self.closed.min(bound);
-    }
-
-    /// Counts what the relaxations have taken.
-    fn count(&mut self) {
-        let spent = self.cascade.take_spent();
-        self.statistics.relaxations += spent.counts.total();
-        self.statistics.relaxation_counts.add(&spent.counts);
-        self.statistics.iterations += spent.iterations;
-    }
-
-    fn result(self, termination: Termination, open: f64) -> SpatialResult {
-        let value = self.best.as_ref().map_or(f64::INFINITY, |(_, value)| *value);
-        let bound = open.min(self.closed).min(value);
-        let bound = if termination == Termination::Infeasible { f64::INFINITY } else { bound };
-        SpatialResult {
-            termination,
-            best: self.best,
-            bound,
-            statistics: self.statistics,
-            flaw: None,
-        }
     }
 }
