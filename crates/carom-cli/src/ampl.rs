@@ -104,6 +104,8 @@ fn solve(bytes: &[u8], asked: Asked, sol: &mut SolFile) -> Result<(), String> {
     sol.message = answer::summary(&model, &solution, begin.elapsed().as_secs_f64());
     sol.code = code(&solution);
     sol.values = solution.point().map_or_else(Vec::new, |point| point.as_slice().to_vec());
+    // Variables of functions come after those of the file.
+    sol.values.truncate(sol.columns);
     sol.bound = asked.has_objective.then(|| solution.bound());
     sol.multipliers = multipliers(&model, &solution, sol.rows);
     match solution.proof().and_then(|proof| proof.failure.as_ref()) {

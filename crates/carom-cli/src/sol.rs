@@ -23,7 +23,8 @@ pub(crate) fn integers(model: &Model, text: &str) -> Result<Vec<(Variable, f64)>
 /// The values of a model's integers in an answer to its NL file.
 pub(crate) fn of_answer(model: &Model, text: &str) -> Option<Vec<(Variable, f64)>> {
     let answer = SolFile::read(text).ok()?;
-    let is_whole = answer.values.len() == model.variable_count();
+    // Variables of functions come after those of the file.
+    let is_whole = answer.values.len() <= model.variable_count();
     let values = model.variables().zip(answer.values).filter(|(own, _)| own.kind().is_integral());
     is_whole.then(|| values.map(|(own, value)| (own.id(), value.round())).collect())
 }

@@ -14,6 +14,7 @@ mod lossy;
 mod lower;
 mod mip_start;
 mod multipliers;
+#[cfg(feature = "nonlinear")]
 mod nonlinear;
 mod phases;
 mod prepared;
@@ -37,9 +38,10 @@ use crate::reformulate;
 use crate::relaxation::CascadePool;
 use crate::search::{SearchResult, SolveTask};
 use crate::solution::Solution;
-use crate::solver::{Control, Options, Prepared, Solver, StopToken, prepared_afresh};
+use crate::solver::{Control, Options, Prepared, Solver, StopToken};
 use answer::answer;
 use mip_start::GivenStart;
+#[cfg(feature = "nonlinear")]
 use nonlinear::{is_nonlinear, solve_nonlinear};
 use prepared::PreparedProgram;
 use proof::check_path;
@@ -101,6 +103,7 @@ impl Solver for BranchAndBound {
         let options = &self.options;
         options.check()?;
         check_path(options)?;
+        #[cfg(feature = "nonlinear")]
         if is_nonlinear(model) {
             return solve_nonlinear(model, options, control);
         }
@@ -120,8 +123,9 @@ impl Solver for BranchAndBound {
     }
 
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
+        #[cfg(feature = "nonlinear")]
         if is_nonlinear(model) {
-            return Ok(prepared_afresh(self, model));
+            return Ok(crate::solver::prepared_afresh(self, model));
         }
         let rows = reformulate::with_some_integers(model)?;
         Ok(Box::new(PreparedProgram::new(&mut self.options, rows.as_ref().unwrap_or(model))?))

@@ -15,14 +15,17 @@ mod proof;
 pub mod reformulate;
 mod relaxation;
 mod search;
+#[cfg(feature = "nonlinear")]
 mod spatial;
 
 pub use branch_and_bound::BranchAndBound;
 pub use carom_model;
 
+#[cfg(feature = "nonlinear")]
+use carom_model::internals::elementary;
 #[cfg(feature = "serde")]
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    activity, elementary, error, interval, model, mutations, number, semidefinite, setters,
-    solution, solver, sum, tolerance, union_find,
+    activity, error, interval, model, mutations, number, semidefinite, setters, solution, solver,
+    sum, tolerance, union_find,
 };

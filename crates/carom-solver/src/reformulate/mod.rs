@@ -57,7 +57,9 @@ use crate::interval::Interval;
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{LeafBox, Outcome, Solution};
 use crate::solver::{Solver, StopToken, uninterrupted};
-pub(crate) use direction::{Tie, ties};
+pub(crate) use direction::Tie;
+#[cfg(feature = "nonlinear")]
+pub(crate) use direction::ties;
 use implied_bounds::ImpliedBounds;
 use linear_program::Maximizer;
 use lowering::Lowering;
@@ -214,7 +216,9 @@ pub(crate) fn lower_until(
         Some(function) => Err(ErrorKind::Unsupported {
             solver: "a model of rows".to_owned(),
             what: format!("the function `{}`, which rows only enclose", function.name()),
-            help: "solve the model itself with `BranchAndBound`".to_owned(),
+            help:
+                "solve the model itself with `BranchAndBound`, which needs the feature `nonlinear`"
+                    .to_owned(),
         }
         .into()),
     }
