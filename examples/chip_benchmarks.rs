@@ -99,45 +99,42 @@ fn thermostat() -> Result<System, Error> {
 
 /// A pole on a cart between soft walls, linearised (arXiv 1910.08251), with a short horizon.
 fn pole() -> Result<System, Error> {
-    let step = 0.1;
+    let get = |n: &str, d: f64| std::env::var(n).ok().and_then(|s| s.parse().ok()).unwrap_or(d);
+    let step = get("STEP", 0.1);
     let mut cart = HybridSystem::new(step);
-    let x = cart.state("x", -1.0, 1.0)?; // m, of the tip
-    let v = cart.state("v", -3.0, 3.0)?; // m/s
+    let tip = cart.state("tip", -1.0, 1.0)?; // m
+    let w = cart.state("w", -3.0, 3.0)?; // m/s
     let angle = cart.state("angle", -0.7, 0.7)?; // rad
     let rate = cart.state("rate", -4.0, 4.0)?; // rad/s
     let u = cart.input("u", -3.0, 3.0)?; // N
     let flow = |push: Affine| {
-        let turned = rate + step * (20.0 * angle + u + push);
         [
-            (x, x + step * v),
-            (v, v + step * (10.0 * angle + u)),
+            (tip, tip + step * w),
+            (w, w - step * (10.0 * angle + push.clone())),
             (angle, angle + step * rate),
-            (rate, turned),
+            (rate, rate + step * (20.0 * angle + u + push)),
         ]
     };
-    let tip = x - angle;
-    cart.mode("free")?
-        .next(flow(0.0.into()))?
-        .guard(tip.clone().le(0.5))?
-        .guard(tip.clone().ge(-0.5))?;
-    cart.mode("right")?.next(flow(50.0 * (tip.clone() - 0.5)))?.guard(tip.clone().ge(0.5))?;
-    cart.mode("left")?.next(flow(50.0 * (tip.clone() + 0.5)))?.guard(tip.le(-0.5))?;
-    let mut program = cart.program(2)?;
-    let cost = program.sum(x.square() + angle.square() + 0.1 * u.square())?;
+    cart.mode("free")?.next(flow(0.0.into()))?.guard(tip.le(0.5))?.guard(tip.ge(-0.5))?;
+    cart.mode("right")?.next(flow(50.0 * (tip - 0.5)))?.guard(tip.ge(0.5))?;
+    cart.mode("left")?.next(flow(50.0 * (tip + 0.5)))?.guard(tip.le(-0.5))?;
+    let mut program = cart.program(get("N", 2.0) as usize)?;
+    let (x, v) = (tip + angle, w + rate);
+    let cost = program.sum(x.clone().square() + angle.square() + 0.1 * u.square())?;
     program.minimize(
         cost + program.end(x.square() + v.square() + 5.0 * angle.square() + rate.square())?,
     )?;
     let axes = program.open_start([
-        (x, -0.55..=0.55),
-        (v, -0.2..=0.2),
-        (angle, -0.1..=0.1),
-        (rate, -0.2..=0.2),
+        (tip, get("T0", -2.0 / 3.0)..=get("T1", 2.0 / 3.0)),
+        (w, -get("W", 0.2)..=get("W", 0.2)),
+        (angle, -get("A", 0.1)..=get("A", 0.1)),
+        (rate, -get("R", 0.2)..=get("R", 0.2)),
     ])?;
     let input = program.at(u, 0)?;
     let table = ExplicitProgram::new(program.model(), axes.clone(), [input.clone()])?
-        .with_loss(0.2, 0.1)?
-        .with_finest(1.0 / 16.0)?
-        .with_cell_limit(100_000)
+        .with_loss(get("EA", 0.2), get("ER", 0.1))?
+        .with_finest(get("F", 1.0 / 16.0))?
+        .with_cell_limit(get("C", 100_000.0) as usize)
         .build();
     Ok(System { program, axes, input, table })
 }
@@ -229,6 +226,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
          look-up: mean, longest   online: median, longest"
     );
     for (name, build) in systems {
+        if std::env::var("ONLY").is_ok_and(|only| only != name) {
+            continue;
+        }
         let system = build()?;
         let (report, single) = (system.table.report(), system.table.single());
         let percent = |share: f64| 100.0 * share;

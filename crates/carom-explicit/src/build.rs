@@ -8,9 +8,10 @@ use carom_model::internals::solver::StopToken;
 
 use crate::bounds::{self, Coefficients};
 use crate::corner::{Corner, CornerOptimum, Workshop};
+use crate::edge_choice::CellEdge;
 use crate::proof_of_cell::{CellClaim, CellProof, NoProof, square};
 use crate::relaxed::CornerRelaxation;
-use crate::simplex_cell::{BOX_UNITS, kuhn, midpoint, orders, squared_length};
+use crate::simplex_cell::{kuhn, midpoint, orders};
 
 /// When a cell is finished.
 #[derive(Debug, Clone, Copy)]
@@ -74,8 +75,12 @@ struct WaitingCell {
     number: usize,
 }
 
-/// The edge that is cut, and the corners of the halves.
-type CutCell = ([usize; 2], [Vec<Rc<Corner>>; 2]);
+/// What becomes of a cell.
+enum Decision {
+    Leaf(PartitionCell),
+    /// The edge that is cut, the corners of the halves, and integers to try there.
+    Cut(CellEdge, [Vec<Rc<Corner>>; 2], Vec<usize>),
+}
 
 /// A law that is not proved yet.
 struct Trial {
@@ -142,19 +147,17 @@ pub(crate) fn partition(
     while let Some(cell) = queue.pop_front() {
         let number = cell.number;
         let room = leaves + queue.len() + 2 <= goal.cells && !token.is_over();
-        let (decided, tried) = shop.decide(&cell, goal, room, token);
-        if let Some(decided) = decided {
-            cells[number] = decided;
-            (leaves, done) = (leaves + 1, done + shares[number]);
-            progress(leaves, done);
-            if leaves % 1024 == 0 {
-                shop.sweep();
+        let (edge, halves, tried) = match shop.decide(&cell, goal, room, token) {
+            Decision::Leaf(decided) => {
+                cells[number] = decided;
+                (leaves, done) = (leaves + 1, done + shares[number]);
+                progress(leaves, done);
+                if leaves % 1024 == 0 {
+                    shop.sweep();
+                }
+                continue;
             }
-            continue;
-        }
-        let Some((edge, halves)) = shop.halves(&cell) else {
-            leaves += 1;
-            continue;
+            Decision::Cut(edge, halves, tried) => (edge, halves, tried),
         };
         let next = [cells.len(), cells.len() + 1];
         for (corners, number) in halves.into_iter().zip(next) {
@@ -170,18 +173,17 @@ pub(crate) fn partition(
 }
 
 impl Workshop {
-    /// Decides a cell: it becomes a leaf, or, if the first is `None`, is cut. Then the second has
-    /// integers to try in its halves.
+    /// Decides a cell; without `room` it becomes a leaf.
     fn decide(
         &mut self,
         cell: &WaitingCell,
         goal: BuildGoal,
         room: bool,
         token: &StopToken,
-    ) -> (Option<PartitionCell>, Vec<usize>) {
+    ) -> Decision {
         let corners = &cell.corners;
         if token.is_over() {
-            return (Some(PartitionCell::Open), Vec::new());
+            return Decision::Leaf(PartitionCell::Open);
         }
         let mut waiting = cell.tried.clone();
         let (mut seen, mut trials, mut failed) = (Vec::new(), Vec::new(), Vec::new());
@@ -209,7 +211,7 @@ impl Workshop {
                 match self
                     .prove(corners, CellClaim::Loss(&trial.cost, trial.allowed(goal), trial.number))
                 {
-                    Ok(proof) => return (Some(trial.law(proof, goal)), Vec::new()),
+                    Ok(proof) => return Decision::Leaf(trial.law(proof, goal)),
                     Err(NoProof { better }) => waiting.extend(better),
                 }
                 failed.push(trial);
@@ -223,7 +225,7 @@ impl Workshop {
             let optima: Vec<CornerOptimum> = optima.collect();
             if optima.iter().all(|optimum| *optimum == CornerOptimum::NoPlan) {
                 match self.prove(corners, CellClaim::NoPlan) {
-                    Ok(proof) => return (Some(PartitionCell::NoPlan(proof)), Vec::new()),
+                    Ok(proof) => return Decision::Leaf(PartitionCell::NoPlan(proof)),
                     Err(_) => break,
                 }
             }
@@ -238,9 +240,9 @@ impl Workshop {
                 break;
             }
         }
-        if room && self.can_be_cut(cell, goal) {
-            failed.append(&mut trials);
-            failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        failed.append(&mut trials);
+        failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        if room {
             good.extend(failed.iter().map(|trial| trial.number));
             good.extend(seen);
             let mut known = Vec::new();
@@ -251,16 +253,18 @@ impl Workshop {
                 }
             });
             good.truncate(MOST_INHERITED);
-            return (None, good);
+            let edge = self.edge(corners, &good, goal);
+            if let Some((edge, halves)) = edge.and_then(|edge| self.halves(corners, edge)) {
+                return Decision::Cut(edge, halves, good);
+            }
         }
-        failed.append(&mut trials);
-        let Some(trial) = failed.into_iter().min_by(|a, b| a.sum.total_cmp(&b.sum)) else {
-            return (Some(PartitionCell::Open), Vec::new());
+        let Some(trial) = failed.into_iter().next() else {
+            return Decision::Leaf(PartitionCell::Open);
         };
         let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
         let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
         let proof = self.prove(corners, claim).unwrap_or(none);
-        (Some(trial.law(proof, goal)), Vec::new())
+        Decision::Leaf(trial.law(proof, goal))
     }
 
     /// The law of these integers, if it holds at all corners.
@@ -283,35 +287,18 @@ impl Workshop {
         Some(Trial { number, plans, cost, sum })
     }
 
-    fn can_be_cut(&self, cell: &WaitingCell, goal: BuildGoal) -> bool {
-        let longest = longest_edge(&cell.corners).1;
-        (longest as f64).sqrt() / BOX_UNITS as f64 > goal.finest
-    }
-
-    /// The edge that is cut, and the corners of the halves.
-    fn halves(&mut self, cell: &WaitingCell) -> Option<CutCell> {
-        let [i, j] = longest_edge(&cell.corners).0;
-        let middle = midpoint(&cell.corners[i].units, &cell.corners[j].units)?;
-        let middle = self.corner(middle);
+    /// The corners of the halves; `None` if the middle is finer than the unit.
+    fn halves(
+        &mut self,
+        corners: &[Rc<Corner>],
+        [i, j]: CellEdge,
+    ) -> Option<(CellEdge, [Vec<Rc<Corner>>; 2])> {
+        let middle = self.corner(midpoint(&corners[i].units, &corners[j].units)?);
         let with = |k: usize| {
-            let mut corners = cell.corners.clone();
-            corners[k] = Rc::clone(&middle);
-            corners
+            let mut half = corners.to_vec();
+            half[k] = Rc::clone(&middle);
+            half
         };
         Some(([i, j], [with(j), with(i)]))
     }
-}
-
-/// The longest edge, the first one if there are several, and the square of its length.
-fn longest_edge(corners: &[Rc<Corner>]) -> ([usize; 2], i128) {
-    let mut longest = ([0, 1], -1);
-    for i in 0..corners.len() {
-        for j in i + 1..corners.len() {
-            let length = squared_length(&corners[i].units, &corners[j].units);
-            if length > longest.1 {
-                longest = ([i, j], length);
-            }
-        }
-    }
-    longest
 }

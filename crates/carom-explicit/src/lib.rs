@@ -7,6 +7,7 @@ mod builder;
 mod c_source;
 mod certificate;
 mod corner;
+mod edge_choice;
 mod form;
 mod integer_tree;
 mod proof_of_cell;
