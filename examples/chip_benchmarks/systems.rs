@@ -116,7 +116,7 @@ pub(crate) fn just_on() -> Result<System, Error> {
 ///
 /// The tip of the pole is a state, so that the walls are at 1/8 and 7/8 of the side of the box, where
 /// cells are cut.
-fn pole(steps: usize, tips: [f64; 2], speed: f64) -> Result<System, Error> {
+fn pole(steps: usize, tips: [f64; 2], speed: f64, finest: f64) -> Result<System, Error> {
     let step = 0.1;
     let mut cart = HybridSystem::new(step);
     let tip = cart.state("tip", -1.0, 1.0)?; // m
@@ -149,15 +149,15 @@ fn pole(steps: usize, tips: [f64; 2], speed: f64) -> Result<System, Error> {
         (rate, -0.2..=0.2),
     ])?;
     let input = program.at(u, 0)?;
-    Ok(System { program, axes, input, goal: [0.2, 0.1, 1.0 / 16.0] })
+    Ok(System { program, axes, input, goal: [0.2, 0.1, finest] })
 }
 
 /// The pole between the walls and a sixth of a metre beyond, for a step.
 pub(crate) fn pole_between() -> Result<System, Error> {
-    pole(1, [-2.0 / 3.0, 2.0 / 3.0], 0.2)
+    pole(1, [-2.0 / 3.0, 2.0 / 3.0], 0.2, 1.0 / 256.0)
 }
 
 /// The pole within a tenth of a metre of a wall, for two steps.
 pub(crate) fn pole_beside() -> Result<System, Error> {
-    pole(2, [0.4, 0.6], 1.0)
+    pole(2, [0.4, 0.6], 1.0, 1.0 / 16.0)
 }
