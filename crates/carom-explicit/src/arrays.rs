@@ -5,8 +5,9 @@ use std::hash::Hash;
 
 use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupTable};
 
-use crate::build::{Partition, PartitionCell};
+use crate::build::PartitionCell;
 use crate::form::ParametricForm;
+use crate::partition::Partition;
 use crate::relaxed::CornerRelaxation;
 
 /// The arrays of a look-up in `f64` or `f32`, as they are written for devices.
@@ -30,7 +31,7 @@ pub struct LookupArrays<T> {
 }
 
 /// An input of a law, as an affine expression of the columns of a plan.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LawOutput {
     pub(crate) offset: f64,
     pub(crate) terms: Vec<(usize, f64)>,

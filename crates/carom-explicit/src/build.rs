@@ -1,17 +1,15 @@
-//! The partition: cells wait in a queue, and each becomes a leaf or is cut through its longest
-//! edge.
+//! What becomes of a cell: a leaf with a plan or without, or two halves.
 
-use std::collections::VecDeque;
 use std::rc::Rc;
-
-use carom_model::internals::solver::StopToken;
+use std::sync::Arc;
 
 use crate::bounds::{self, Coefficients};
 use crate::corner::{Corner, CornerOptimum, Workshop};
 use crate::edge_choice::CellEdge;
+use crate::form::ParametricForm;
 use crate::proof_of_cell::{CellClaim, CellProof, NoProof, square};
 use crate::relaxed::CornerRelaxation;
-use crate::simplex_cell::{kuhn, midpoint, orders};
+use crate::simplex_cell::midpoint;
 
 /// When a cell is finished.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +47,7 @@ const MOST_INHERITED: usize = 8;
 /// A law: the plans of the corners, with the same integers.
 #[derive(Debug)]
 pub(crate) struct CellLaw {
-    pub(crate) plans: Vec<Rc<CornerRelaxation>>,
+    pub(crate) plans: Vec<Arc<CornerRelaxation>>,
     /// The most that it loses; infinite without a proof.
     pub(crate) loss: f64,
     /// The most that it may lose.
@@ -67,16 +65,36 @@ pub(crate) enum PartitionCell {
     Open,
 }
 
-/// A cell in the queue.
-struct WaitingCell {
-    corners: Vec<Rc<Corner>>,
-    /// Integers that were good for the whole.
-    tried: Vec<usize>,
-    number: usize,
+impl PartitionCell {
+    /// The cell by another goal; `None` if it is not finished.
+    pub(crate) fn judged(mut self, form: &ParametricForm, goal: BuildGoal) -> Option<Self> {
+        match &mut self {
+            PartitionCell::Open => return None,
+            PartitionCell::Plan(law) => {
+                law.allowed = goal.loss(&plans_cost(form, &law.plans));
+                if law.loss > law.allowed {
+                    return None;
+                }
+            }
+            PartitionCell::Cut { .. } | PartitionCell::NoPlan(_) => {}
+        }
+        Some(self)
+    }
+}
+
+/// The cost of interpolated plans.
+fn plans_cost(form: &ParametricForm, plans: &[Arc<CornerRelaxation>]) -> Coefficients {
+    let point = |plan: &Arc<CornerRelaxation>| match &**plan {
+        CornerRelaxation::Solved { x, .. } => x.clone(),
+        _ => Vec::new(),
+    };
+    let points: Vec<Vec<f64>> = plans.iter().map(point).collect();
+    let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+    bounds::cost(form, &points)
 }
 
 /// What becomes of a cell.
-enum Decision {
+pub(crate) enum Decision {
     Leaf(PartitionCell),
     /// The edge that is cut, the corners of the halves, and integers to try there.
     Cut(CellEdge, [Vec<Rc<Corner>>; 2], Vec<usize>),
@@ -85,7 +103,7 @@ enum Decision {
 /// A law that is not proved yet.
 struct Trial {
     number: usize,
-    plans: Vec<Rc<CornerRelaxation>>,
+    plans: Vec<Arc<CornerRelaxation>>,
     cost: Coefficients,
     sum: f64,
 }
@@ -114,78 +132,23 @@ impl Trial {
     }
 }
 
-/// The partition as a tree; the first cells are those of the orders of the axes.
-#[derive(Debug)]
-pub(crate) struct Partition {
-    pub(crate) cells: Vec<PartitionCell>,
-    pub(crate) orders: usize,
-    /// The largest number of cuts on a way to a leaf.
-    pub(crate) depth: usize,
-}
-
-/// Builds the partition. `progress` is told the number of leaves and the share of the set that they
-/// are.
-pub(crate) fn partition(
-    shop: &mut Workshop,
-    goal: BuildGoal,
-    token: &StopToken,
-    progress: &mut dyn FnMut(usize, f64),
-) -> Partition {
-    let mut queue = VecDeque::new();
-    let mut cells = Vec::new();
-    let mut depths = Vec::new();
-    let mut shares = Vec::new();
-    let orders = orders(shop.form.axes.len());
-    for order in &orders {
-        let corners = kuhn(order).into_iter().map(|units| shop.corner(units)).collect();
-        queue.push_back(WaitingCell { corners, tried: Vec::new(), number: cells.len() });
-        cells.push(PartitionCell::Open);
-        depths.push(0);
-        shares.push(1.0 / orders.len() as f64);
-    }
-    let (mut leaves, mut done, mut depth) = (0, 0.0, 0);
-    while let Some(cell) = queue.pop_front() {
-        let number = cell.number;
-        let room = leaves + queue.len() + 2 <= goal.cells && !token.is_over();
-        let (edge, halves, tried) = match shop.decide(&cell, goal, room, token) {
-            Decision::Leaf(decided) => {
-                cells[number] = decided;
-                (leaves, done) = (leaves + 1, done + shares[number]);
-                progress(leaves, done);
-                if leaves % 1024 == 0 {
-                    shop.sweep();
-                }
-                continue;
-            }
-            Decision::Cut(edge, halves, tried) => (edge, halves, tried),
-        };
-        let next = [cells.len(), cells.len() + 1];
-        for (corners, number) in halves.into_iter().zip(next) {
-            queue.push_back(WaitingCell { corners, tried: tried.clone(), number });
-            cells.push(PartitionCell::Open);
-            depths.push(depths[cell.number] + 1);
-            shares.push(0.5 * shares[cell.number]);
-        }
-        depth = depth.max(depths[cell.number] + 1);
-        cells[number] = PartitionCell::Cut { edge, next };
-    }
-    Partition { cells, orders: orders.len(), depth }
-}
-
-impl Workshop {
+impl Workshop<'_> {
     /// Decides a cell; without `room` it becomes a leaf.
-    fn decide(
+    ///
+    /// # Arguments
+    ///
+    /// * `tried`: integers that were good for the whole.
+    pub(crate) fn decide(
         &mut self,
-        cell: &WaitingCell,
+        corners: &[Rc<Corner>],
+        tried: &[usize],
         goal: BuildGoal,
         room: bool,
-        token: &StopToken,
     ) -> Decision {
-        let corners = &cell.corners;
-        if token.is_over() {
+        if self.is_over() {
             return Decision::Leaf(PartitionCell::Open);
         }
-        let mut waiting = cell.tried.clone();
+        let mut waiting = tried.to_vec();
         let (mut seen, mut trials, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut has_optima, mut proofs) = (false, 0);
         // The best integers of corners come first for the halves.
@@ -277,13 +240,7 @@ impl Workshop {
             sum += cost;
             plans.push(plan);
         }
-        let point = |plan: &Rc<CornerRelaxation>| match &**plan {
-            CornerRelaxation::Solved { x, .. } => x.clone(),
-            _ => Vec::new(),
-        };
-        let points: Vec<Vec<f64>> = plans.iter().map(point).collect();
-        let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
-        let cost = bounds::cost(&self.form, &points);
+        let cost = plans_cost(self.form, &plans);
         Some(Trial { number, plans, cost, sum })
     }
 
@@ -293,7 +250,7 @@ impl Workshop {
         corners: &[Rc<Corner>],
         [i, j]: CellEdge,
     ) -> Option<(CellEdge, [Vec<Rc<Corner>>; 2])> {
-        let middle = self.corner(midpoint(&corners[i].units, &corners[j].units)?);
+        let middle = self.corner(midpoint(corners[i].units(), corners[j].units())?);
         let with = |k: usize| {
             let mut half = corners.to_vec();
             half[k] = Rc::clone(&middle);

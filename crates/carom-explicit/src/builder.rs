@@ -12,10 +12,10 @@ use carom_solver::reformulate;
 use web_time::{Duration, Instant};
 
 use crate::arrays::{LawOutput, LookupArrays};
-use crate::build::{BuildGoal, Partition, PartitionCell, partition};
-use crate::corner::Workshop;
+use crate::build::{BuildGoal, PartitionCell};
+use crate::expected_cells::CellCounts;
 use crate::form::{ParametricForm, refused};
-use crate::relaxed::CornerRelaxer;
+use crate::partition::{Partition, PartitionBuild};
 use crate::table::{ExplicitTable, TableReport};
 
 /// How far a build has come.
@@ -26,6 +26,9 @@ pub struct TableProgress {
     pub cells: usize,
     /// The share of the set that they are, from 0 to 1.
     pub share: f64,
+    /// The number of cells to expect in the end: a forecast, from how many cells of each size were
+    /// cut so far. It means little before some hundred cells.
+    pub expected_cells: usize,
     /// The time since the build began.
     pub elapsed: Duration,
 }
@@ -65,7 +68,9 @@ pub struct ExplicitProgram<'a> {
     goal: BuildGoal,
     time_limit: Option<Duration>,
     interrupt: Interrupt,
+    threads: usize,
     watch: Option<Watch<'a>>,
+    begun: Option<Partition>,
 }
 
 impl fmt::Debug for ExplicitProgram<'_> {
@@ -117,14 +122,15 @@ impl<'a> ExplicitProgram<'a> {
         }
         let goal =
             BuildGoal { absolute: 1e-3, relative: 1e-2, finest: 1.0 / 256.0, cells: 1_000_000 };
-        let interrupt = Interrupt::new();
         Ok(ExplicitProgram {
             form,
             outputs: columns,
             goal,
             time_limit: None,
-            interrupt,
+            interrupt: Interrupt::new(),
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
             watch: None,
+            begun: None,
         })
     }
 
@@ -180,7 +186,47 @@ impl<'a> ExplicitProgram<'a> {
         self
     }
 
-    /// Calls a function after each cell.
+    /// The number of threads; default: one a processor. The table is the same for any number, unless
+    /// a limit of time or an interrupt ends the build.
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        self.threads = threads.clamp(1, 256);
+        self
+    }
+
+    /// Goes on with a table of this program: cells that are open, or lose more than is asked for
+    /// now, are built anew, and the others are kept. So a table that a limit ended grows further,
+    /// and ε can become smaller.
+    ///
+    /// ```
+    /// use carom::explicit::ExplicitProgram;
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("near");
+    /// let x = model.parameter("x", 0.0, 0.0, 8.0)?;
+    /// let n = model.integer("n", 0.0, 8.0)?;
+    /// let rest = model.continuous("rest", -9.0, 9.0)?;
+    /// model.add("apart", rest.equals(x - n))?;
+    /// model.minimize(rest.square())?;
+    /// let new = || ExplicitProgram::new(&model, [x], [n]);
+    /// let few = new()?.with_cell_limit(4).build();
+    /// let more = new()?.resume(few)?.build();
+    /// assert!(more.report().open + more.report().unproved < 0.1);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Unsupported`] for a table of another program, or with other outputs.
+    pub fn resume(mut self, table: ExplicitTable) -> Result<Self, Error> {
+        if table.form != self.form || table.outputs != self.outputs {
+            let what = "a table of another program".to_owned();
+            return Err(refused(what, "go on with a table of the same model, axes and outputs"));
+        }
+        self.begun = Some(table.partition);
+        Ok(self)
+    }
+
+    /// Calls a function after each cell, on the thread that called [`build`](Self::build).
     pub fn with_progress(mut self, watch: impl FnMut(&TableProgress) + 'a) -> Self {
         self.watch = Some(Box::new(watch));
         self
@@ -192,25 +238,36 @@ impl<'a> ExplicitProgram<'a> {
     /// answers [`LookupAnswer::Open`](crate::LookupAnswer::Open) for states that are not decided.
     #[must_use]
     pub fn build(self) -> ExplicitTable {
-        let ExplicitProgram { form, outputs, goal, time_limit, interrupt, watch } = self;
+        let ExplicitProgram { form, outputs, goal, mut watch, .. } = self;
         let began = Instant::now();
-        let token = StopToken::new(time_limit, &interrupt);
-        let relaxer = CornerRelaxer::new(&form, token.clone());
-        let mut shop = Workshop::new(form, relaxer);
-        let mut watch = watch;
-        let mut tell = |cells: usize, share: f64| {
+        let token = StopToken::new(self.time_limit, &self.interrupt);
+        let mut tell = |counts: &CellCounts| {
             if let Some(watch) = &mut watch {
-                watch(&TableProgress { cells, share, elapsed: began.elapsed() });
+                watch(&TableProgress {
+                    cells: counts.leaves,
+                    share: counts.share,
+                    expected_cells: counts.expected(),
+                    elapsed: began.elapsed(),
+                });
             }
         };
-        let partition = partition(&mut shop, goal, &token, &mut tell);
-        let mut arrays = LookupArrays::new(&shop.form, &partition, &outputs);
+        let mut build = PartitionBuild {
+            form: &form,
+            goal,
+            token: &token,
+            threads: self.threads,
+            watch: &mut tell,
+            relaxations: 0,
+        };
+        let partition = build.run(self.begun);
+        let relaxations = build.relaxations;
+        let mut arrays = LookupArrays::new(&form, &partition, &outputs);
         let mut report = report(&partition);
         report.laws = arrays.laws.len() / (arrays.lower.len() + 1);
-        (report.relaxations, report.duration) = (shop.solved, began.elapsed());
+        (report.relaxations, report.duration) = (relaxations, began.elapsed());
         let goal = [goal.absolute, goal.relative];
-        arrays.remarks = remarks(&shop.form, &report, goal, &outputs);
-        ExplicitTable { form: shop.form, partition, outputs, goal, report, arrays }
+        arrays.remarks = remarks(&form, &report, goal, &outputs);
+        ExplicitTable { form, partition, outputs, goal, report, arrays }
     }
 }
 

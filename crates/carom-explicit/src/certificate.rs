@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 use std::io::{self, Write};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use carom_embedded::LookupNumber;
 
@@ -19,7 +19,7 @@ use crate::table::ExplicitTable;
 /// Numbers what is shared, by its address.
 struct Shared<T> {
     numbers: HashMap<*const T, usize>,
-    things: Vec<Rc<T>>,
+    things: Vec<Arc<T>>,
 }
 
 impl<T> Shared<T> {
@@ -27,16 +27,16 @@ impl<T> Shared<T> {
         Shared { numbers: HashMap::new(), things: Vec::new() }
     }
 
-    fn add(&mut self, thing: &Rc<T>) {
+    fn add(&mut self, thing: &Arc<T>) {
         let things = &mut self.things;
-        self.numbers.entry(Rc::as_ptr(thing)).or_insert_with(|| {
-            things.push(Rc::clone(thing));
+        self.numbers.entry(Arc::as_ptr(thing)).or_insert_with(|| {
+            things.push(Arc::clone(thing));
             things.len() - 1
         });
     }
 
-    fn number(&self, thing: &Rc<T>) -> usize {
-        self.numbers.get(&Rc::as_ptr(thing)).copied().unwrap_or(usize::MAX)
+    fn number(&self, thing: &Arc<T>) -> usize {
+        self.numbers.get(&Arc::as_ptr(thing)).copied().unwrap_or(usize::MAX)
     }
 }
 

@@ -16,7 +16,7 @@ use crate::simplex_cell::{BOX_UNITS, squared_length};
 pub(crate) type CellEdge = [usize; 2];
 
 fn length(corners: &[Rc<Corner>], [i, j]: CellEdge) -> f64 {
-    squared_length(&corners[i].units, &corners[j].units) as f64
+    squared_length(corners[i].units(), corners[j].units()) as f64
 }
 
 /// The longest edge of those that are asked for, the first one if there are several.
@@ -33,7 +33,7 @@ fn longest(corners: &[Rc<Corner>], mut is_asked: impl FnMut(CellEdge) -> bool) -
     best.map(|(_, edge)| edge)
 }
 
-impl Workshop {
+impl Workshop<'_> {
     /// The edge to cut; `None` if it is short enough. `numbers` are integers that may be good in
     /// parts of the cell.
     pub(crate) fn edge(

@@ -4,8 +4,9 @@ use carom_embedded::LookupAnswer;
 use web_time::Duration;
 
 use crate::arrays::{LawOutput, LookupArrays};
-use crate::build::{Partition, PartitionCell};
+use crate::build::PartitionCell;
 use crate::form::ParametricForm;
+use crate::partition::Partition;
 use crate::relaxed::CornerRelaxation;
 use crate::simplex_cell::{kuhn, midpoint, orders};
 
@@ -30,7 +31,7 @@ pub struct TableReport {
     pub open: f64,
     /// The largest proved loss of a plan within ε, in the unit of the objective.
     pub loss: f64,
-    /// The relaxations that were solved.
+    /// The relaxations that were needed, the same for any number of threads.
     pub relaxations: u64,
     /// The time that the build took.
     pub duration: Duration,

@@ -1,5 +1,6 @@
 //! Tables of laws against solves of single states.
 
+mod builds;
 mod certificates;
 mod laws;
 mod limits;
