@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::hash::Hash;
 
 use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupTable};
+use carom_model::Error;
+use carom_model::model::{Affine, Model};
 
 use crate::build::PartitionCell;
 use crate::form::ParametricForm;
@@ -38,6 +40,14 @@ pub(crate) struct LawOutput {
 }
 
 impl LawOutput {
+    pub(crate) fn of(model: &Model, expression: Affine) -> Result<Self, Error> {
+        let mut own = LawOutput { offset: expression.offset(), terms: Vec::new() };
+        for (variable, a) in expression.terms() {
+            own.terms.push((model.variable_ref(variable)?.id().index(), a));
+        }
+        Ok(own)
+    }
+
     /// Its value, without a zero of its own sign.
     fn value(&self, x: &[f64]) -> f64 {
         let sum = self.terms.iter().fold(self.offset, |sum, &(j, a)| sum + a * x[j]);

@@ -65,6 +65,7 @@ type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
 pub struct ExplicitProgram<'a> {
     form: ParametricForm,
     outputs: Vec<LawOutput>,
+    next: Vec<(f64, LawOutput)>,
     goal: BuildGoal,
     time_limit: Option<Duration>,
     interrupt: Interrupt,
@@ -105,15 +106,10 @@ impl<'a> ExplicitProgram<'a> {
         let form = ParametricForm::of(lowered.model(), &axes)?;
         let mut columns = Vec::new();
         for output in outputs {
-            let output: Affine = output.into();
-            let mut own = LawOutput { offset: output.offset(), terms: Vec::new() };
-            for (variable, a) in output.terms() {
-                let name = model.variable_ref(variable)?.name();
-                if form.is_axis[variable.index()] {
-                    let what = format!("the axis `{name}` in an output");
-                    return Err(refused(what, "add it to the inputs behind the look-up"));
-                }
-                own.terms.push((variable.index(), a));
+            let own = LawOutput::of(model, output.into())?;
+            if let Some(&(j, _)) = own.terms.iter().find(|(j, _)| form.is_axis[*j]) {
+                let what = format!("the axis `{}` in an output", form.names[j]);
+                return Err(refused(what, "add it to the inputs behind the look-up"));
             }
             columns.push(own);
         }
@@ -125,6 +121,7 @@ impl<'a> ExplicitProgram<'a> {
         Ok(ExplicitProgram {
             form,
             outputs: columns,
+            next: Vec::new(),
             goal,
             time_limit: None,
             interrupt: Interrupt::new(),
@@ -193,6 +190,66 @@ impl<'a> ExplicitProgram<'a> {
         self
     }
 
+    /// Says where the axes are at the next sample, so that `carom-proof table` proves from which
+    /// states the loop that the table closes stays among states with a plan.
+    ///
+    /// # Arguments
+    ///
+    /// * `model`: that of [`new`](Self::new).
+    /// * `next`: for each axis, in their order, an affine expression of the plan, such as the state
+    ///   after the first step, and by how much it may be disturbed to either side, in the unit of
+    ///   the axis. An axis that may have any value of its range is its middle, disturbed by half of
+    ///   the range.
+    ///
+    /// ```
+    /// use carom::explicit::ExplicitProgram;
+    /// use carom::prelude::*;
+    ///
+    /// let mut cart = HybridSystem::new(1.0);
+    /// let x = cart.state("x", -4.0, 4.0)?; // m
+    /// let u = cart.input("u", -1.0, 1.0)?; // m/s
+    /// cart.mode("roll")?.next([(x, x + u)])?;
+    /// let mut program = cart.program(2)?;
+    /// program.minimize(program.sum(x.square() + 0.1 * u.square())?)?;
+    /// let start = program.open_start([(x, -2.0..=2.0)])?;
+    /// let (input, after) = (program.at(u, 0)?, program.at(x, 1)?);
+    /// let explicit = ExplicitProgram::new(program.model(), start, [input])?;
+    /// let table = explicit.with_next(program.model(), [(after, 0.1)])?.build();
+    /// let mut text = Vec::new();
+    /// table.write_certificate(&mut text)?;
+    /// assert!(String::from_utf8(text)?.contains("\nnext 1\nn 0.1 "));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::OutOfRange`] if there are not as many as axes, and for disturbances that are
+    /// negative or infinite; [`ErrorKind::Unsupported`] for another model; the errors of handles.
+    pub fn with_next(
+        mut self,
+        model: &Model,
+        next: impl IntoIterator<Item = (impl Into<Affine>, f64)>,
+    ) -> Result<Self, Error> {
+        let mut all = Vec::new();
+        for (expression, disturbance) in next {
+            if !disturbance.is_finite() || disturbance < 0.0 {
+                return Err(Error::out_of_range("a disturbance of a loop", disturbance, 0.0..));
+            }
+            all.push((disturbance, LawOutput::of(model, expression.into())?));
+        }
+        let axes = self.form.axes.len();
+        if all.len() != axes {
+            let (what, value) = ("the number of axes at the next sample", all.len() as f64);
+            return Err(Error::out_of_range(what, value, axes as f64..=axes as f64));
+        }
+        let terms = all.iter().flat_map(|(_, own)| &own.terms);
+        if terms.map(|(j, _)| j).any(|j| *j >= self.form.columns()) {
+            return Err(refused("another model".to_owned(), "give the model of the table"));
+        }
+        self.next = all;
+        Ok(self)
+    }
+
     /// Goes on with a table of this program: cells that are open, or lose more than is asked for
     /// now, are built anew, and the others are kept. So a table that a limit ended grows further,
     /// and ε can become smaller.
@@ -238,7 +295,7 @@ impl<'a> ExplicitProgram<'a> {
     /// answers [`LookupAnswer::Open`](crate::LookupAnswer::Open) for states that are not decided.
     #[must_use]
     pub fn build(self) -> ExplicitTable {
-        let ExplicitProgram { form, outputs, goal, mut watch, .. } = self;
+        let ExplicitProgram { form, outputs, next, goal, mut watch, .. } = self;
         let began = Instant::now();
         let token = StopToken::new(self.time_limit, &self.interrupt);
         let mut tell = |counts: &CellCounts| {
@@ -267,7 +324,7 @@ impl<'a> ExplicitProgram<'a> {
         (report.relaxations, report.duration) = (relaxations, began.elapsed());
         let goal = [goal.absolute, goal.relative];
         arrays.remarks = remarks(&form, &report, goal, &outputs);
-        ExplicitTable { form, partition, outputs, goal, report, arrays }
+        ExplicitTable { form, partition, outputs, next, goal, report, arrays }
     }
 }
 

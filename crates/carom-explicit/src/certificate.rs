@@ -172,6 +172,12 @@ impl ExplicitTable {
             output.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
             writeln!(out)?;
         }
+        writeln!(out, "next {}", self.next.len())?;
+        for (disturbance, next) in &self.next {
+            write!(out, "n {disturbance:?} {:?} {}", next.offset, next.terms.len())?;
+            next.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
+            writeln!(out)?;
+        }
         Ok(())
     }
 }

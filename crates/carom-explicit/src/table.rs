@@ -57,6 +57,8 @@ pub struct ExplicitTable {
     pub(crate) form: ParametricForm,
     pub(crate) partition: Partition,
     pub(crate) outputs: Vec<LawOutput>,
+    /// Where each axis is at the next sample, and its largest disturbance; empty if nobody said it.
+    pub(crate) next: Vec<(f64, LawOutput)>,
     /// The absolute and the relative loss that was asked for.
     pub(crate) goal: [f64; 2],
     pub(crate) report: TableReport,

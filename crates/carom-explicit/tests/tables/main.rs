@@ -4,5 +4,6 @@ mod builds;
 mod certificates;
 mod laws;
 mod limits;
+mod loops;
 mod programs;
 mod sources;
