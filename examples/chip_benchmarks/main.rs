@@ -163,7 +163,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     println!(
         "system       cells    bytes  cuts  seconds  within  larger  no plan   open  look-up: mean, \
-         longest  online: median, longest   corners  rejected"
+         longest  online: median, longest   corners  rejected  nodes"
     );
     for (name, build) in systems {
         if only.as_ref().is_some_and(|only| only != name) {
@@ -193,7 +193,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let percent = |share: f64| 100.0 * share;
         println!(
             "{name:11}  {:5}  {:7}  {:4}  {:7.1}  {:5.1}%  {:5.1}%   {:5.1}%  {:4.1}%  \
-             {mean:>13.0?} {longest:>8.0?}   {median:>10.1?} {last:>9.1?}        {:6}    {damages:6}",
+             {mean:>13.0?} {longest:>8.0?}   {median:>10.1?} {last:>9.1?}        {:6}    {damages:6}  {:5}",
             report.cells,
             single.bytes(),
             report.depth,
@@ -203,6 +203,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             percent(report.refuted),
             percent(report.open),
             corners.len(),
+            report.most_nodes,
         );
     }
     Ok(())

@@ -9,6 +9,10 @@ pub(crate) struct System {
     pub(crate) program: HybridProgram,
     pub(crate) axes: Vec<Variable>,
     pub(crate) input: Affine,
+    /// The axes at the next sample, with their largest disturbances, if the loop is to be proved.
+    next: Vec<(Affine, f64)>,
+    /// The edges of pieces in the proof of the loop.
+    finest_piece: f64,
     /// The loss that is asked for, absolute and relative, and the finest edge.
     goal: [f64; 3],
 }
@@ -21,6 +25,12 @@ impl System {
         let explicit =
             ExplicitProgram::new(self.program.model(), self.axes.iter().copied(), outputs)?;
         let explicit = explicit.with_loss(absolute, relative)?.with_finest(finest)?;
+        let explicit = match &self.next[..] {
+            [] => explicit,
+            next => {
+                explicit.with_next(self.program.model(), next.iter().cloned(), self.finest_piece)?
+            }
+        };
         Ok(explicit.with_cell_limit(cells).build())
     }
 }
@@ -40,8 +50,9 @@ pub(crate) fn wall() -> Result<System, Error> {
     program.minimize(cost + 4.0 * program.end(x.square() + v.square())?)?;
     let axes = program.open_start([(x, -1.0..=0.7), (v, -1.0..=1.0)])?;
     let input = program.at(u, 0)?;
+    let next = vec![(program.at(x, 1)?, 0.01), (program.at(v, 1)?, 0.01)];
     let goal = [0.02, 0.02, 1.0 / 256.0];
-    Ok(System { program, axes, input, goal })
+    Ok(System { program, axes, input, next, finest_piece: 1.0 / 64.0, goal })
 }
 
 /// A buck converter: a switch connects the coil to the source or not.
@@ -60,8 +71,9 @@ pub(crate) fn converter() -> Result<System, Error> {
     program.minimize(cost + 4.0 * program.end((voltage - 1.5).square())?)?;
     let axes = program.open_start([(current, 0.0..=3.0), (voltage, 0.0..=2.5)])?;
     let input = program.at(on, 0)?;
+    let next = vec![(program.at(current, 1)?, 0.01), (program.at(voltage, 1)?, 0.01)];
     let goal = [0.02, 0.05, 1.0 / 256.0];
-    Ok(System { program, axes, input, goal })
+    Ok(System { program, axes, input, next, finest_piece: 1.0 / 64.0, goal })
 }
 
 /// A room with a heater that stays on or off for two steps or more, and a price of its energy.
@@ -89,7 +101,7 @@ fn thermostat(memory: &Memory) -> Result<System, Error> {
     let input = program.at(heats, 0)?;
     axes.push(price);
     let goal = [0.1, 0.03, 1.0 / 256.0];
-    Ok(System { program, axes, input, goal })
+    Ok(System { program, axes, input, next: Vec::new(), finest_piece: 1.0, goal })
 }
 
 /// The thermostat with a heater that is off, and may be switched.
@@ -149,7 +161,14 @@ fn pole(steps: usize, tips: [f64; 2], speed: f64, finest: f64) -> Result<System,
         (rate, -0.2..=0.2),
     ])?;
     let input = program.at(u, 0)?;
-    Ok(System { program, axes, input, goal: [0.2, 0.1, finest] })
+    Ok(System {
+        program,
+        axes,
+        input,
+        next: Vec::new(),
+        finest_piece: 1.0,
+        goal: [0.2, 0.1, finest],
+    })
 }
 
 /// The pole between the walls and a sixth of a metre beyond, for a step.

@@ -12,11 +12,11 @@ use carom_solver::reformulate;
 use web_time::{Duration, Instant};
 
 use crate::arrays::{LawOutput, LookupArrays};
-use crate::build::{BuildGoal, PartitionCell};
+use crate::build::{BuildGoal, CellLaw, PartitionCell};
 use crate::expected_cells::CellCounts;
 use crate::form::{ParametricForm, refused};
 use crate::partition::{Partition, PartitionBuild};
-use crate::table::{ExplicitTable, TableReport};
+use crate::table::{ExplicitTable, LoopStatement, TableReport};
 
 /// How far a build has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,7 +65,7 @@ type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
 pub struct ExplicitProgram<'a> {
     form: ParametricForm,
     outputs: Vec<LawOutput>,
-    next: Vec<(f64, LawOutput)>,
+    closed: Option<LoopStatement>,
     goal: BuildGoal,
     time_limit: Option<Duration>,
     interrupt: Interrupt,
@@ -121,7 +121,7 @@ impl<'a> ExplicitProgram<'a> {
         Ok(ExplicitProgram {
             form,
             outputs: columns,
-            next: Vec::new(),
+            closed: None,
             goal,
             time_limit: None,
             interrupt: Interrupt::new(),
@@ -200,6 +200,9 @@ impl<'a> ExplicitProgram<'a> {
     ///   after the first step, and by how much it may be disturbed to either side, in the unit of
     ///   the axis. An axis that may have any value of its range is its middle, disturbed by half of
     ///   the range.
+    /// * `finest`: for this proof, cells are cut into pieces whose edges are at most so long, as a
+    ///   share of the side of the box. Shorter ones prove more, and take more time and memory of the
+    ///   checker: their number grows with the power of the axes.
     ///
     /// ```
     /// use carom::explicit::ExplicitProgram;
@@ -214,7 +217,7 @@ impl<'a> ExplicitProgram<'a> {
     /// let start = program.open_start([(x, -2.0..=2.0)])?;
     /// let (input, after) = (program.at(u, 0)?, program.at(x, 1)?);
     /// let explicit = ExplicitProgram::new(program.model(), start, [input])?;
-    /// let table = explicit.with_next(program.model(), [(after, 0.1)])?.build();
+    /// let table = explicit.with_next(program.model(), [(after, 0.1)], 0.1)?.build();
     /// let mut text = Vec::new();
     /// table.write_certificate(&mut text)?;
     /// assert!(String::from_utf8(text)?.contains("\nnext 1\nn 0.1 "));
@@ -223,13 +226,17 @@ impl<'a> ExplicitProgram<'a> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] if there are not as many as axes, and for disturbances that are
-    /// negative or infinite; [`ErrorKind::Unsupported`] for another model; the errors of handles.
+    /// [`ErrorKind::OutOfRange`] if there are not as many as axes, for disturbances that are negative
+    /// or infinite, and for edges that are not between 1e-6 and 1; [`ErrorKind::Unsupported`] for another model; the errors of handles.
     pub fn with_next(
         mut self,
         model: &Model,
         next: impl IntoIterator<Item = (impl Into<Affine>, f64)>,
+        finest: f64,
     ) -> Result<Self, Error> {
+        if !(1e-6..=1.0).contains(&finest) {
+            return Err(Error::out_of_range("the edges of a loop's pieces", finest, 1e-6..=1.0));
+        }
         let mut all = Vec::new();
         for (expression, disturbance) in next {
             if !disturbance.is_finite() || disturbance < 0.0 {
@@ -246,7 +253,7 @@ impl<'a> ExplicitProgram<'a> {
         if terms.map(|(j, _)| j).any(|j| *j >= self.form.columns()) {
             return Err(refused("another model".to_owned(), "give the model of the table"));
         }
-        self.next = all;
+        self.closed = Some(LoopStatement { next: all, finest });
         Ok(self)
     }
 
@@ -295,7 +302,7 @@ impl<'a> ExplicitProgram<'a> {
     /// answers [`LookupAnswer::Open`](crate::LookupAnswer::Open) for states that are not decided.
     #[must_use]
     pub fn build(self) -> ExplicitTable {
-        let ExplicitProgram { form, outputs, next, goal, mut watch, .. } = self;
+        let ExplicitProgram { form, outputs, closed, goal, mut watch, .. } = self;
         let began = Instant::now();
         let token = StopToken::new(self.time_limit, &self.interrupt);
         let mut tell = |counts: &CellCounts| {
@@ -324,7 +331,7 @@ impl<'a> ExplicitProgram<'a> {
         (report.relaxations, report.duration) = (relaxations, began.elapsed());
         let goal = [goal.absolute, goal.relative];
         arrays.remarks = remarks(&form, &report, goal, &outputs);
-        ExplicitTable { form, partition, outputs, next, goal, report, arrays }
+        ExplicitTable { form, partition, outputs, closed, goal, report, arrays }
     }
 }
 
@@ -369,12 +376,16 @@ fn report(partition: &Partition) -> TableReport {
         refuted: 0.0,
         open: 0.0,
         loss: 0.0,
+        most_nodes: 0,
         relaxations: 0,
         duration: Duration::ZERO,
     };
     let mut shares = vec![1.0 / partition.orders as f64; partition.cells.len()];
     for (number, cell) in partition.cells.iter().enumerate() {
         let share = shares[number];
+        if let PartitionCell::Plan(CellLaw { proof, .. }) | PartitionCell::NoPlan(proof) = cell {
+            report.most_nodes = report.most_nodes.max(proof.steps.len());
+        }
         match cell {
             PartitionCell::Cut { next, .. } => {
                 next.iter().for_each(|&half| shares[half] = 0.5 * share);

@@ -172,8 +172,9 @@ impl ExplicitTable {
             output.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
             writeln!(out)?;
         }
-        writeln!(out, "next {}", self.next.len())?;
-        for (disturbance, next) in &self.next {
+        let Some(closed) = &self.closed else { return writeln!(out, "next 0") };
+        writeln!(out, "next {} {:?}", closed.next.len(), closed.finest)?;
+        for (disturbance, next) in &closed.next {
             write!(out, "n {disturbance:?} {:?} {}", next.offset, next.terms.len())?;
             next.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
             writeln!(out)?;

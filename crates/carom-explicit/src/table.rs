@@ -31,6 +31,10 @@ pub struct TableReport {
     pub open: f64,
     /// The largest proved loss of a plan within ε, in the unit of the objective.
     pub loss: f64,
+    /// The most nodes of a tree that proves a cell. At each state of a cell, a search that begins
+    /// with its plan, cuts the integers as the proof does, and closes what cannot be better by more
+    /// than the loss, ends after at most so many nodes.
+    pub most_nodes: usize,
     /// The relaxations that were needed, the same for any number of threads.
     pub relaxations: u64,
     /// The time that the build took.
@@ -50,6 +54,15 @@ pub struct TableCell {
     pub integers: Vec<f64>,
 }
 
+/// A statement about the loop that a table closes.
+#[derive(Debug)]
+pub(crate) struct LoopStatement {
+    /// For each axis, its largest disturbance, and where it is at the next sample.
+    pub(crate) next: Vec<(f64, LawOutput)>,
+    /// The longest edge of the pieces into which cells are cut, as a share of the side.
+    pub(crate) finest: f64,
+}
+
 /// A table of laws for a box of parameters, made by
 /// [`ExplicitProgram::build`](crate::ExplicitProgram::build).
 #[derive(Debug)]
@@ -57,8 +70,7 @@ pub struct ExplicitTable {
     pub(crate) form: ParametricForm,
     pub(crate) partition: Partition,
     pub(crate) outputs: Vec<LawOutput>,
-    /// Where each axis is at the next sample, and its largest disturbance; empty if nobody said it.
-    pub(crate) next: Vec<(f64, LawOutput)>,
+    pub(crate) closed: Option<LoopStatement>,
     /// The absolute and the relative loss that was asked for.
     pub(crate) goal: [f64; 2],
     pub(crate) report: TableReport,

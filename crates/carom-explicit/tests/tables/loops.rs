@@ -76,6 +76,7 @@ proptest! {
     #[test]
     fn what_stays_is_not_left(
         (program, own) in loops(),
+        finest in prop::sample::select(vec![1.0, 0.2]),
         shares in prop::collection::vec(prop::collection::vec(0.0..1.0_f64, 8), 8),
     ) {
         let built = program.build();
@@ -87,7 +88,7 @@ proptest! {
         let next: Vec<_> = next.collect();
         let explicit = ExplicitProgram::new(&built.model, built.axes.clone(), built.outputs).unwrap();
         let table = explicit.with_loss(0.5, 0.1).unwrap().with_finest(0.25).unwrap()
-            .with_next(&built.model, next).unwrap().with_cell_limit(80).build();
+            .with_next(&built.model, next, finest).unwrap().with_cell_limit(80).build();
         let stays = proved(&table).stays.unwrap();
         // Cells that are left from a random state, as long as there are some.
         let cells: Vec<TableCell> = table.cells().collect();
@@ -136,7 +137,7 @@ fn cart(disturbance: f64) -> f64 {
     let start = program.open_start([(x, -2.0..=2.0)]).unwrap();
     let (input, after) = (program.at(u, 0).unwrap(), program.at(x, 1).unwrap());
     let explicit = ExplicitProgram::new(program.model(), start, [input]).unwrap();
-    let explicit = explicit.with_next(program.model(), [(after, disturbance)]).unwrap();
+    let explicit = explicit.with_next(program.model(), [(after, disturbance)], 1.0).unwrap();
     proved(&explicit.build()).stays.unwrap()
 }
 
@@ -154,13 +155,14 @@ fn loops_are_stated_for_each_axis() {
     let new = || ExplicitProgram::new(&model, [x], [u]).unwrap();
     let none: [(Variable, f64); 0] = [];
     for error in [
-        new().with_next(&model, none).unwrap_err(),
-        new().with_next(&model, [(u, -1.0)]).unwrap_err(),
-        new().with_next(&model, [(u, f64::INFINITY)]).unwrap_err(),
+        new().with_next(&model, none, 1.0).unwrap_err(),
+        new().with_next(&model, [(u, -1.0)], 1.0).unwrap_err(),
+        new().with_next(&model, [(u, 0.0)], 0.0).unwrap_err(),
+        new().with_next(&model, [(u, f64::INFINITY)], 1.0).unwrap_err(),
     ] {
         assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }), "{error}");
     }
     let other = Model::new("other");
-    assert!(new().with_next(&other, [(u, 0.0)]).is_err());
+    assert!(new().with_next(&other, [(u, 0.0)], 1.0).is_err());
     assert_eq!(proved(&new().build()).stays, None);
 }

@@ -10,7 +10,7 @@
 //! cost less bound, see `evidence`.
 
 use super::ProvedTable;
-use super::closed_loop::{Image, LoopCell, stays};
+use super::closed_loop::{Image, LoopCell, LoopPiece, stays};
 use super::evidence::Evidence;
 use super::statement::Statement;
 use crate::exact::{Dyadic, Sum};
@@ -19,7 +19,7 @@ use std::io::BufRead;
 use std::rc::Rc;
 
 /// Units along a side of the box.
-const UNITS: i64 = 1 << 30;
+pub(super) const UNITS: i64 = 1 << 30;
 
 /// A corner of cells.
 #[derive(Debug, PartialEq)]
@@ -204,7 +204,7 @@ impl Checked {
                 "plan" => {
                     let head = self.head(&mut words, cell.corners.len())?;
                     let plans = self.check_plan(head, lines, statement, &cell, &mut proved)?;
-                    loop_cells.push(LoopCell::Plan(plans, cell.share));
+                    loop_cells.push(LoopCell::Plan(LoopPiece::new(&cell, &plans)));
                     continue;
                 }
                 "none" => {
@@ -224,7 +224,8 @@ impl Checked {
             return rejected("a half of a cell is not there");
         }
         if !statement.next.is_empty() {
-            proved.stays = Some(stays(&loop_cells, statement.axes.len())?);
+            let finest = statement.finest;
+            proved.stays = Some(stays(loop_cells, statement.axes.len(), finest)?);
         }
         Ok(proved)
     }

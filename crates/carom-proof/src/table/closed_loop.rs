@@ -2,16 +2,18 @@
 //!
 //! A table may say where each axis is at the next sample: an expression of the plan, and a largest
 //! disturbance. The plan of a cell is interpolated, so that the next states of a cell are the simplex
-//! of the next states at its corners, and the disturbances around it. All cells that meet it must
-//! have plans, and lead to such cells themselves: what does not is taken away until nothing changes.
+//! of the next states at its corners, and the disturbances around it. The same holds for its pieces:
+//! cells are halved further, until their edges are as short as the table asks for. All pieces that
+//! meet the next states of a piece must have plans, and lead to such pieces themselves: what does
+//! not is taken away until nothing changes.
 //!
-//! A cell does not meet a set if one of its weights is negative at all of it. Weights are linear in
+//! A piece does not meet a set if one of its weights is negative at all of it. Weights are linear in
 //! the coordinates, and a cut changes them by sums and doubling. Coordinates are counted in units
 //! of `2^-48` of a side, and a set is made larger by some units.
 
-use super::cells::Used;
+use super::cells::{UNITS, Used, Waiting};
 use super::statement::Statement;
-use crate::exact::Sum;
+use crate::exact::{Dyadic, Sum};
 use crate::text::{Lines, Refusal, Words, rejected};
 use std::cmp::Ordering;
 use std::io::BufRead;
@@ -23,22 +25,75 @@ const SIDE: i128 = 1 << 48;
 /// By how many units a coordinate is moved outward: more than a float's error.
 const OUTWARD: f64 = 64.0;
 
+/// The most cells and pieces.
+const MOST_PIECES: usize = 10_000_000;
+
 /// The next value of an axis: the largest disturbance, the constant, and the terms.
 pub(super) type Next = (f64, f64, Vec<(u32, f64)>);
 
 /// A range of each coordinate; `None` if it is not within the box.
 pub(super) type Image = Option<Vec<[i128; 2]>>;
 
-/// A cell, as the loop needs it.
+/// A cell, or a piece of one.
 #[derive(Debug)]
 pub(super) enum LoopCell {
-    Cut {
-        edge: [usize; 2],
-        halves: [usize; 2],
-    },
-    /// The plans at the corners, and the share of the box.
-    Plan(Vec<Rc<Used>>, f64),
+    Cut { edge: [usize; 2], halves: [usize; 2] },
+    Plan(LoopPiece),
     NoPlan,
+}
+
+/// A part of a cell with a plan.
+#[derive(Debug)]
+pub(super) struct LoopPiece {
+    /// The corners, in units of cells.
+    corners: Vec<Vec<i64>>,
+    /// The next states at the corners; empty if some are not within the box.
+    images: Vec<Vec<[i128; 2]>>,
+    /// The share of the box.
+    share: f64,
+}
+
+impl LoopPiece {
+    pub(super) fn new(cell: &Waiting, plans: &[Rc<Used>]) -> Self {
+        let images: Option<Vec<_>> = plans.iter().map(|plan| plan.next.clone()).collect();
+        LoopPiece {
+            corners: cell.corners.iter().map(|corner| corner.units.clone()).collect(),
+            images: images.unwrap_or_default(),
+            share: cell.share,
+        }
+    }
+
+    /// The longest edge, and its square in squares of units.
+    fn longest(&self) -> ([usize; 2], f64) {
+        let mut longest = ([0, 1], -1.0);
+        for (j, b) in self.corners.iter().enumerate() {
+            for (i, a) in self.corners[..j].iter().enumerate() {
+                let own = a.iter().zip(b).map(|(a, b)| ((a - b) as f64).powi(2)).sum();
+                if own > longest.1 {
+                    longest = ([i, j], own);
+                }
+            }
+        }
+        longest
+    }
+
+    /// The halves; `None` if the middle is finer than the units.
+    fn halves(&self, [i, j]: [usize; 2]) -> Option<[Self; 2]> {
+        let between = self.corners[i].iter().zip(&self.corners[j]);
+        let middle = between.map(|(a, b)| ((a + b) % 2 == 0).then_some((a + b) / 2));
+        let middle = middle.collect::<Option<Vec<i64>>>()?;
+        let mean = |([a, b], [c, d]): (&[i128; 2], &[i128; 2])| {
+            [(a + c).div_euclid(2), (b + d + 1).div_euclid(2)]
+        };
+        let image = self.images[i].iter().zip(&self.images[j]).map(mean).collect::<Vec<_>>();
+        let with = |replaced: usize| {
+            let (mut corners, mut images) = (self.corners.clone(), self.images.clone());
+            corners[replaced].clone_from(&middle);
+            images[replaced].clone_from(&image);
+            LoopPiece { corners, images, share: 0.5 * self.share }
+        };
+        Some([with(j), with(i)])
+    }
 }
 
 /// The weight of a corner: a constant, and a factor for each coordinate.
@@ -47,22 +102,24 @@ type Weight = Vec<i128>;
 /// Reads where the axes are next.
 pub(super) fn read_next<R: BufRead>(
     lines: &mut Lines<R>,
-    statement: &Statement,
-) -> Result<Vec<Next>, Refusal> {
+    statement: &mut Statement,
+) -> Result<(), Refusal> {
     let mut words = lines.expect("next")?;
     let count = words.count("the number of axes")?;
+    if count > 0 {
+        statement.finest = words.number("the longest edge")?;
+    }
     words.end()?;
     if count != 0 && count != statement.axes.len() {
         return rejected("the next sample is said of some axes and not of others");
     }
-    let mut all = Vec::new();
     for _ in 0..count {
         let mut words = lines.expect("n")?;
         let next = next_of_axis(&mut words, statement)?;
         words.end()?;
-        all.push(next);
+        statement.next.push(next);
     }
-    Ok(all)
+    Ok(())
 }
 
 fn next_of_axis(words: &mut Words<'_>, statement: &Statement) -> Result<Next, Refusal> {
@@ -76,7 +133,7 @@ fn next_of_axis(words: &mut Words<'_>, statement: &Statement) -> Result<Next, Re
 }
 
 /// The next states of a corner.
-pub(super) fn image(statement: &Statement, x: &[crate::exact::Dyadic]) -> Result<Image, Refusal> {
+pub(super) fn image(statement: &Statement, x: &[Dyadic]) -> Result<Image, Refusal> {
     let mut ranges = Vec::new();
     let mut sum = Sum::default();
     for ((disturbance, offset, terms), &j) in statement.next.iter().zip(&statement.axes) {
@@ -115,20 +172,41 @@ pub(super) fn image(statement: &Statement, x: &[crate::exact::Dyadic]) -> Result
     Ok(Some(ranges))
 }
 
-/// The share of the box that is taken by cells with plans whose next states are in such cells again.
-pub(super) fn stays(cells: &[LoopCell], axes: usize) -> Result<f64, Refusal> {
-    let mut met: Vec<Vec<usize>> = Vec::with_capacity(cells.len());
+/// The share of the box that is taken by pieces with plans whose next states are in such pieces
+/// again. Edges of pieces are at most so long, as a share of the side.
+pub(super) fn stays(mut cells: Vec<LoopCell>, axes: usize, finest: f64) -> Result<f64, Refusal> {
+    let most = (finest * UNITS as f64).powi(2);
+    let mut next = 0;
+    while next < cells.len() {
+        if let LoopCell::Plan(piece) = &cells[next]
+            && let (edge, length) = piece.longest()
+            && length > most
+            && !piece.images.is_empty()
+            && let Some(halves) = piece.halves(edge)
+        {
+            if cells.len() > MOST_PIECES {
+                return rejected("there are too many pieces for the loop: ask for longer edges");
+            }
+            let numbers = [cells.len(), cells.len() + 1];
+            cells[next] = LoopCell::Cut { edge, halves: numbers };
+            cells.extend(halves.map(LoopCell::Plan));
+        }
+        next += 1;
+    }
+    let mut met: Vec<Vec<u32>> = Vec::with_capacity(cells.len());
     let mut is_in = Vec::with_capacity(cells.len());
-    for cell in cells {
+    for cell in &cells {
         let found = match cell {
-            LoopCell::Plan(plans, _) => meets(cells, plans, axes)?,
+            LoopCell::Plan(piece) if !piece.images.is_empty() => {
+                meets(&cells, &piece.images, axes)?
+            }
             _ => None,
         };
         is_in.push(found.is_some());
         met.push(found.unwrap_or_default());
     }
     loop {
-        let leaves = |k: &usize| is_in[*k] && met[*k].iter().any(|other| !is_in[*other]);
+        let leaves = |k: &usize| is_in[*k] && met[*k].iter().any(|other| !is_in[*other as usize]);
         let leaving: Vec<usize> = (0..cells.len()).filter(leaves).collect();
         if leaving.is_empty() {
             break;
@@ -136,30 +214,28 @@ pub(super) fn stays(cells: &[LoopCell], axes: usize) -> Result<f64, Refusal> {
         leaving.iter().for_each(|&k| is_in[k] = false);
     }
     let share = |(cell, is_in): (&LoopCell, &bool)| match cell {
-        LoopCell::Plan(_, share) if *is_in => *share,
+        LoopCell::Plan(piece) if *is_in => piece.share,
         _ => 0.0,
     };
     Ok(cells.iter().zip(&is_in).map(share).sum())
 }
 
-/// The cells that may meet the next states of a cell; `None` if one of them has no plan, or if the
-/// next states are not within the box.
+/// The pieces that may meet the next states of a piece; `None` if one of them has no plan.
 fn meets(
     cells: &[LoopCell],
-    plans: &[Rc<Used>],
+    images: &[Vec<[i128; 2]>],
     axes: usize,
-) -> Result<Option<Vec<usize>>, Refusal> {
-    let images = plans.iter().map(|plan| plan.next.as_deref());
-    let Some(images) = images.collect::<Option<Vec<&[[i128; 2]]>>>() else { return Ok(None) };
+) -> Result<Option<Vec<u32>>, Refusal> {
     let mut met = Vec::new();
     let mut waiting: Vec<(usize, Vec<Weight>)> = whole(axes).into_iter().enumerate().collect();
     while let Some((number, weights)) = waiting.pop() {
-        if is_apart(&weights, &images)? {
+        if is_apart(&weights, images)? {
             continue;
         }
         match &cells[number] {
             LoopCell::NoPlan => return Ok(None),
-            LoopCell::Plan(..) => met.push(number),
+            LoopCell::Plan(piece) if piece.images.is_empty() => return Ok(None),
+            LoopCell::Plan(_) => met.push(number as u32),
             LoopCell::Cut { edge: [i, j], halves } => {
                 for ([kept, middle], &half) in [[*i, *j], [*j, *i]].into_iter().zip(halves) {
                     let mut own = weights.clone();
@@ -182,12 +258,12 @@ fn too_deep<T>() -> Result<T, Refusal> {
 }
 
 /// Whether a weight is negative at all points of the hull of some boxes.
-fn is_apart(weights: &[Weight], images: &[&[[i128; 2]]]) -> Result<bool, Refusal> {
+fn is_apart(weights: &[Weight], images: &[Vec<[i128; 2]>]) -> Result<bool, Refusal> {
     for weight in weights {
         let mut is_negative = true;
         for image in images {
             let mut most = Some(weight[0]);
-            for (&factor, [lower, upper]) in weight[1..].iter().zip(*image) {
+            for (&factor, [lower, upper]) in weight[1..].iter().zip(image) {
                 let end = if factor > 0 { upper } else { lower };
                 let product = factor.checked_mul(*end);
                 most = most.zip(product).and_then(|(most, product)| most.checked_add(product));

@@ -41,6 +41,8 @@ pub(super) struct Statement {
     pub(super) inputs: Vec<(f64, Vec<(u32, f64)>)>,
     /// Where the axes are at the next sample; empty if nothing is said of it.
     pub(super) next: Vec<Next>,
+    /// The longest edge of a piece of a cell in the loop, as a share of the side.
+    pub(super) finest: f64,
     /// Those with 64 bits and with 32.
     pub(super) devices: Vec<Device>,
     /// By how much the cost may miss being convex, over the bounds of the columns.
@@ -81,6 +83,7 @@ impl Statement {
             tolerance: 0.0,
             inputs: Vec::new(),
             next: Vec::new(),
+            finest: 1.0,
             devices: Vec::new(),
             lack: Dyadic::zero(),
         };
@@ -112,7 +115,7 @@ impl Statement {
             }
             statement.inputs.push(own);
         }
-        statement.next = read_next(lines, &statement)?;
+        read_next(lines, &mut statement)?;
         for bits in [53, 24] {
             let device = Device::read(lines, &statement)?;
             device.check(&statement, bits)?;
