@@ -23,6 +23,12 @@ pub(crate) struct BuildGoal {
 }
 
 impl BuildGoal {
+    /// The number of cuts after which a cell is not cut: then it is as small as if all of its edges
+    /// were the finest ones.
+    pub(crate) fn deepest(&self, axes: usize) -> usize {
+        axes * ((axes as f64).sqrt() / self.finest).log2().ceil().max(0.0) as usize
+    }
+
     /// The loss that is allowed over a cell, from the coefficients of its cost: with the least cost
     /// f over the cell, at most `absolute + relative |f|`.
     fn loss(&self, cost: &Coefficients) -> f64 {
@@ -138,11 +144,12 @@ impl Workshop<'_> {
     /// # Arguments
     ///
     /// * `tried`: integers that were good for the whole.
+    /// * `depth`: the number of cuts that led to the cell.
     pub(crate) fn decide(
         &mut self,
         corners: &[Rc<Corner>],
         tried: &[usize],
-        goal: BuildGoal,
+        (goal, depth): (BuildGoal, usize),
         room: bool,
     ) -> Decision {
         if self.is_over() {
@@ -216,7 +223,7 @@ impl Workshop<'_> {
                 }
             });
             good.truncate(MOST_INHERITED);
-            let edge = self.edge(corners, &good, goal);
+            let edge = self.edge(corners, &good, goal, depth);
             if let Some((edge, halves)) = edge.and_then(|edge| self.halves(corners, edge)) {
                 return Decision::Cut(edge, halves, good);
             }

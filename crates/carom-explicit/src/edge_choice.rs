@@ -34,14 +34,18 @@ fn longest(corners: &[Rc<Corner>], mut is_asked: impl FnMut(CellEdge) -> bool) -
 }
 
 impl Workshop<'_> {
-    /// The edge to cut; `None` if it is short enough. `numbers` are integers that may be good in
+    /// The edge to cut; `None` if it is short enough, or the cell small enough. `numbers` are integers that may be good in
     /// parts of the cell.
     pub(crate) fn edge(
         &mut self,
         corners: &[Rc<Corner>],
         numbers: &[usize],
         goal: BuildGoal,
+        depth: usize,
     ) -> Option<CellEdge> {
+        if depth >= goal.deepest(self.form.axes.len()) {
+            return None;
+        }
         // For each corner, which of the integers are good there.
         let mut good = Vec::with_capacity(corners.len());
         for corner in corners {

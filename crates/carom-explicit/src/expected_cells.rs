@@ -1,7 +1,7 @@
 //! A forecast of the number of cells.
 //!
 //! Of the cells of a depth, a share is cut, and each of them becomes two cells of the next depth.
-//! The shares so far say how many cells are to be expected.
+//! Deeper than what is known, the shares are expected to go on falling as they did.
 
 use crate::build::{BuildGoal, PartitionCell};
 
@@ -13,8 +13,9 @@ const ENOUGH_DECISIONS: usize = 32;
 pub(crate) struct CellCounts {
     /// Cells that were decided, and those of them that were cut.
     by_depth: Vec<[usize; 2]>,
+    axes: usize,
     roots: usize,
-    /// The depth at which edges are as short as they may be.
+    /// The depth at which cells are not cut.
     deepest: usize,
     limit: usize,
     pub(crate) leaves: usize,
@@ -24,10 +25,8 @@ pub(crate) struct CellCounts {
 
 impl CellCounts {
     pub(crate) fn new(axes: usize, roots: usize, goal: BuildGoal) -> Self {
-        let halvings = ((axes as f64).sqrt() / goal.finest).log2().ceil().max(0.0);
-        let deepest = axes * halvings as usize;
-        let limit = goal.cells;
-        CellCounts { by_depth: Vec::new(), roots, deepest, limit, leaves: 0, share: 0.0 }
+        let (deepest, limit) = (goal.deepest(axes), goal.cells);
+        CellCounts { by_depth: Vec::new(), axes, roots, deepest, limit, leaves: 0, share: 0.0 }
     }
 
     /// Counts the cells that are known already.
@@ -62,18 +61,24 @@ impl CellCounts {
     /// The number of leaves that is expected.
     pub(crate) fn expected(&self) -> usize {
         let (mut cells, mut all) = (self.roots as f64, 0.0);
-        let mut share_cut = 1.0;
-        for depth in 0..=self.deepest.max(self.by_depth.len()) {
+        let mut shares: Vec<f64> = Vec::new();
+        let mut trend = 1.0;
+        for depth in 0..=self.deepest {
             let [decided, cut] = self.by_depth.get(depth).copied().unwrap_or_default();
+            let last = shares.last().copied().unwrap_or(1.0);
             if decided >= ENOUGH_DECISIONS || (decided > 0 && decided as f64 >= cells) {
-                share_cut = cut as f64 / decided as f64;
+                shares.push(cut as f64 / decided as f64);
+                // Edges are half as long after a cut for each axis.
+                let whole = shares.len().checked_sub(1 + self.axes).map(|k| shares[k]);
+                let ratio = whole.filter(|whole| *whole > 0.0).map(|whole| shares[depth] / whole);
+                trend = ratio.unwrap_or(1.0).min(1.0).powf(1.0 / self.axes as f64);
+            } else {
+                shares.push(last * trend);
             }
-            all += cells * (1.0 - share_cut);
-            cells *= 2.0 * share_cut;
+            all += cells * (1.0 - shares[depth]);
+            cells *= 2.0 * shares[depth];
         }
-        // Those that are still cut at the depth of the finest edge.
-        let expected = all + cells;
-        let most = self.limit as f64;
-        (expected.min(most) as usize).max(self.leaves)
+        let expected = (all + cells).min(self.limit as f64);
+        (expected.round() as usize).max(self.leaves)
     }
 }

@@ -217,7 +217,7 @@ impl Level<'_> {
         let mut decided = Vec::with_capacity(own.len());
         for (cell, corners) in own.iter().zip(&all) {
             let tried: Vec<usize> = cell.tried.iter().map(|key| shop.tree.of_key(key)).collect();
-            let decision = match shop.decide(corners, &tried, goal, room > 0) {
+            let decision = match shop.decide(corners, &tried, (goal, cell.depth), room > 0) {
                 Decision::Leaf(leaf) => LevelDecision::Leaf(leaf),
                 Decision::Cut(edge, halves, tried) => {
                     room -= 1;
