@@ -135,11 +135,12 @@ impl<'a> Workshop<'a> {
         let found = known.unwrap_or_else(|| {
             let sides = self.tree.sides(number);
             let found = Arc::new(self.relaxer.solve(self.form, corner.place(), sides));
-            // Not what a limit has cut short.
-            if !self.relaxer.is_over() {
-                lock().insert(key.to_vec(), Arc::clone(&found));
+            // Not what a limit has cut short. Of two that are solved at once, one is kept, so that
+            // certificates name what is shared alike.
+            match self.relaxer.is_over() {
+                true => found,
+                false => Arc::clone(lock().entry(key.to_vec()).or_insert(found)),
             }
-            found
         });
         corner.relaxed.borrow_mut().insert(number, Arc::clone(&found));
         found
