@@ -6,8 +6,8 @@
 //! program is solved online, from its last tree. Where the table has an input, the online optimum
 //! with that input must be within the loss; where it says that there is no plan, there must be
 //! none. Of a table of at most 300 cells, DAMAGES certificates (10 by default) with something wrong
-//! are made, which the checker must reject. FOLDER gets certificates for `carom-proof table`, and the
-//! states with their optima for `benches/chip_daqp.py`. With NAME, there is one system alone.
+//! are made, which the checker must reject. FOLDER gets certificates for `carom-proof table`, and
+//! the states with their optima for `benches/chip_daqp.py`. With NAME, there is one system alone.
 
 mod damage;
 mod systems;

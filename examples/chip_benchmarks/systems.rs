@@ -126,8 +126,8 @@ pub(crate) fn just_on() -> Result<System, Error> {
 
 /// A pole on a cart between soft walls, linearised (arXiv 1910.08251), with a short horizon.
 ///
-/// The tip of the pole is a state, so that the walls are at 1/8 and 7/8 of the side of the box, where
-/// cells are cut.
+/// The tip of the pole is a state, so that the walls are at 1/8 and 7/8 of the side of the box,
+/// where cells are cut.
 fn pole(steps: usize, tips: [f64; 2], speed: f64, finest: f64) -> Result<System, Error> {
     let step = 0.1;
     let mut cart = HybridSystem::new(step);

@@ -100,7 +100,7 @@ fn plans_cost(form: &ParametricForm, plans: &[Arc<CornerRelaxation>]) -> Coeffic
 }
 
 /// What becomes of a cell.
-pub(crate) enum Decision {
+pub(crate) enum CellDecision {
     Leaf(PartitionCell),
     /// The edge that is cut, the corners of the halves, and integers to try there.
     Cut(CellEdge, [Vec<Rc<Corner>>; 2], Vec<usize>),
@@ -151,9 +151,9 @@ impl Workshop<'_> {
         tried: &[usize],
         (goal, depth): (BuildGoal, usize),
         room: bool,
-    ) -> Decision {
+    ) -> CellDecision {
         if self.is_over() {
-            return Decision::Leaf(PartitionCell::Open);
+            return CellDecision::Leaf(PartitionCell::Open);
         }
         let mut waiting = tried.to_vec();
         let (mut seen, mut trials, mut failed) = (Vec::new(), Vec::new(), Vec::new());
@@ -181,7 +181,7 @@ impl Workshop<'_> {
                 match self
                     .prove(corners, CellClaim::Loss(&trial.cost, trial.allowed(goal), trial.number))
                 {
-                    Ok(proof) => return Decision::Leaf(trial.law(proof, goal)),
+                    Ok(proof) => return CellDecision::Leaf(trial.law(proof, goal)),
                     Err(NoProof { better }) => waiting.extend(better),
                 }
                 failed.push(trial);
@@ -195,7 +195,7 @@ impl Workshop<'_> {
             let optima: Vec<CornerOptimum> = optima.collect();
             if optima.iter().all(|optimum| *optimum == CornerOptimum::NoPlan) {
                 match self.prove(corners, CellClaim::NoPlan) {
-                    Ok(proof) => return Decision::Leaf(PartitionCell::NoPlan(proof)),
+                    Ok(proof) => return CellDecision::Leaf(PartitionCell::NoPlan(proof)),
                     Err(_) => break,
                 }
             }
@@ -225,16 +225,16 @@ impl Workshop<'_> {
             good.truncate(MOST_INHERITED);
             let edge = self.edge(corners, &good, goal, depth);
             if let Some((edge, halves)) = edge.and_then(|edge| self.halves(corners, edge)) {
-                return Decision::Cut(edge, halves, good);
+                return CellDecision::Cut(edge, halves, good);
             }
         }
         let Some(trial) = failed.into_iter().next() else {
-            return Decision::Leaf(PartitionCell::Open);
+            return CellDecision::Leaf(PartitionCell::Open);
         };
         let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
         let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
         let proof = self.prove(corners, claim).unwrap_or(none);
-        Decision::Leaf(trial.law(proof, goal))
+        CellDecision::Leaf(trial.law(proof, goal))
     }
 
     /// The law of these integers, if it holds at all corners.

@@ -64,6 +64,7 @@ type Watch<'a> = Box<dyn FnMut(&TableProgress) + 'a>;
 #[must_use]
 pub struct ExplicitProgram<'a> {
     form: ParametricForm,
+    first_axis: Variable,
     outputs: Vec<LawOutput>,
     closed: Option<LoopStatement>,
     goal: BuildGoal,
@@ -120,6 +121,7 @@ impl<'a> ExplicitProgram<'a> {
             BuildGoal { absolute: 1e-3, relative: 1e-2, finest: 1.0 / 256.0, cells: 1_000_000 };
         Ok(ExplicitProgram {
             form,
+            first_axis: axes[0],
             outputs: columns,
             closed: None,
             goal,
@@ -183,8 +185,8 @@ impl<'a> ExplicitProgram<'a> {
         self
     }
 
-    /// The number of threads; default: one a processor. The table is the same for any number, unless
-    /// a limit of time or an interrupt ends the build.
+    /// The number of threads; default: one a processor. The table is the same for any number,
+    /// unless a limit of time or an interrupt ends the build.
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = threads.clamp(1, 256);
         self
@@ -201,8 +203,8 @@ impl<'a> ExplicitProgram<'a> {
     ///   the axis. An axis that may have any value of its range is its middle, disturbed by half of
     ///   the range.
     /// * `finest`: for this proof, cells are cut into pieces whose edges are at most so long, as a
-    ///   share of the side of the box. Shorter ones prove more, and take more time and memory of the
-    ///   checker: their number grows with the power of the axes.
+    ///   share of the side of the box. Shorter ones prove more, and take more time and memory of
+    ///   the checker: their number grows with the power of the axes.
     ///
     /// ```
     /// use carom::explicit::ExplicitProgram;
@@ -226,14 +228,16 @@ impl<'a> ExplicitProgram<'a> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] if there are not as many as axes, for disturbances that are negative
-    /// or infinite, and for edges that are not between 1e-6 and 1; [`ErrorKind::Unsupported`] for another model; the errors of handles.
+    /// [`ErrorKind::OutOfRange`] if there are not as many as axes, for disturbances that are
+    /// negative or infinite, and for edges that are not between 1e-6 and 1; the errors of handles,
+    /// also for another model.
     pub fn with_next(
         mut self,
         model: &Model,
         next: impl IntoIterator<Item = (impl Into<Affine>, f64)>,
         finest: f64,
     ) -> Result<Self, Error> {
+        model.variable_ref(self.first_axis)?;
         if !(1e-6..=1.0).contains(&finest) {
             return Err(Error::out_of_range("the edges of a loop's pieces", finest, 1e-6..=1.0));
         }
@@ -248,10 +252,6 @@ impl<'a> ExplicitProgram<'a> {
         if all.len() != axes {
             let (what, value) = ("the number of axes at the next sample", all.len() as f64);
             return Err(Error::out_of_range(what, value, axes as f64..=axes as f64));
-        }
-        let terms = all.iter().flat_map(|(_, own)| &own.terms);
-        if terms.map(|(j, _)| j).any(|j| *j >= self.form.columns()) {
-            return Err(refused("another model".to_owned(), "give the model of the table"));
         }
         self.closed = Some(LoopStatement { next: all, finest });
         Ok(self)

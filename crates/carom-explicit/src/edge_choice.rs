@@ -34,8 +34,8 @@ fn longest(corners: &[Rc<Corner>], mut is_asked: impl FnMut(CellEdge) -> bool) -
 }
 
 impl Workshop<'_> {
-    /// The edge to cut; `None` if it is short enough, or the cell small enough. `numbers` are integers that may be good in
-    /// parts of the cell.
+    /// The edge to cut; `None` if it is short enough, or the cell small enough. `numbers` are
+    /// integers that may be good in parts of the cell.
     pub(crate) fn edge(
         &mut self,
         corners: &[Rc<Corner>],

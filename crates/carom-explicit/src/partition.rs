@@ -1,5 +1,5 @@
-//! The partition of the box, built level by level: all cells that wait are decided, and their halves
-//! wait for the next level.
+//! The partition of the box, built level by level: all cells that wait are decided, and their
+//! halves wait for the next level.
 //!
 //! The cells of a level are shared out among jobs. Which cells a job has, and what it knows before,
 //! does not depend on the number of threads or on which one is faster. So the partition is the
@@ -14,7 +14,7 @@ use std::sync::mpsc;
 
 use carom_model::internals::solver::StopToken;
 
-use crate::build::{BuildGoal, Decision, PartitionCell};
+use crate::build::{BuildGoal, CellDecision, PartitionCell};
 use crate::corner::{Corner, SharedCorner, SharedCorners, Workshop};
 use crate::expected_cells::CellCounts;
 use crate::form::ParametricForm;
@@ -218,8 +218,8 @@ impl Level<'_> {
         for (cell, corners) in own.iter().zip(&all) {
             let tried: Vec<usize> = cell.tried.iter().map(|key| shop.tree.of_key(key)).collect();
             let decision = match shop.decide(corners, &tried, (goal, cell.depth), room > 0) {
-                Decision::Leaf(leaf) => LevelDecision::Leaf(leaf),
-                Decision::Cut(edge, halves, tried) => {
+                CellDecision::Leaf(leaf) => LevelDecision::Leaf(leaf),
+                CellDecision::Cut(edge, halves, tried) => {
                     room -= 1;
                     let shared = |half: &Vec<Rc<Corner>>| {
                         half.iter().map(|corner| Arc::clone(&corner.shared)).collect()

@@ -1,15 +1,15 @@
 //! Where the loop that is closed by a table stays among states with a plan.
 //!
 //! A table may say where each axis is at the next sample: an expression of the plan, and a largest
-//! disturbance. The plan of a cell is interpolated, so that the next states of a cell are the simplex
-//! of the next states at its corners, and the disturbances around it. The same holds for its pieces:
-//! cells are halved further, until their edges are as short as the table asks for. All pieces that
-//! meet the next states of a piece must have plans, and lead to such pieces themselves: what does
-//! not is taken away until nothing changes.
+//! disturbance. The plan of a cell is interpolated, so that the next states of a cell are the
+//! simplex of the next states at its corners, and the disturbances around it. The same holds for
+//! its pieces: cells are halved further, until their edges are as short as the table asks for. All
+//! pieces that meet the next states of a piece must have plans, and lead to such pieces themselves:
+//! what does not is taken away until nothing changes.
 //!
-//! A piece does not meet a set if one of its weights is negative at all of it. Weights are linear in
-//! the coordinates, and a cut changes them by sums and doubling. Coordinates are counted in units
-//! of `2^-48` of a side, and a set is made larger by some units.
+//! A piece does not meet a set if one of its weights is negative at all of it. Weights are linear
+//! in the coordinates, and a cut changes them by sums and doubling. Coordinates are counted in
+//! units of `2^-48` of a side, and a set is made larger by some units.
 
 use super::cells::{UNITS, Used, Waiting};
 use super::statement::Statement;
