@@ -1,6 +1,7 @@
 //! A table that is asked for: its program, its limits, and its build.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use carom_model::Error;
 #[cfg(doc)]
@@ -253,7 +254,37 @@ impl<'a> ExplicitProgram<'a> {
             let (what, value) = ("the number of axes at the next sample", all.len() as f64);
             return Err(Error::out_of_range(what, value, axes as f64..=axes as f64));
         }
-        self.closed = Some(LoopStatement { next: all, finest });
+        self.closed = Some(LoopStatement { next: all, finest, goal: Vec::new() });
+        Ok(self)
+    }
+
+    /// Sets a goal of the loop: `carom-proof table` proves from which states the loop that
+    /// [`with_next`](Self::with_next) states is there after how many steps, at most. The goal is a
+    /// range of each axis, in their order and units. To be proved, it must be so large that
+    /// disturbances and pieces are small beside it.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::OutOfRange`] if there are not as many ranges as axes, and for infinite ends;
+    /// [`ErrorKind::Unsupported`] before `with_next`.
+    pub fn with_goal(
+        mut self,
+        goal: impl IntoIterator<Item = RangeInclusive<f64>>,
+    ) -> Result<Self, Error> {
+        let goal: Vec<[f64; 2]> =
+            goal.into_iter().map(|range| [*range.start(), *range.end()]).collect();
+        if let Some(end) = goal.iter().flatten().find(|end| !end.is_finite()) {
+            return Err(Error::out_of_range_in_words("an end of a goal", *end, .., "finite"));
+        }
+        let Some(closed) = &mut self.closed else {
+            return Err(refused("a goal of no loop".to_owned(), "call `with_next` before"));
+        };
+        let axes = closed.next.len();
+        if goal.len() != axes {
+            let (what, value) = ("the number of ranges of a goal", goal.len() as f64);
+            return Err(Error::out_of_range(what, value, axes as f64..=axes as f64));
+        }
+        closed.goal = goal;
         Ok(self)
     }
 

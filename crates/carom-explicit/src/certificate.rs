@@ -179,7 +179,8 @@ impl ExplicitTable {
             next.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
             writeln!(out)?;
         }
-        Ok(())
+        let goal = closed.goal.as_flattened();
+        writeln!(out, "goal {}{}", closed.goal.len(), numbers(goal))
     }
 }
 

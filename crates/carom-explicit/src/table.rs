@@ -61,6 +61,8 @@ pub(crate) struct LoopStatement {
     pub(crate) next: Vec<(f64, LawOutput)>,
     /// The longest edge of the pieces into which cells are cut, as a share of the side.
     pub(crate) finest: f64,
+    /// A range of each axis; empty without a goal.
+    pub(crate) goal: Vec<[f64; 2]>,
 }
 
 /// A table of laws for a box of parameters, made by

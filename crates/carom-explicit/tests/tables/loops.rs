@@ -126,8 +126,8 @@ proptest! {
     }
 }
 
-/// The share of a cart on a rail that stays, with a disturbance.
-fn cart(disturbance: f64) -> f64 {
+/// The table of a cart on a rail that is disturbed, which is to come to the middle.
+fn cart(disturbance: f64, finest: f64) -> ExplicitTable {
     let mut cart = HybridSystem::new(1.0);
     let x = cart.state("x", -4.0, 4.0).unwrap();
     let u = cart.input("u", -1.0, 1.0).unwrap();
@@ -137,16 +137,38 @@ fn cart(disturbance: f64) -> f64 {
     let start = program.open_start([(x, -2.0..=2.0)]).unwrap();
     let (input, after) = (program.at(u, 0).unwrap(), program.at(x, 1).unwrap());
     let explicit = ExplicitProgram::new(program.model(), start, [input]).unwrap();
-    let explicit = explicit.with_next(program.model(), [(after, disturbance)], 1.0).unwrap();
-    proved(&explicit.build()).stays.unwrap()
+    let explicit = explicit.with_next(program.model(), [(after, disturbance)], finest).unwrap();
+    explicit.with_goal([-0.3..=0.3]).unwrap().build()
 }
 
 #[test]
 fn a_cart_stays_where_its_input_is_stronger() {
     // From the ends, the input leads back by one.
-    assert_eq!(cart(0.0), 1.0);
-    assert_eq!(cart(0.99), 1.0);
-    assert_eq!(cart(1.01), 0.0);
+    for (disturbance, share) in [(0.0, 1.0), (0.99, 1.0), (1.01, 0.0)] {
+        assert_eq!(proved(&cart(disturbance, 1.0)).stays, Some(share));
+    }
+}
+
+#[test]
+fn a_cart_comes_to_its_goal() {
+    let table = cart(0.1, 1.0 / 64.0);
+    let (share, most) = proved(&table).reaches.unwrap();
+    assert_eq!(share, 1.0);
+    // From an end by at most 1.1 and at least 0.9 a step.
+    assert!((2..=4).contains(&most), "{most}");
+    let mut random = 12345_u64;
+    for k in 0..=400 {
+        let mut x = f64::from(k) / 100.0 - 2.0;
+        let mut steps = 0;
+        while x.abs() > 0.3 {
+            random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            x += table.evaluate(&[x]).1[0] + 0.2 * ((random >> 11) as f64 / 2_f64.powi(53) - 0.5);
+            steps += 1;
+        }
+        assert!(steps <= most, "{steps} {most}");
+    }
+    // Pieces that are as long as the goal do not fit in.
+    assert_eq!(proved(&cart(0.1, 1.0)).reaches, Some((0.0, 0)));
 }
 
 #[test]
@@ -165,4 +187,11 @@ fn loops_are_stated_for_each_axis() {
     let other = Model::new("other");
     assert!(new().with_next(&other, [(u, 0.0)], 1.0).is_err());
     assert_eq!(proved(&new().build()).stays, None);
+    let error = new().with_goal([0.0..=1.0]).unwrap_err();
+    assert!(error.to_string().contains("no loop"), "{error}");
+    let with = || new().with_next(&model, [(u, 0.0)], 1.0).unwrap();
+    assert!(with().with_goal([0.0..=1.0, 0.0..=1.0]).is_err());
+    assert!(with().with_goal([0.0..=f64::INFINITY]).is_err());
+    let proved = proved(&with().build());
+    assert!(proved.stays.is_some() && proved.reaches.is_none());
 }

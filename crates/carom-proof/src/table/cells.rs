@@ -10,7 +10,7 @@
 //! cost less bound, see `evidence`.
 
 use super::ProvedTable;
-use super::closed_loop::{Image, LoopCell, LoopPiece, stays};
+use super::closed_loop::{Image, LoopCell, LoopPiece, ProvedLoop, prove};
 use super::evidence::Evidence;
 use super::statement::Statement;
 use crate::exact::{Dyadic, Sum};
@@ -183,6 +183,7 @@ impl Checked {
             open: 0.0,
             loss: 0.0,
             stays: None,
+            reaches: None,
             depth: 0,
         };
         let mut loop_cells = Vec::new();
@@ -224,8 +225,8 @@ impl Checked {
             return rejected("a half of a cell is not there");
         }
         if !statement.next.is_empty() {
-            let finest = statement.finest;
-            proved.stays = Some(stays(loop_cells, statement.axes.len(), finest)?);
+            let ProvedLoop { stays, reaches } = prove(loop_cells, statement)?;
+            (proved.stays, proved.reaches) = (Some(stays), reaches);
         }
         Ok(proved)
     }

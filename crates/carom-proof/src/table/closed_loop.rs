@@ -5,7 +5,8 @@
 //! simplex of the next states at its corners, and the disturbances around it. The same holds for
 //! its pieces: cells are halved further, until their edges are as short as the table asks for. All
 //! pieces that meet the next states of a piece must have plans, and lead to such pieces themselves:
-//! what does not is taken away until nothing changes.
+//! what does not is taken away until nothing changes. Pieces within a goal take no step to it, and others one
+//! more than the pieces that their next states meet.
 //!
 //! A piece does not meet a set if one of its weights is negative at all of it. Weights are linear
 //! in the coordinates, and a cut changes them by sums and doubling. Coordinates are counted in
@@ -61,6 +62,26 @@ impl LoopPiece {
             images: images.unwrap_or_default(),
             share: cell.share,
         }
+    }
+
+    /// Whether all of it is in the goal.
+    fn is_in_goal(&self, statement: &Statement) -> Result<bool, Refusal> {
+        let mut sum = Sum::default();
+        for corner in &self.corners {
+            let axes = statement.axes.iter().zip(&statement.goal);
+            for ((&j, goal), &units) in axes.zip(corner) {
+                let (column, share) = (&statement.columns[j], units as f64 / UNITS as f64);
+                for (end, sign) in goal.iter().zip([-1.0, 1.0]) {
+                    sum.add(sign * column.lower, 1.0 - share);
+                    sum.add(sign * column.upper, share);
+                    sum.subtract(sign * end, 1.0);
+                    if sum.take_sign()? == Ordering::Greater {
+                        return Ok(false);
+                    }
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// The longest edge, and its square in squares of units.
@@ -119,6 +140,18 @@ pub(super) fn read_next<R: BufRead>(
         words.end()?;
         statement.next.push(next);
     }
+    if count > 0 {
+        let mut words = lines.expect("goal")?;
+        let axes = words.count("the number of axes")?;
+        if axes != 0 && axes != count {
+            return rejected("the goal is said of some axes and not of others");
+        }
+        for _ in 0..axes {
+            let lower = words.number("the lower end of the goal")?;
+            statement.goal.push([lower, words.number("the upper end of the goal")?]);
+        }
+        words.end()?;
+    }
     Ok(())
 }
 
@@ -172,9 +205,18 @@ pub(super) fn image(statement: &Statement, x: &[Dyadic]) -> Result<Image, Refusa
     Ok(Some(ranges))
 }
 
-/// The share of the box that is taken by pieces with plans whose next states are in such pieces
-/// again. Edges of pieces are at most so long, as a share of the side.
-pub(super) fn stays(mut cells: Vec<LoopCell>, axes: usize, finest: f64) -> Result<f64, Refusal> {
+/// What is proved of a loop.
+#[derive(Debug)]
+pub(super) struct ProvedLoop {
+    /// The share of the box that is taken by pieces with plans whose next states are in such pieces
+    /// again.
+    pub(super) stays: f64,
+    /// The share of those from which the loop reaches the goal, and the most steps that it takes.
+    pub(super) reaches: Option<(f64, u64)>,
+}
+
+/// Cuts the cells with plans into pieces whose edges are at most so long, as a share of the side.
+fn cut(cells: &mut Vec<LoopCell>, finest: f64) -> Result<(), Refusal> {
     let most = (finest * UNITS as f64).powi(2);
     let mut next = 0;
     while next < cells.len() {
@@ -193,6 +235,16 @@ pub(super) fn stays(mut cells: Vec<LoopCell>, axes: usize, finest: f64) -> Resul
         }
         next += 1;
     }
+    Ok(())
+}
+
+/// Proves where the loop stays, and from where it reaches the goal.
+pub(super) fn prove(
+    mut cells: Vec<LoopCell>,
+    statement: &Statement,
+) -> Result<ProvedLoop, Refusal> {
+    let axes = statement.axes.len();
+    cut(&mut cells, statement.finest)?;
     let mut met: Vec<Vec<u32>> = Vec::with_capacity(cells.len());
     let mut is_in = Vec::with_capacity(cells.len());
     for cell in &cells {
@@ -213,11 +265,41 @@ pub(super) fn stays(mut cells: Vec<LoopCell>, axes: usize, finest: f64) -> Resul
         }
         leaving.iter().for_each(|&k| is_in[k] = false);
     }
-    let share = |(cell, is_in): (&LoopCell, &bool)| match cell {
-        LoopCell::Plan(piece) if *is_in => piece.share,
-        _ => 0.0,
+    let share = |is_asked: &dyn Fn(usize) -> bool| {
+        let own = cells.iter().enumerate().map(|(k, cell)| match cell {
+            LoopCell::Plan(piece) if is_asked(k) => piece.share,
+            _ => 0.0,
+        });
+        own.sum::<f64>()
     };
-    Ok(cells.iter().zip(&is_in).map(share).sum())
+    let stays = share(&|k| is_in[k]);
+    if statement.goal.is_empty() {
+        return Ok(ProvedLoop { stays, reaches: None });
+    }
+    // After how many steps a piece is in the goal at the latest.
+    let mut steps: Vec<Option<u64>> = Vec::with_capacity(cells.len());
+    for (cell, is_in) in cells.iter().zip(&is_in) {
+        let is_there = match cell {
+            LoopCell::Plan(piece) if *is_in => piece.is_in_goal(statement)?,
+            _ => false,
+        };
+        steps.push(is_there.then_some(0));
+    }
+    let mut last = 0;
+    loop {
+        let arrives = |k: &usize| {
+            let is_known = |other: &u32| steps[*other as usize].is_some();
+            is_in[*k] && steps[*k].is_none() && met[*k].iter().all(is_known)
+        };
+        let arriving: Vec<usize> = (0..cells.len()).filter(arrives).collect();
+        if arriving.is_empty() {
+            break;
+        }
+        last += 1;
+        arriving.iter().for_each(|&k| steps[k] = Some(last));
+    }
+    let reaches = Some((share(&|k| steps[k].is_some()), last));
+    Ok(ProvedLoop { stays, reaches })
 }
 
 /// The pieces that may meet the next states of a piece; `None` if one of them has no plan.

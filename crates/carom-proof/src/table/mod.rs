@@ -38,6 +38,9 @@ pub struct ProvedTable {
     /// The share from which the loop stays in it: each state has a plan, and its next states are in
     /// this share again. `None` if the table does not say where the next states are.
     pub stays: Option<f64>,
+    /// The share of those from which the loop is in the goal after some steps, and the most steps.
+    /// `None` if the table has no goal.
+    pub reaches: Option<(f64, u64)>,
     /// The most cuts on a way to a cell.
     pub depth: u64,
 }
@@ -59,10 +62,14 @@ impl fmt::Display for ProvedTable {
             percent(self.open),
             self.depth,
         )?;
-        match self.stays {
-            Some(share) => write!(f, "; {:.3} % from which the loop stays there", percent(share)),
-            None => Ok(()),
+        if let Some(share) = self.stays {
+            write!(f, "; {:.3} % from which the loop stays there", percent(share))?;
         }
+        if let Some((share, steps)) = self.reaches {
+            let share = percent(share);
+            write!(f, ", {share:.3} % from which it is in the goal after at most {steps} steps")?;
+        }
+        Ok(())
     }
 }
 

@@ -43,6 +43,8 @@ pub(super) struct Statement {
     pub(super) next: Vec<Next>,
     /// The longest edge of a piece of a cell in the loop, as a share of the side.
     pub(super) finest: f64,
+    /// A range of each axis that the loop is to reach; empty if there is none.
+    pub(super) goal: Vec<[f64; 2]>,
     /// Those with 64 bits and with 32.
     pub(super) devices: Vec<Device>,
     /// By how much the cost may miss being convex, over the bounds of the columns.
@@ -84,6 +86,7 @@ impl Statement {
             inputs: Vec::new(),
             next: Vec::new(),
             finest: 1.0,
+            goal: Vec::new(),
             devices: Vec::new(),
             lack: Dyadic::zero(),
         };
