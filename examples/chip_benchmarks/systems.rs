@@ -1,5 +1,7 @@
 //! Controllers with modes: programs whose start is open.
 
+use std::ops::RangeInclusive;
+
 use carom::explicit::{ExplicitProgram, ExplicitTable};
 use carom::hybrid::{HybridProgram, Memory};
 use carom::prelude::*;
@@ -9,12 +11,19 @@ pub(crate) struct System {
     pub(crate) program: HybridProgram,
     pub(crate) axes: Vec<Variable>,
     pub(crate) input: Affine,
-    /// The axes at the next sample, with their largest disturbances, if the loop is to be proved.
-    next: Vec<(Affine, f64)>,
-    /// The edges of pieces in the proof of the loop.
-    finest_piece: f64,
+    closed: Option<ProvedStep>,
     /// The loss that is asked for, absolute and relative, and the finest edge.
     goal: [f64; 3],
+}
+
+/// What is to be proved of the loop.
+struct ProvedStep {
+    /// The axes at the next sample, with their largest disturbances.
+    next: Vec<(Affine, f64)>,
+    /// The longest edge of a piece.
+    finest: f64,
+    /// Where the loop is to be in the end.
+    goal: Vec<RangeInclusive<f64>>,
 }
 
 impl System {
@@ -25,11 +34,11 @@ impl System {
         let explicit =
             ExplicitProgram::new(self.program.model(), self.axes.iter().copied(), outputs)?;
         let explicit = explicit.with_loss(absolute, relative)?.with_finest(finest)?;
-        let explicit = match &self.next[..] {
-            [] => explicit,
-            next => {
-                explicit.with_next(self.program.model(), next.iter().cloned(), self.finest_piece)?
-            }
+        let explicit = match &self.closed {
+            None => explicit,
+            Some(ProvedStep { next, finest, goal }) => explicit
+                .with_next(self.program.model(), next.iter().cloned(), *finest)?
+                .with_goal(goal.iter().cloned())?,
         };
         Ok(explicit.with_cell_limit(cells).build())
     }
@@ -52,7 +61,8 @@ pub(crate) fn wall() -> Result<System, Error> {
     let input = program.at(u, 0)?;
     let next = vec![(program.at(x, 1)?, 0.01), (program.at(v, 1)?, 0.01)];
     let goal = [0.02, 0.02, 1.0 / 256.0];
-    Ok(System { program, axes, input, next, finest_piece: 1.0 / 64.0, goal })
+    let closed = Some(ProvedStep { next, finest: 1.0 / 64.0, goal: vec![-0.3..=0.3, -0.3..=0.3] });
+    Ok(System { program, axes, input, closed, goal })
 }
 
 /// A buck converter: a switch connects the coil to the source or not.
@@ -73,7 +83,8 @@ pub(crate) fn converter() -> Result<System, Error> {
     let input = program.at(on, 0)?;
     let next = vec![(program.at(current, 1)?, 0.01), (program.at(voltage, 1)?, 0.01)];
     let goal = [0.02, 0.05, 1.0 / 256.0];
-    Ok(System { program, axes, input, next, finest_piece: 1.0 / 64.0, goal })
+    let closed = Some(ProvedStep { next, finest: 1.0 / 64.0, goal: vec![1.0..=2.0, 1.0..=2.0] });
+    Ok(System { program, axes, input, closed, goal })
 }
 
 /// A room with a heater that stays on or off for two steps or more, and a price of its energy.
@@ -101,7 +112,7 @@ fn thermostat(memory: &Memory) -> Result<System, Error> {
     let input = program.at(heats, 0)?;
     axes.push(price);
     let goal = [0.1, 0.03, 1.0 / 256.0];
-    Ok(System { program, axes, input, next: Vec::new(), finest_piece: 1.0, goal })
+    Ok(System { program, axes, input, closed: None, goal })
 }
 
 /// The thermostat with a heater that is off, and may be switched.
@@ -161,14 +172,7 @@ fn pole(steps: usize, tips: [f64; 2], speed: f64, finest: f64) -> Result<System,
         (rate, -0.2..=0.2),
     ])?;
     let input = program.at(u, 0)?;
-    Ok(System {
-        program,
-        axes,
-        input,
-        next: Vec::new(),
-        finest_piece: 1.0,
-        goal: [0.2, 0.1, finest],
-    })
+    Ok(System { program, axes, input, closed: None, goal: [0.2, 0.1, finest] })
 }
 
 /// The pole between the walls and a sixth of a metre beyond, for a step.
