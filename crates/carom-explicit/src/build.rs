@@ -72,19 +72,16 @@ pub(crate) enum PartitionCell {
 }
 
 impl PartitionCell {
-    /// The cell by another goal; `None` if it is not finished.
-    pub(crate) fn judged(mut self, form: &ParametricForm, goal: BuildGoal) -> Option<Self> {
-        match &mut self {
-            PartitionCell::Open => return None,
+    /// Whether the cell is finished by another goal, which is noted.
+    pub(crate) fn is_finished(&mut self, form: &ParametricForm, goal: BuildGoal) -> bool {
+        match self {
+            PartitionCell::Open => false,
             PartitionCell::Plan(law) => {
                 law.allowed = goal.loss(&plans_cost(form, &law.plans));
-                if law.loss > law.allowed {
-                    return None;
-                }
+                law.loss <= law.allowed
             }
-            PartitionCell::Cut { .. } | PartitionCell::NoPlan(_) => {}
+            PartitionCell::Cut { .. } | PartitionCell::NoPlan(_) => true,
         }
-        Some(self)
     }
 }
 

@@ -5,7 +5,7 @@
 //! does not depend on the number of threads or on which one is faster. So the partition is the
 //! same for any number of threads.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -104,8 +104,8 @@ impl PartitionBuild<'_> {
     pub(crate) fn run(&mut self, begun: Option<Partition>) -> Partition {
         let shared = SharedCorners::default();
         let mut cuts = Arc::default();
-        let (mut cells, mut waiting) = match begun {
-            Some(partition) => reopened(partition, self.form, &shared, self.goal),
+        let (mut cells, mut waiting, mut earlier) = match begun {
+            Some(partition) => self.reopen(partition, &shared),
             None => begin(self.form, &shared),
         };
         let roots = orders(self.form.axes.len()).len();
@@ -129,6 +129,10 @@ impl PartitionBuild<'_> {
                 // The longer one last: `zip` takes one of the first beyond the end of the second.
                 for (decision, cell) in result.decided.into_iter().zip(decided.by_ref()) {
                     cells[cell.number] = Some(match decision {
+                        // What a limit leaves open now may have had a law before.
+                        LevelDecision::Leaf(PartitionCell::Open) => {
+                            earlier.remove(&cell.number).unwrap_or(PartitionCell::Open)
+                        }
                         LevelDecision::Leaf(leaf) => leaf,
                         LevelDecision::Cut(edge, halves, tried) => {
                             let numbers = [cells.len(), cells.len() + 1];
@@ -147,6 +151,35 @@ impl PartitionBuild<'_> {
             shared.sweep();
         }
         ordered(cells, roots)
+    }
+
+    /// The cells of a partition, of which those wait that are not finished.
+    fn reopen(&self, partition: Partition, shared: &SharedCorners) -> Begun {
+        let (form, orders) = (self.form, orders(self.form.axes.len()));
+        let mut places: Vec<(Vec<Vec<i64>>, usize)> =
+            orders.iter().map(|order| (kuhn(order), 0)).collect();
+        let (mut cells, mut waiting, mut earlier) = (Vec::new(), Vec::new(), HashMap::new());
+        for (number, mut cell) in partition.cells.into_iter().enumerate() {
+            let Some((units, depth)) = places.get_mut(number).map(std::mem::take) else { break };
+            if let PartitionCell::Cut { edge: [i, j], .. } = cell
+                && let Some(middle) = midpoint(&units[i], &units[j])
+            {
+                for replaced in [j, i] {
+                    let mut half = units.clone();
+                    half[replaced].clone_from(&middle);
+                    places.push((half, depth + 1));
+                }
+            }
+            if cell.is_finished(form, self.goal) {
+                cells.push(Some(cell));
+                continue;
+            }
+            let corners = units.into_iter().map(|units| shared.corner(form, units)).collect();
+            waiting.push(WaitingCell { corners, tried: Arc::default(), number, depth });
+            earlier.insert(number, cell);
+            cells.push(None);
+        }
+        (cells, waiting, earlier)
     }
 
     /// The results of the jobs of a level, in their order.
@@ -237,11 +270,11 @@ impl Level<'_> {
     }
 }
 
+/// Cells, of which those that wait are not known, and laws that some of them had before.
+type Begun = (Vec<Option<PartitionCell>>, Vec<WaitingCell>, HashMap<usize, PartitionCell>);
+
 /// The simplices of the box.
-fn begin(
-    form: &ParametricForm,
-    shared: &SharedCorners,
-) -> (Vec<Option<PartitionCell>>, Vec<WaitingCell>) {
+fn begin(form: &ParametricForm, shared: &SharedCorners) -> Begun {
     let whole = |(number, order): (usize, Vec<usize>)| WaitingCell {
         corners: kuhn(&order).into_iter().map(|units| shared.corner(form, units)).collect(),
         tried: Arc::default(),
@@ -250,38 +283,7 @@ fn begin(
     };
     let waiting: Vec<WaitingCell> =
         orders(form.axes.len()).into_iter().enumerate().map(whole).collect();
-    (waiting.iter().map(|_| None).collect(), waiting)
-}
-
-/// The cells of a partition, of which those wait that are not finished.
-fn reopened(
-    partition: Partition,
-    form: &ParametricForm,
-    shared: &SharedCorners,
-    goal: BuildGoal,
-) -> (Vec<Option<PartitionCell>>, Vec<WaitingCell>) {
-    let mut places: Vec<(Vec<Vec<i64>>, usize)> =
-        orders(form.axes.len()).iter().map(|order| (kuhn(order), 0)).collect();
-    let (mut cells, mut waiting) = (Vec::new(), Vec::new());
-    for (number, cell) in partition.cells.into_iter().enumerate() {
-        let Some((units, depth)) = places.get_mut(number).map(std::mem::take) else { break };
-        if let PartitionCell::Cut { edge: [i, j], .. } = cell
-            && let Some(middle) = midpoint(&units[i], &units[j])
-        {
-            for replaced in [j, i] {
-                let mut half = units.clone();
-                half[replaced].clone_from(&middle);
-                places.push((half, depth + 1));
-            }
-        }
-        let cell = cell.judged(form, goal);
-        if cell.is_none() {
-            let corners = units.into_iter().map(|units| shared.corner(form, units)).collect();
-            waiting.push(WaitingCell { corners, tried: Arc::default(), number, depth });
-        }
-        cells.push(cell);
-    }
-    (cells, waiting)
+    (waiting.iter().map(|_| None).collect(), waiting, HashMap::new())
 }
 
 /// The cells level by level.
