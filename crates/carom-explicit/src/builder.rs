@@ -223,7 +223,7 @@ impl<'a> ExplicitProgram<'a> {
     /// let table = explicit.with_next(program.model(), [(after, 0.1)], 0.1)?.build();
     /// let mut text = Vec::new();
     /// table.write_certificate(&mut text)?;
-    /// assert!(String::from_utf8(text)?.contains("\nnext 1\nn 0.1 "));
+    /// assert!(String::from_utf8(text)?.contains("\nnext 1 0.1\nn 0.1 "));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
