@@ -151,9 +151,9 @@ impl<'a> ExplicitProgram<'a> {
         Ok(self)
     }
 
-    /// The length of the longest edge of a cell, as a share of the side of the box, below which it
-    /// is not cut. Cells across the border of what has a plan are cut as far as that. The default
-    /// is 1/256.
+    /// The finest edge, as a share of the side of the box. A cell is not cut through a shorter one,
+    /// and not if it is as small as if all of its edges were so short. Cells across the border of
+    /// what has a plan are cut as far as that. The default is 1/256.
     ///
     /// # Errors
     ///

@@ -50,8 +50,8 @@ impl SharedCorners {
         corner
     }
 
-    /// Forgets corners that no cell has that waits. Not within a level: what one job has finished is
-    /// beside what another one has not begun.
+    /// Forgets corners that no cell has that waits. Not within a level: what one job has finished
+    /// is beside what another one has not begun.
     pub(crate) fn sweep(&self) {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.retain(|_, corner| Arc::strong_count(corner) > 1);
