@@ -86,7 +86,7 @@ impl PartitionCell {
 }
 
 /// The cost of interpolated plans.
-fn plans_cost(form: &ParametricForm, plans: &[Arc<CornerRelaxation>]) -> Coefficients {
+pub(crate) fn plans_cost(form: &ParametricForm, plans: &[Arc<CornerRelaxation>]) -> Coefficients {
     let point = |plan: &Arc<CornerRelaxation>| match &**plan {
         CornerRelaxation::Solved { x, .. } => x.clone(),
         _ => Vec::new(),

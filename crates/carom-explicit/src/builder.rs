@@ -1,6 +1,7 @@
 //! A table that is asked for: its program, its limits, and its build.
 
 use std::fmt;
+use std::io::BufRead;
 use std::ops::RangeInclusive;
 
 use carom_model::Error;
@@ -17,6 +18,7 @@ use crate::build::{BuildGoal, CellLaw, PartitionCell};
 use crate::expected_cells::CellCounts;
 use crate::form::{ParametricForm, refused};
 use crate::partition::{Partition, PartitionBuild};
+use crate::saved_table::read_partition;
 use crate::table::{ExplicitTable, LoopStatement, TableReport};
 
 /// How far a build has come.
@@ -318,6 +320,19 @@ impl<'a> ExplicitProgram<'a> {
             return Err(refused(what, "go on with a table of the same model, axes and outputs"));
         }
         self.begun = Some(table.partition);
+        Ok(self)
+    }
+
+    /// As [`resume`](Self::resume), with a table that
+    /// [`write_certificate`](ExplicitTable::write_certificate) has written, of the same model and
+    /// axes. Its plans and proofs are computed again, and what does not hold is built anew.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Unsupported`] for a table of another program; [`ErrorKind::Parse`] and
+    /// [`ErrorKind::Io`] for a text that cannot be read.
+    pub fn resume_from(mut self, certificate: impl BufRead) -> Result<Self, Error> {
+        self.begun = Some(read_partition(&self.form, certificate)?);
         Ok(self)
     }
 

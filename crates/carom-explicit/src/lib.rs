@@ -15,6 +15,7 @@ mod partition;
 mod proof_of_cell;
 mod relaxed;
 mod rust_source;
+mod saved_table;
 mod simplex_cell;
 mod source_text;
 mod table;

@@ -75,7 +75,7 @@ pub(crate) fn square(v: usize) -> usize {
     v * (v + 3) / 2
 }
 
-fn largest_difference(cost: &Coefficients, bound: &Coefficients) -> f64 {
+pub(crate) fn largest_difference(cost: &Coefficients, bound: &Coefficients) -> f64 {
     cost.iter().zip(bound).map(|(c, b)| c - b).fold(f64::NEG_INFINITY, f64::max)
 }
 

@@ -6,6 +6,7 @@ use carom::explicit::{ExplicitProgram, ExplicitTable, TableProgress};
 use carom_proof::check_table;
 use proptest::prelude::*;
 
+use crate::certificates::damaged;
 use crate::limits::steps;
 use crate::programs::{Program, programs};
 
@@ -32,6 +33,37 @@ proptest! {
         prop_assert_eq!(one.double(), many.double());
         prop_assert!(certificate(&one) == certificate(&many));
         prop_assert_eq!(one.report().relaxations, many.report().relaxations);
+    }
+
+    #[test]
+    fn certificates_go_on(
+        program in programs(),
+        limit in 2..40_usize,
+        kind in 0..12_usize,
+        place in any::<u16>(),
+    ) {
+        let few = explicit(&program).with_cell_limit(limit).build();
+        let (report, text) = (*few.report(), certificate(&few));
+        // Without more cells it is the same table, but for cells that are tried anew.
+        let same = explicit(&program).with_cell_limit(report.cells).resume_from(&text[..]).unwrap();
+        let same = same.build();
+        prop_assert_eq!(same.report().cells, report.cells);
+        prop_assert!(same.report().proved + 1e-12 >= report.proved);
+        prop_assert!(same.report().refuted + 1e-12 >= report.refuted);
+        if report.open + report.unproved == 0.0 {
+            prop_assert!(certificate(&same) == text);
+        }
+        let more = explicit(&program).with_cell_limit(200).resume_from(&text[..]).unwrap().build();
+        prop_assert!(check_table(&certificate(&more)[..]).is_ok());
+        // What is wrong is refused, or built anew.
+        let text = String::from_utf8(text).unwrap();
+        if let Some(damaged) = damaged(&text, kind, place.into(), &program) {
+            let damaged = explicit(&program).with_cell_limit(100).resume_from(damaged.as_bytes());
+            if let Ok(damaged) = damaged {
+                let proved = check_table(&certificate(&damaged.build())[..]);
+                prop_assert!(proved.is_ok(), "{}", proved.unwrap_err());
+            }
+        }
     }
 
     #[test]
