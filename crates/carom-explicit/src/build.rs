@@ -209,7 +209,14 @@ impl Workshop<'_> {
         }
         failed.append(&mut trials);
         failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
-        if room {
+        // The box of the integers alone may have worse multipliers than a larger one.
+        let cheapest = failed.first().map(|trial| {
+            let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
+            let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
+            let proof = self.prove(corners, claim).unwrap_or(none);
+            (proof.loss <= trial.allowed(goal), proof)
+        });
+        if room && !cheapest.as_ref().is_some_and(|(is_within, _)| *is_within) {
             good.extend(failed.iter().map(|trial| trial.number));
             good.extend(seen);
             let mut known = Vec::new();
@@ -225,12 +232,9 @@ impl Workshop<'_> {
                 return CellDecision::Cut(edge, halves, good);
             }
         }
-        let Some(trial) = failed.into_iter().next() else {
+        let Some((trial, (_, proof))) = failed.into_iter().next().zip(cheapest) else {
             return CellDecision::Leaf(PartitionCell::Open);
         };
-        let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
-        let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
-        let proof = self.prove(corners, claim).unwrap_or(none);
         CellDecision::Leaf(trial.law(proof, goal))
     }
 
