@@ -209,14 +209,8 @@ impl Workshop<'_> {
         }
         failed.append(&mut trials);
         failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
-        // The box of the integers alone may have worse multipliers than a larger one.
-        let cheapest = failed.first().map(|trial| {
-            let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
-            let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
-            let proof = self.prove(corners, claim).unwrap_or(none);
-            (proof.loss <= trial.allowed(goal), proof)
-        });
-        if room && !cheapest.as_ref().is_some_and(|(is_within, _)| *is_within) {
+        let cheapest = failed.first().map(|trial| self.any_loss(corners, trial, goal));
+        if room && cheapest.as_ref().is_none_or(|(is_within, _)| !*is_within) {
             good.extend(failed.iter().map(|trial| trial.number));
             good.extend(seen);
             let mut known = Vec::new();
@@ -236,6 +230,21 @@ impl Workshop<'_> {
             return CellDecision::Leaf(PartitionCell::Open);
         };
         CellDecision::Leaf(trial.law(proof, goal))
+    }
+
+    /// The proof of whatever a law loses, and whether that is little enough. The box of its
+    /// integers alone may have worse multipliers than a larger one, which is all that is asked
+    /// here.
+    fn any_loss(
+        &mut self,
+        corners: &[Rc<Corner>],
+        trial: &Trial,
+        goal: BuildGoal,
+    ) -> (bool, CellProof) {
+        let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
+        let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
+        let proof = self.prove(corners, claim).unwrap_or(none);
+        (proof.loss <= trial.allowed(goal), proof)
     }
 
     /// The law of these integers, if it holds at all corners.
