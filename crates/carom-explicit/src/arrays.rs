@@ -4,9 +4,12 @@ use std::collections::HashMap;
 use std::hash::Hash;
 
 use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupTable};
+use carom_model::Error;
+use carom_model::model::{Affine, Model};
 
-use crate::build::{Partition, PartitionCell};
+use crate::build::PartitionCell;
 use crate::form::ParametricForm;
+use crate::partition::Partition;
 use crate::relaxed::CornerRelaxation;
 
 /// The arrays of a look-up in `f64` or `f32`, as they are written for devices.
@@ -30,13 +33,21 @@ pub struct LookupArrays<T> {
 }
 
 /// An input of a law, as an affine expression of the columns of a plan.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LawOutput {
     pub(crate) offset: f64,
     pub(crate) terms: Vec<(usize, f64)>,
 }
 
 impl LawOutput {
+    pub(crate) fn of(model: &Model, expression: Affine) -> Result<Self, Error> {
+        let mut own = LawOutput { offset: expression.offset(), terms: Vec::new() };
+        for (variable, a) in expression.terms() {
+            own.terms.push((model.variable_ref(variable)?.id().index(), a));
+        }
+        Ok(own)
+    }
+
     /// Its value, without a zero of its own sign.
     fn value(&self, x: &[f64]) -> f64 {
         let sum = self.terms.iter().fold(self.offset, |sum, &(j, a)| sum + a * x[j]);

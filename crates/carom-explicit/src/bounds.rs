@@ -10,7 +10,7 @@
 //!
 //! `c(t) - 1/2 z'Pz - sum max(y u, y l) + t'A_t'y + min over the box (Pz + q + P_xt t + A_x'y)'x`.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::form::ParametricForm;
 
@@ -145,11 +145,11 @@ pub(crate) fn cost(form: &ParametricForm, points: &[&[f64]]) -> Coefficients {
 /// The dual bound at interpolated evidence, or how far rays are above 0.
 pub(crate) fn bound(
     form: &ParametricForm,
-    evidence: &[Rc<Evidence>],
+    evidence: &[Arc<Evidence>],
     places: &[&CornerPlace],
     sides: [&[f64]; 2],
 ) -> Coefficients {
-    let base = |(e, place): (&Rc<Evidence>, &&CornerPlace)| e.base(form, place, sides);
+    let base = |(e, place): (&Arc<Evidence>, &&CornerPlace)| e.base(form, place, sides);
     let base: Vec<f64> = evidence.iter().zip(places).map(base).collect();
     pairs(evidence.len(), |v, w| {
         let (e, f) = (&evidence[v], &evidence[w]);

@@ -1,16 +1,15 @@
-//! The partition: cells wait in a queue, and each becomes a leaf or is cut through its longest
-//! edge.
+//! What becomes of a cell: a leaf with a plan or without, or two halves.
 
-use std::collections::VecDeque;
 use std::rc::Rc;
-
-use carom_model::internals::solver::StopToken;
+use std::sync::Arc;
 
 use crate::bounds::{self, Coefficients};
 use crate::corner::{Corner, CornerOptimum, Workshop};
+use crate::edge_choice::CellEdge;
+use crate::form::ParametricForm;
 use crate::proof_of_cell::{CellClaim, CellProof, NoProof, square};
 use crate::relaxed::CornerRelaxation;
-use crate::simplex_cell::{BOX_UNITS, kuhn, midpoint, orders, squared_length};
+use crate::simplex_cell::midpoint;
 
 /// When a cell is finished.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +23,12 @@ pub(crate) struct BuildGoal {
 }
 
 impl BuildGoal {
+    /// The number of cuts after which a cell is not cut: then it is as small as if all of its edges
+    /// were the finest ones.
+    pub(crate) fn deepest(&self, axes: usize) -> usize {
+        axes * ((axes as f64).sqrt() / self.finest).log2().ceil().max(0.0) as usize
+    }
+
     /// The loss that is allowed over a cell, from the coefficients of its cost: with the least cost
     /// f over the cell, at most `absolute + relative |f|`.
     fn loss(&self, cost: &Coefficients) -> f64 {
@@ -48,7 +53,7 @@ const MOST_INHERITED: usize = 8;
 /// A law: the plans of the corners, with the same integers.
 #[derive(Debug)]
 pub(crate) struct CellLaw {
-    pub(crate) plans: Vec<Rc<CornerRelaxation>>,
+    pub(crate) plans: Vec<Arc<CornerRelaxation>>,
     /// The most that it loses; infinite without a proof.
     pub(crate) loss: f64,
     /// The most that it may lose.
@@ -66,21 +71,42 @@ pub(crate) enum PartitionCell {
     Open,
 }
 
-/// A cell in the queue.
-struct WaitingCell {
-    corners: Vec<Rc<Corner>>,
-    /// Integers that were good for the whole.
-    tried: Vec<usize>,
-    number: usize,
+impl PartitionCell {
+    /// Whether the cell is finished by another goal, which is noted.
+    pub(crate) fn is_finished(&mut self, form: &ParametricForm, goal: BuildGoal) -> bool {
+        match self {
+            PartitionCell::Open => false,
+            PartitionCell::Plan(law) => {
+                law.allowed = goal.loss(&plans_cost(form, &law.plans));
+                law.loss <= law.allowed
+            }
+            PartitionCell::Cut { .. } | PartitionCell::NoPlan(_) => true,
+        }
+    }
 }
 
-/// The edge that is cut, and the corners of the halves.
-type CutCell = ([usize; 2], [Vec<Rc<Corner>>; 2]);
+/// The cost of interpolated plans.
+pub(crate) fn plans_cost(form: &ParametricForm, plans: &[Arc<CornerRelaxation>]) -> Coefficients {
+    let point = |plan: &Arc<CornerRelaxation>| match &**plan {
+        CornerRelaxation::Solved { x, .. } => x.clone(),
+        _ => Vec::new(),
+    };
+    let points: Vec<Vec<f64>> = plans.iter().map(point).collect();
+    let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+    bounds::cost(form, &points)
+}
+
+/// What becomes of a cell.
+pub(crate) enum CellDecision {
+    Leaf(PartitionCell),
+    /// The edge that is cut, the corners of the halves, and integers to try there.
+    Cut(CellEdge, [Vec<Rc<Corner>>; 2], Vec<usize>),
+}
 
 /// A law that is not proved yet.
 struct Trial {
     number: usize,
-    plans: Vec<Rc<CornerRelaxation>>,
+    plans: Vec<Arc<CornerRelaxation>>,
     cost: Coefficients,
     sum: f64,
 }
@@ -109,81 +135,24 @@ impl Trial {
     }
 }
 
-/// The partition as a tree; the first cells are those of the orders of the axes.
-#[derive(Debug)]
-pub(crate) struct Partition {
-    pub(crate) cells: Vec<PartitionCell>,
-    pub(crate) orders: usize,
-    /// The largest number of cuts on a way to a leaf.
-    pub(crate) depth: usize,
-}
-
-/// Builds the partition. `progress` is told the number of leaves and the share of the set that they
-/// are.
-pub(crate) fn partition(
-    shop: &mut Workshop,
-    goal: BuildGoal,
-    token: &StopToken,
-    progress: &mut dyn FnMut(usize, f64),
-) -> Partition {
-    let mut queue = VecDeque::new();
-    let mut cells = Vec::new();
-    let mut depths = Vec::new();
-    let mut shares = Vec::new();
-    let orders = orders(shop.form.axes.len());
-    for order in &orders {
-        let corners = kuhn(order).into_iter().map(|units| shop.corner(units)).collect();
-        queue.push_back(WaitingCell { corners, tried: Vec::new(), number: cells.len() });
-        cells.push(PartitionCell::Open);
-        depths.push(0);
-        shares.push(1.0 / orders.len() as f64);
-    }
-    let (mut leaves, mut done, mut depth) = (0, 0.0, 0);
-    while let Some(cell) = queue.pop_front() {
-        let number = cell.number;
-        let room = leaves + queue.len() + 2 <= goal.cells && !token.is_over();
-        let (decided, tried) = shop.decide(&cell, goal, room, token);
-        if let Some(decided) = decided {
-            cells[number] = decided;
-            (leaves, done) = (leaves + 1, done + shares[number]);
-            progress(leaves, done);
-            if leaves % 1024 == 0 {
-                shop.sweep();
-            }
-            continue;
-        }
-        let Some((edge, halves)) = shop.halves(&cell) else {
-            leaves += 1;
-            continue;
-        };
-        let next = [cells.len(), cells.len() + 1];
-        for (corners, number) in halves.into_iter().zip(next) {
-            queue.push_back(WaitingCell { corners, tried: tried.clone(), number });
-            cells.push(PartitionCell::Open);
-            depths.push(depths[cell.number] + 1);
-            shares.push(0.5 * shares[cell.number]);
-        }
-        depth = depth.max(depths[cell.number] + 1);
-        cells[number] = PartitionCell::Cut { edge, next };
-    }
-    Partition { cells, orders: orders.len(), depth }
-}
-
-impl Workshop {
-    /// Decides a cell: it becomes a leaf, or, if the first is `None`, is cut. Then the second has
-    /// integers to try in its halves.
-    fn decide(
+impl Workshop<'_> {
+    /// Decides a cell; without `room` it becomes a leaf.
+    ///
+    /// # Arguments
+    ///
+    /// * `tried`: integers that were good for the whole.
+    /// * `depth`: the number of cuts that led to the cell.
+    pub(crate) fn decide(
         &mut self,
-        cell: &WaitingCell,
-        goal: BuildGoal,
+        corners: &[Rc<Corner>],
+        tried: &[usize],
+        (goal, depth): (BuildGoal, usize),
         room: bool,
-        token: &StopToken,
-    ) -> (Option<PartitionCell>, Vec<usize>) {
-        let corners = &cell.corners;
-        if token.is_over() {
-            return (Some(PartitionCell::Open), Vec::new());
+    ) -> CellDecision {
+        if self.is_over() {
+            return CellDecision::Leaf(PartitionCell::Open);
         }
-        let mut waiting = cell.tried.clone();
+        let mut waiting = tried.to_vec();
         let (mut seen, mut trials, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut has_optima, mut proofs) = (false, 0);
         // The best integers of corners come first for the halves.
@@ -209,7 +178,7 @@ impl Workshop {
                 match self
                     .prove(corners, CellClaim::Loss(&trial.cost, trial.allowed(goal), trial.number))
                 {
-                    Ok(proof) => return (Some(trial.law(proof, goal)), Vec::new()),
+                    Ok(proof) => return CellDecision::Leaf(trial.law(proof, goal)),
                     Err(NoProof { better }) => waiting.extend(better),
                 }
                 failed.push(trial);
@@ -223,7 +192,7 @@ impl Workshop {
             let optima: Vec<CornerOptimum> = optima.collect();
             if optima.iter().all(|optimum| *optimum == CornerOptimum::NoPlan) {
                 match self.prove(corners, CellClaim::NoPlan) {
-                    Ok(proof) => return (Some(PartitionCell::NoPlan(proof)), Vec::new()),
+                    Ok(proof) => return CellDecision::Leaf(PartitionCell::NoPlan(proof)),
                     Err(_) => break,
                 }
             }
@@ -238,9 +207,10 @@ impl Workshop {
                 break;
             }
         }
-        if room && self.can_be_cut(cell, goal) {
-            failed.append(&mut trials);
-            failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        failed.append(&mut trials);
+        failed.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+        let cheapest = failed.first().map(|trial| self.any_loss(corners, trial, goal));
+        if room && cheapest.as_ref().is_none_or(|(is_within, _)| !*is_within) {
             good.extend(failed.iter().map(|trial| trial.number));
             good.extend(seen);
             let mut known = Vec::new();
@@ -251,16 +221,30 @@ impl Workshop {
                 }
             });
             good.truncate(MOST_INHERITED);
-            return (None, good);
+            let edge = self.edge(corners, &good, goal, depth);
+            if let Some((edge, halves)) = edge.and_then(|edge| self.halves(corners, edge)) {
+                return CellDecision::Cut(edge, halves, good);
+            }
         }
-        failed.append(&mut trials);
-        let Some(trial) = failed.into_iter().min_by(|a, b| a.sum.total_cmp(&b.sum)) else {
-            return (Some(PartitionCell::Open), Vec::new());
+        let Some((trial, (_, proof))) = failed.into_iter().next().zip(cheapest) else {
+            return CellDecision::Leaf(PartitionCell::Open);
         };
+        CellDecision::Leaf(trial.law(proof, goal))
+    }
+
+    /// The proof of whatever a law loses, and whether that is little enough. The box of its
+    /// integers alone may have worse multipliers than a larger one, which is all that is asked
+    /// here.
+    fn any_loss(
+        &mut self,
+        corners: &[Rc<Corner>],
+        trial: &Trial,
+        goal: BuildGoal,
+    ) -> (bool, CellProof) {
         let claim = CellClaim::AnyLoss(&trial.cost, trial.allowed(goal));
         let none = CellProof { steps: Vec::new(), loss: f64::INFINITY };
         let proof = self.prove(corners, claim).unwrap_or(none);
-        (Some(trial.law(proof, goal)), Vec::new())
+        (proof.loss <= trial.allowed(goal), proof)
     }
 
     /// The law of these integers, if it holds at all corners.
@@ -273,45 +257,22 @@ impl Workshop {
             sum += cost;
             plans.push(plan);
         }
-        let point = |plan: &Rc<CornerRelaxation>| match &**plan {
-            CornerRelaxation::Solved { x, .. } => x.clone(),
-            _ => Vec::new(),
-        };
-        let points: Vec<Vec<f64>> = plans.iter().map(point).collect();
-        let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
-        let cost = bounds::cost(&self.form, &points);
+        let cost = plans_cost(self.form, &plans);
         Some(Trial { number, plans, cost, sum })
     }
 
-    fn can_be_cut(&self, cell: &WaitingCell, goal: BuildGoal) -> bool {
-        let longest = longest_edge(&cell.corners).1;
-        (longest as f64).sqrt() / BOX_UNITS as f64 > goal.finest
-    }
-
-    /// The edge that is cut, and the corners of the halves.
-    fn halves(&mut self, cell: &WaitingCell) -> Option<CutCell> {
-        let [i, j] = longest_edge(&cell.corners).0;
-        let middle = midpoint(&cell.corners[i].units, &cell.corners[j].units)?;
-        let middle = self.corner(middle);
+    /// The corners of the halves; `None` if the middle is finer than the unit.
+    fn halves(
+        &mut self,
+        corners: &[Rc<Corner>],
+        [i, j]: CellEdge,
+    ) -> Option<(CellEdge, [Vec<Rc<Corner>>; 2])> {
+        let middle = self.corner(midpoint(corners[i].units(), corners[j].units())?);
         let with = |k: usize| {
-            let mut corners = cell.corners.clone();
-            corners[k] = Rc::clone(&middle);
-            corners
+            let mut half = corners.to_vec();
+            half[k] = Rc::clone(&middle);
+            half
         };
         Some(([i, j], [with(j), with(i)]))
     }
-}
-
-/// The longest edge, the first one if there are several, and the square of its length.
-fn longest_edge(corners: &[Rc<Corner>]) -> ([usize; 2], i128) {
-    let mut longest = ([0, 1], -1);
-    for i in 0..corners.len() {
-        for j in i + 1..corners.len() {
-            let length = squared_length(&corners[i].units, &corners[j].units);
-            if length > longest.1 {
-                longest = ([i, j], length);
-            }
-        }
-    }
-    longest
 }

@@ -4,14 +4,16 @@
 //! cells as a tree. Its format is on the page `docs/explicit_control.md`.
 
 use std::collections::HashMap;
+use std::fmt::Write as _;
 use std::io::{self, Write};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use carom_embedded::LookupNumber;
 
 use crate::arrays::LookupArrays;
 use crate::bounds::Evidence;
 use crate::build::PartitionCell;
+use crate::form::ParametricForm;
 use crate::proof_of_cell::{CellProof, CellStep};
 use crate::relaxed::{CornerRelaxation, PLAN_TOLERANCE};
 use crate::table::ExplicitTable;
@@ -19,7 +21,7 @@ use crate::table::ExplicitTable;
 /// Numbers what is shared, by its address.
 struct Shared<T> {
     numbers: HashMap<*const T, usize>,
-    things: Vec<Rc<T>>,
+    things: Vec<Arc<T>>,
 }
 
 impl<T> Shared<T> {
@@ -27,16 +29,16 @@ impl<T> Shared<T> {
         Shared { numbers: HashMap::new(), things: Vec::new() }
     }
 
-    fn add(&mut self, thing: &Rc<T>) {
+    fn add(&mut self, thing: &Arc<T>) {
         let things = &mut self.things;
-        self.numbers.entry(Rc::as_ptr(thing)).or_insert_with(|| {
-            things.push(Rc::clone(thing));
+        self.numbers.entry(Arc::as_ptr(thing)).or_insert_with(|| {
+            things.push(Arc::clone(thing));
             things.len() - 1
         });
     }
 
-    fn number(&self, thing: &Rc<T>) -> usize {
-        self.numbers.get(&Rc::as_ptr(thing)).copied().unwrap_or(usize::MAX)
+    fn number(&self, thing: &Arc<T>) -> usize {
+        self.numbers.get(&Arc::as_ptr(thing)).copied().unwrap_or(usize::MAX)
     }
 }
 
@@ -68,6 +70,35 @@ fn write_device<T: LookupNumber + Into<f64>>(
     writeln!(out, "scale{}", exact(&arrays.scale))?;
     let (state, input) = (numbers(&arrays.state_rounding), arrays.input_rounding);
     writeln!(out, "rounding{state} {input:?}")
+}
+
+/// The lines of a program, without what is asked of its table.
+pub(crate) fn statement_text(form: &ParametricForm) -> String {
+    let mut text = String::new();
+    let out = &mut text;
+    // Texts take everything.
+    _ = writeln!(out, "carom-table 1");
+    _ = writeln!(out, "sense {}", if form.sign < 0.0 { "max" } else { "min" });
+    _ = writeln!(out, "columns {}", form.columns());
+    for j in 0..form.columns() {
+        let (lower, upper, whole) = (form.lower[j], form.upper[j], form.integral[j]);
+        _ = writeln!(out, "c {lower:?} {upper:?} {} {}", u8::from(whole), form.names[j]);
+    }
+    _ = writeln!(out, "axes {}{}", form.axes.len(), numbers(&form.axes));
+    _ = writeln!(out, "rows {}", form.rows.len());
+    for row in &form.rows {
+        _ = write!(out, "r {:?} {:?} {}", row.lower, row.upper, row.terms.len());
+        row.terms.iter().for_each(|(j, a)| _ = write!(out, " {j} {a:?}"));
+        _ = writeln!(out);
+    }
+    _ = writeln!(out, "cost {:?} {}", form.offset, entries(form.linear.iter().copied()));
+    for (j, column) in form.quadratic.iter().enumerate() {
+        for (i, p) in column.iter().filter(|(i, _)| *i <= j) {
+            _ = writeln!(out, "p {i} {j} {p:?}");
+        }
+    }
+    _ = writeln!(out, "lack {}", entries(form.lack.iter().copied()));
+    text
 }
 
 impl ExplicitTable {
@@ -142,28 +173,7 @@ impl ExplicitTable {
     }
 
     fn write_program(&self, out: &mut impl Write) -> io::Result<()> {
-        let form = &self.form;
-        writeln!(out, "carom-table 1")?;
-        writeln!(out, "sense {}", if form.sign < 0.0 { "max" } else { "min" })?;
-        writeln!(out, "columns {}", form.columns())?;
-        for j in 0..form.columns() {
-            let (lower, upper, whole) = (form.lower[j], form.upper[j], form.integral[j]);
-            writeln!(out, "c {lower:?} {upper:?} {} {}", u8::from(whole), form.names[j])?;
-        }
-        writeln!(out, "axes {}{}", form.axes.len(), numbers(&form.axes))?;
-        writeln!(out, "rows {}", form.rows.len())?;
-        for row in &form.rows {
-            write!(out, "r {:?} {:?} {}", row.lower, row.upper, row.terms.len())?;
-            row.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
-            writeln!(out)?;
-        }
-        writeln!(out, "cost {:?} {}", form.offset, entries(form.linear.iter().copied()))?;
-        for (j, column) in form.quadratic.iter().enumerate() {
-            for (i, p) in column.iter().filter(|(i, _)| *i <= j) {
-                writeln!(out, "p {i} {j} {p:?}")?;
-            }
-        }
-        writeln!(out, "lack {}", entries(form.lack.iter().copied()))?;
+        out.write_all(statement_text(&self.form).as_bytes())?;
         writeln!(out, "loss {:?} {:?}", self.goal[0], self.goal[1])?;
         writeln!(out, "tolerance {PLAN_TOLERANCE:?}")?;
         writeln!(out, "inputs {}", self.outputs.len())?;
@@ -172,7 +182,15 @@ impl ExplicitTable {
             output.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
             writeln!(out)?;
         }
-        Ok(())
+        let Some(closed) = &self.closed else { return writeln!(out, "next 0") };
+        writeln!(out, "next {} {:?}", closed.next.len(), closed.finest)?;
+        for (disturbance, next) in &closed.next {
+            write!(out, "n {disturbance:?} {:?} {}", next.offset, next.terms.len())?;
+            next.terms.iter().try_for_each(|(j, a)| write!(out, " {j} {a:?}"))?;
+            writeln!(out)?;
+        }
+        let goal = closed.goal.as_flattened();
+        writeln!(out, "goal {}{}", closed.goal.len(), numbers(goal))
     }
 }
 

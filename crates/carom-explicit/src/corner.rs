@@ -3,10 +3,11 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::{Rc, Weak};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::bounds::CornerPlace;
 use crate::form::ParametricForm;
-use crate::integer_tree::IntegerTree;
+use crate::integer_tree::{IntegerTree, KnownCuts};
 use crate::relaxed::{CornerRelaxation, CornerRelaxer};
 
 /// The best integers of a corner.
@@ -20,16 +21,60 @@ pub(crate) enum CornerOptimum {
     Unknown,
 }
 
-/// A corner of cells. It is dropped with the last cell that waits.
+/// A corner with the relaxations that any job has solved there, by the ranges of the integers. They
+/// do not depend on who solves them.
+#[derive(Debug)]
+pub(crate) struct SharedCorner {
+    pub(crate) units: Vec<i64>,
+    place: CornerPlace,
+    relaxed: Mutex<HashMap<Vec<i64>, Arc<CornerRelaxation>>>,
+}
+
+/// The corners of all jobs.
+#[derive(Debug, Default)]
+pub(crate) struct SharedCorners {
+    known: Mutex<HashMap<Vec<i64>, Arc<SharedCorner>>>,
+}
+
+impl SharedCorners {
+    /// The corner of these units.
+    pub(crate) fn corner(&self, form: &ParametricForm, units: Vec<i64>) -> Arc<SharedCorner> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(corner) = known.get(&units) {
+            return Arc::clone(corner);
+        }
+        let place = CornerPlace::new(form, form.state(&units));
+        let corner = SharedCorner { units: units.clone(), place, relaxed: Mutex::default() };
+        let corner = Arc::new(corner);
+        known.insert(units, Arc::clone(&corner));
+        corner
+    }
+
+    /// Forgets corners that no cell has that waits. Not within a level: what one job has finished
+    /// is beside what another one has not begun.
+    pub(crate) fn sweep(&self) {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|_, corner| Arc::strong_count(corner) > 1);
+    }
+}
+
+/// A corner of cells of a job.
 #[derive(Debug)]
 pub(crate) struct Corner {
-    pub(crate) units: Vec<i64>,
-    pub(crate) place: CornerPlace,
-    relaxed: RefCell<HashMap<usize, Rc<CornerRelaxation>>>,
+    pub(crate) shared: Arc<SharedCorner>,
+    relaxed: RefCell<HashMap<usize, Arc<CornerRelaxation>>>,
     optimum: RefCell<Option<CornerOptimum>>,
 }
 
 impl Corner {
+    pub(crate) fn units(&self) -> &[i64] {
+        &self.shared.units
+    }
+
+    pub(crate) fn place(&self) -> &CornerPlace {
+        &self.shared.place
+    }
+
     /// Whether a relaxation is known.
     pub(crate) fn knows(&self, number: usize) -> bool {
         self.relaxed.borrow().contains_key(&number)
@@ -39,20 +84,26 @@ impl Corner {
 /// The largest number of boxes that the search at a corner looks at.
 const MOST_BOXES: usize = 100_000;
 
-/// The corners of all cells that wait, the boxes of integers, and the methods.
-pub(crate) struct Workshop {
-    pub(crate) form: ParametricForm,
+/// The corners of the cells of a job, its boxes of integers, and the methods.
+pub(crate) struct Workshop<'a> {
+    pub(crate) form: &'a ParametricForm,
     pub(crate) tree: IntegerTree,
     relaxer: CornerRelaxer,
+    shared: &'a SharedCorners,
     corners: HashMap<Vec<i64>, Weak<Corner>>,
-    /// Relaxations that were solved.
-    pub(crate) solved: u64,
+    /// Relaxations that were needed.
+    pub(crate) needed: u64,
 }
 
-impl Workshop {
-    pub(crate) fn new(form: ParametricForm, relaxer: CornerRelaxer) -> Self {
-        let tree = IntegerTree::new(&form);
-        Workshop { form, tree, relaxer, corners: HashMap::new(), solved: 0 }
+impl<'a> Workshop<'a> {
+    pub(crate) fn new(
+        form: &'a ParametricForm,
+        shared: &'a SharedCorners,
+        cuts: &Arc<KnownCuts>,
+        relaxer: CornerRelaxer,
+    ) -> Self {
+        let tree = IntegerTree::new(form, cuts);
+        Workshop { form, tree, relaxer, shared, corners: HashMap::new(), needed: 0 }
     }
 
     /// The corner of these units.
@@ -60,14 +111,9 @@ impl Workshop {
         if let Some(corner) = self.corners.get(&units).and_then(Weak::upgrade) {
             return corner;
         }
-        let form = &self.form;
-        let at = form.state(&units);
-        let corner = Rc::new(Corner {
-            units: units.clone(),
-            place: CornerPlace::new(form, at),
-            relaxed: RefCell::default(),
-            optimum: RefCell::default(),
-        });
+        let shared = self.shared.corner(self.form, units.clone());
+        let (relaxed, optimum) = (RefCell::default(), RefCell::default());
+        let corner = Rc::new(Corner { shared, relaxed, optimum });
         self.corners.insert(units, Rc::downgrade(&corner));
         corner
     }
@@ -77,20 +123,26 @@ impl Workshop {
         self.relaxer.is_over()
     }
 
-    /// Forgets corners that no cell has.
-    pub(crate) fn sweep(&mut self) {
-        self.corners.retain(|_, corner| corner.strong_count() > 0);
-    }
-
     /// The relaxation of a box of integers at a corner.
-    pub(crate) fn relaxed(&mut self, corner: &Corner, number: usize) -> Rc<CornerRelaxation> {
+    pub(crate) fn relaxed(&mut self, corner: &Corner, number: usize) -> Arc<CornerRelaxation> {
         if let Some(known) = corner.relaxed.borrow().get(&number) {
-            return Rc::clone(known);
+            return Arc::clone(known);
         }
-        self.solved += 1;
-        let sides = self.tree.sides(number);
-        let found = Rc::new(self.relaxer.solve(&self.form, &corner.place, sides));
-        corner.relaxed.borrow_mut().insert(number, Rc::clone(&found));
+        self.needed += 1;
+        let key = self.tree.key(number);
+        let lock = || corner.shared.relaxed.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock().get(key).cloned();
+        let found = known.unwrap_or_else(|| {
+            let sides = self.tree.sides(number);
+            let found = Arc::new(self.relaxer.solve(self.form, corner.place(), sides));
+            // Not what a limit has cut short. Of two that are solved at once, one is kept, so that
+            // certificates name what is shared alike.
+            match self.relaxer.is_over() {
+                true => found,
+                false => Arc::clone(lock().entry(key.to_vec()).or_insert(found)),
+            }
+        });
+        corner.relaxed.borrow_mut().insert(number, Arc::clone(&found));
         found
     }
 

@@ -13,7 +13,7 @@ const MOST_AXES: usize = 6;
 const ENTRY_ROUNDING: f64 = 4e-15;
 
 /// A row `lower <= terms <= upper`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FormRow {
     pub(crate) terms: Vec<(usize, f64)>,
     pub(crate) lower: f64,
@@ -22,7 +22,7 @@ pub(crate) struct FormRow {
 
 /// A lowered model as matrices, always a minimisation. Its columns are the variables of the lowered
 /// model, and some of them are the axes of the set.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ParametricForm {
     pub(crate) names: Vec<String>,
     pub(crate) lower: Vec<f64>,

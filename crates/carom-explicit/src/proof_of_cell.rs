@@ -2,6 +2,7 @@
 //! with a refutation.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::bounds::{self, Coefficients, CornerPlace, Evidence};
 use crate::corner::{Corner, Workshop};
@@ -15,9 +16,9 @@ pub(crate) enum CellStep {
     /// The box is cut: the column is at most the value, or at least one more.
     Cut { column: usize, value: f64 },
     /// The bound of this evidence, corner by corner.
-    Bound(Vec<Rc<Evidence>>),
+    Bound(Vec<Arc<Evidence>>),
     /// This evidence says that there is no point, corner by corner.
-    Refuted(Vec<Rc<Evidence>>),
+    Refuted(Vec<Arc<Evidence>>),
 }
 
 /// A proof, and the largest coefficient of cost less bound.
@@ -58,9 +59,9 @@ impl CellClaim<'_> {
 enum Closing {
     Closed(CellStep, f64),
     /// A relaxation that is cheaper at a corner than the claim allows, if that is why.
-    Cheaper(Rc<CornerRelaxation>),
+    Cheaper(Arc<CornerRelaxation>),
     /// A relaxation at which to cut.
-    Failed(Option<Rc<CornerRelaxation>>),
+    Failed(Option<Arc<CornerRelaxation>>),
 }
 
 /// The most boxes that a proof may have.
@@ -74,11 +75,11 @@ pub(crate) fn square(v: usize) -> usize {
     v * (v + 3) / 2
 }
 
-fn largest_difference(cost: &Coefficients, bound: &Coefficients) -> f64 {
+pub(crate) fn largest_difference(cost: &Coefficients, bound: &Coefficients) -> f64 {
     cost.iter().zip(bound).map(|(c, b)| c - b).fold(f64::NEG_INFINITY, f64::max)
 }
 
-impl Workshop {
+impl Workshop<'_> {
     /// Proves a claim about a cell.
     pub(crate) fn prove(
         &mut self,
@@ -124,7 +125,7 @@ impl Workshop {
     fn close(&mut self, corners: &[Rc<Corner>], number: usize, claim: CellClaim<'_>) -> Closing {
         let mut order: Vec<usize> = (0..corners.len()).collect();
         order.sort_by_key(|&v| !corners[v].knows(number));
-        let unknown = Rc::new(CornerRelaxation::Unknown);
+        let unknown = Arc::new(CornerRelaxation::Unknown);
         let mut found = vec![unknown; corners.len()];
         for v in order {
             let relaxed = self.relaxed(&corners[v], number);
@@ -133,7 +134,7 @@ impl Workshop {
                 (CornerRelaxation::Unknown, _) | (_, CellClaim::NoPlan) => true,
                 (CornerRelaxation::Solved { evidence, .. }, CellClaim::Loss(cost, loss, _)) => {
                     let sides = self.tree.sides(number);
-                    let bound = evidence.value(&self.form, &corners[v].place, sides);
+                    let bound = evidence.value(self.form, corners[v].place(), sides);
                     cost[square(v)] - bound > loss
                 }
             };
@@ -142,7 +143,7 @@ impl Workshop {
             }
             found[v] = relaxed;
         }
-        let places: Vec<&CornerPlace> = corners.iter().map(|corner| &corner.place).collect();
+        let places: Vec<&CornerPlace> = corners.iter().map(|corner| corner.place()).collect();
         if let Some(evidence) = self.refutation(&found, &places, number) {
             return Closing::Closed(CellStep::Refuted(evidence), 0.0);
         }
@@ -150,9 +151,9 @@ impl Workshop {
         let (CellClaim::Loss(_, loss, _) | CellClaim::AnyLoss(_, loss)) = claim else {
             return Closing::Failed(None);
         };
-        let mut best: Option<(f64, Vec<Rc<Evidence>>)> = None;
+        let mut best: Option<(f64, Vec<Arc<Evidence>>)> = None;
         for evidence in self.candidates(&found, &places, number, (cost, loss)) {
-            let bound = bounds::bound(&self.form, &evidence, &places, self.tree.sides(number));
+            let bound = bounds::bound(self.form, &evidence, &places, self.tree.sides(number));
             let worst = largest_difference(cost, &bound);
             if best.as_ref().is_none_or(|(least, _)| worst < *least) {
                 best = Some((worst, evidence));
@@ -167,7 +168,7 @@ impl Workshop {
                 Closing::Closed(CellStep::Bound(evidence), worst)
             }
             _ => {
-                let fractional = |relaxed: &&Rc<CornerRelaxation>| match &***relaxed {
+                let fractional = |relaxed: &&Arc<CornerRelaxation>| match &***relaxed {
                     CornerRelaxation::Solved { x, .. } => self.tree.is_fractional(x),
                     _ => false,
                 };
@@ -179,18 +180,18 @@ impl Workshop {
     /// Evidence for a bound, to be tried one after the other.
     fn candidates(
         &self,
-        found: &[Rc<CornerRelaxation>],
+        found: &[Arc<CornerRelaxation>],
         places: &[&CornerPlace],
         number: usize,
         (cost, loss): (&Coefficients, f64),
-    ) -> Vec<Vec<Rc<Evidence>>> {
-        let form = &self.form;
-        let own = |relaxed: &Rc<CornerRelaxation>| match &**relaxed {
-            CornerRelaxation::Solved { evidence, .. } => Some(Rc::clone(evidence)),
+    ) -> Vec<Vec<Arc<Evidence>>> {
+        let form = self.form;
+        let own = |relaxed: &Arc<CornerRelaxation>| match &**relaxed {
+            CornerRelaxation::Solved { evidence, .. } => Some(Arc::clone(evidence)),
             _ => None,
         };
-        let solved: Vec<Option<Rc<Evidence>>> = found.iter().map(own).collect();
-        let known: Vec<&Rc<Evidence>> = solved.iter().flatten().collect();
+        let solved: Vec<Option<Arc<Evidence>>> = found.iter().map(own).collect();
+        let known: Vec<&Arc<Evidence>> = solved.iter().flatten().collect();
         let mean = |of: fn(&Evidence) -> &Vec<f64>, length: usize| {
             let mut sum = vec![0.0; length];
             for evidence in &known {
@@ -200,9 +201,9 @@ impl Workshop {
             sum
         };
         if known.len() == found.len() {
-            let mut all = vec![known.iter().map(|e| Rc::clone(e)).collect()];
+            let mut all = vec![known.iter().map(|e| Arc::clone(e)).collect()];
             // Where multipliers jump within the cell, those of one corner may do better.
-            let one = |e: &&Rc<Evidence>| vec![Rc::clone(*e); found.len()];
+            let one = |e: &&Arc<Evidence>| vec![Arc::clone(*e); found.len()];
             all.extend(known.iter().map(one));
             return all;
         }
@@ -210,18 +211,18 @@ impl Workshop {
         // that lifts its bound to the cost.
         let z = mean(|evidence| &evidence.z, form.columns());
         let y = mean(|evidence| &evidence.y, form.rows.len());
-        let base = Rc::new(Evidence::bound(form, z.clone(), y.clone()));
+        let base = Arc::new(Evidence::bound(form, z.clone(), y.clone()));
         let sides = self.tree.sides(number);
         let lifted = |factor: f64| {
             let at = |v: usize| {
                 if let Some(evidence) = &solved[v] {
-                    return Rc::clone(evidence);
+                    return Arc::clone(evidence);
                 }
-                let CornerRelaxation::Refuted(ray) = &*found[v] else { return Rc::clone(&base) };
+                let CornerRelaxation::Refuted(ray) = &*found[v] else { return Arc::clone(&base) };
                 let lacks = cost[square(v)] - loss - base.value(form, places[v], sides);
                 let multiple = factor * lacks.max(0.0) / ray.value(form, places[v], sides);
                 let sum = y.iter().zip(&ray.y).map(|(y, r)| y + multiple * r).collect();
-                Rc::new(Evidence::bound(form, z.clone(), sum))
+                Arc::new(Evidence::bound(form, z.clone(), sum))
             };
             (0..found.len()).map(at).collect()
         };
@@ -231,24 +232,24 @@ impl Workshop {
     /// Evidence that a box has no point in the cell.
     fn refutation(
         &self,
-        found: &[Rc<CornerRelaxation>],
+        found: &[Arc<CornerRelaxation>],
         places: &[&CornerPlace],
         number: usize,
-    ) -> Option<Vec<Rc<Evidence>>> {
-        let ray = |relaxed: &Rc<CornerRelaxation>| match &**relaxed {
-            CornerRelaxation::Refuted(ray) => Some(Rc::clone(ray)),
+    ) -> Option<Vec<Arc<Evidence>>> {
+        let ray = |relaxed: &Arc<CornerRelaxation>| match &**relaxed {
+            CornerRelaxation::Refuted(ray) => Some(Arc::clone(ray)),
             _ => None,
         };
-        let rays: Vec<Rc<Evidence>> = found.iter().map(ray).collect::<Option<_>>()?;
-        let (form, sides) = (&self.form, self.tree.sides(number));
-        let holds = |rays: &Vec<Rc<Evidence>>| {
+        let rays: Vec<Arc<Evidence>> = found.iter().map(ray).collect::<Option<_>>()?;
+        let (form, sides) = (self.form, self.tree.sides(number));
+        let holds = |rays: &Vec<Arc<Evidence>>| {
             let above = bounds::bound(form, rays, places, sides);
             above.into_iter().all(|value| value > RAY_MARGIN)
         };
         if holds(&rays) {
             return Some(rays);
         }
-        let one = rays.iter().map(|ray| vec![Rc::clone(ray); rays.len()]);
+        let one = rays.iter().map(|ray| vec![Arc::clone(ray); rays.len()]);
         one.into_iter().find(holds)
     }
 }

@@ -1,6 +1,6 @@
 //! Continuous relaxations at a corner of cells, with multipliers for all rows.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use carom_model::internals::solver::StopToken;
 use carom_solver::internals::presolve::{Compressed, Reduced};
@@ -25,28 +25,31 @@ pub(crate) const RAY_MARGIN: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub(crate) enum CornerRelaxation {
     /// A point within [`PLAN_TOLERANCE`] with its cost, and multipliers near the optimal ones.
-    Solved { x: Vec<f64>, cost: f64, evidence: Rc<Evidence> },
+    Solved { x: Vec<f64>, cost: f64, evidence: Arc<Evidence> },
     /// There is no point.
-    Refuted(Rc<Evidence>),
+    Refuted(Arc<Evidence>),
     /// No method has an answer that is good enough.
     Unknown,
 }
 
-/// The methods, one after the other.
+/// Makes a method.
+type NewMethod = fn() -> Box<dyn Relaxation>;
+
+/// The methods, one after the other. Each is new for each relaxation, so that no answer depends on
+/// what was solved before.
 pub(crate) struct CornerRelaxer {
-    methods: Vec<Box<dyn Relaxation>>,
+    methods: [NewMethod; 3],
     token: StopToken,
 }
 
 impl CornerRelaxer {
     pub(crate) fn new(form: &ParametricForm, token: StopToken) -> Self {
-        let mut methods: Vec<Box<dyn Relaxation>> = Vec::new();
-        match form.quadratic.iter().all(Vec::is_empty) {
-            true => methods.push(Box::new(DualSimplex::new())),
-            false => methods.push(Box::new(ActiveSet::new())),
-        }
-        methods.push(Box::new(InteriorPoint::new()));
-        methods.push(Box::new(ClarabelRelaxation::new()));
+        let first: NewMethod = match form.quadratic.iter().all(Vec::is_empty) {
+            true => || Box::new(DualSimplex::new()),
+            false => || Box::new(ActiveSet::new()),
+        };
+        let methods: [NewMethod; 3] =
+            [first, || Box::new(InteriorPoint::new()), || Box::new(ClarabelRelaxation::new())];
         CornerRelaxer { methods, token }
     }
 
@@ -64,7 +67,7 @@ impl CornerRelaxer {
     ) -> CornerRelaxation {
         let found = match CornerProgram::new(form, place, sides) {
             Ok(program) => self.attempts(form, place, sides, &program),
-            Err(ray) => Some(CornerRelaxation::Refuted(Rc::new(Evidence::ray(form, &ray)))),
+            Err(ray) => Some(CornerRelaxation::Refuted(Arc::new(Evidence::ray(form, &ray)))),
         };
         match found {
             Some(CornerRelaxation::Refuted(ray)) if ray.value(form, place, sides) <= RAY_MARGIN => {
@@ -93,15 +96,15 @@ impl CornerRelaxer {
         if program.reduced.columns.is_empty() {
             let (x, cost) = (program.all_columns(&[]), program.reduced.offset);
             let evidence = Evidence::bound(form, x.clone(), vec![0.0; form.rows.len()]);
-            return Some(CornerRelaxation::Solved { x, cost, evidence: Rc::new(evidence) });
+            return Some(CornerRelaxation::Solved { x, cost, evidence: Arc::new(evidence) });
         }
-        for method in &mut self.methods {
-            let mut result = method.solve(&program.reduced, &effort);
+        for method in self.methods {
+            let mut result = method().solve(&program.reduced, &effort);
             let y = program.all_rows(form, &result.y);
             if result.claim == RelaxationClaim::Infeasible {
                 let ray = Evidence::ray(form, &y);
                 if ray.value(form, place, sides) > RAY_MARGIN {
-                    return Some(CornerRelaxation::Refuted(Rc::new(ray)));
+                    return Some(CornerRelaxation::Refuted(Arc::new(ray)));
                 }
             }
             if !result.x.iter().chain(&result.y).all(|value| value.is_finite()) {
@@ -115,7 +118,7 @@ impl CornerRelaxer {
             let gap = (cost - bound).abs() / (1.0 + cost.abs());
             let better = best.as_ref().is_none_or(|(least, _)| gap < *least);
             if better && form.violation(&x) <= PLAN_TOLERANCE {
-                let evidence = Rc::new(evidence);
+                let evidence = Arc::new(evidence);
                 best = Some((gap, CornerRelaxation::Solved { x, cost, evidence }));
             }
             if best.as_ref().is_some_and(|(gap, _)| *gap <= GAP) {

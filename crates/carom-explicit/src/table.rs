@@ -4,8 +4,9 @@ use carom_embedded::LookupAnswer;
 use web_time::Duration;
 
 use crate::arrays::{LawOutput, LookupArrays};
-use crate::build::{Partition, PartitionCell};
+use crate::build::PartitionCell;
 use crate::form::ParametricForm;
+use crate::partition::Partition;
 use crate::relaxed::CornerRelaxation;
 use crate::simplex_cell::{kuhn, midpoint, orders};
 
@@ -30,7 +31,11 @@ pub struct TableReport {
     pub open: f64,
     /// The largest proved loss of a plan within ε, in the unit of the objective.
     pub loss: f64,
-    /// The relaxations that were solved.
+    /// The most nodes of a tree that proves a cell. At each state of a cell, a search that begins
+    /// with its plan, cuts the integers as the proof does, and closes what cannot be better by more
+    /// than the loss, ends after at most so many nodes.
+    pub most_nodes: usize,
+    /// The relaxations that were needed, the same for any number of threads.
     pub relaxations: u64,
     /// The time that the build took.
     pub duration: Duration,
@@ -49,6 +54,17 @@ pub struct TableCell {
     pub integers: Vec<f64>,
 }
 
+/// A statement about the loop that a table closes.
+#[derive(Debug)]
+pub(crate) struct LoopStatement {
+    /// For each axis, its largest disturbance, and where it is at the next sample.
+    pub(crate) next: Vec<(f64, LawOutput)>,
+    /// The longest edge of the pieces into which cells are cut, as a share of the side.
+    pub(crate) finest: f64,
+    /// A range of each axis; empty without a goal.
+    pub(crate) goal: Vec<[f64; 2]>,
+}
+
 /// A table of laws for a box of parameters, made by
 /// [`ExplicitProgram::build`](crate::ExplicitProgram::build).
 #[derive(Debug)]
@@ -56,6 +72,7 @@ pub struct ExplicitTable {
     pub(crate) form: ParametricForm,
     pub(crate) partition: Partition,
     pub(crate) outputs: Vec<LawOutput>,
+    pub(crate) closed: Option<LoopStatement>,
     /// The absolute and the relative loss that was asked for.
     pub(crate) goal: [f64; 2],
     pub(crate) report: TableReport,

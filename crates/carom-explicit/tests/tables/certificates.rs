@@ -68,7 +68,7 @@ fn turned(line: &str) -> String {
 }
 
 /// A damage that makes a certificate wrong, by its kind; `None` if there is nothing to damage.
-fn damaged(text: &str, kind: usize, place: usize, program: &Program) -> Option<String> {
+pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) -> Option<String> {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let all = |begin: &str| {
         let own = lines.iter().enumerate().filter(|(_, line)| line.starts_with(begin));

@@ -109,7 +109,7 @@ fn a_limit_leaves_the_rest_open() {
             interrupt.trigger();
         }
     };
-    let part = new().with_interrupt(&interrupt).with_progress(watch).build();
+    let part = new().with_threads(1).with_interrupt(&interrupt).with_progress(watch).build();
     let report = part.report();
     assert!(report.open > 0.0 && report.cells < whole.report().cells, "{report:?}");
     let late = new().with_time_limit(Duration::ZERO).build();

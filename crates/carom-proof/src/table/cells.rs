@@ -10,6 +10,7 @@
 //! cost less bound, see `evidence`.
 
 use super::ProvedTable;
+use super::closed_loop::{Image, LoopCell, LoopPiece, ProvedLoop, prove};
 use super::evidence::Evidence;
 use super::statement::Statement;
 use crate::exact::{Dyadic, Sum};
@@ -18,7 +19,7 @@ use std::io::BufRead;
 use std::rc::Rc;
 
 /// Units along a side of the box.
-const UNITS: i64 = 1 << 30;
+pub(super) const UNITS: i64 = 1 << 30;
 
 /// A corner of cells.
 #[derive(Debug, PartialEq)]
@@ -43,6 +44,8 @@ pub(super) struct Used {
     /// `P x` and `q'x`.
     pub(super) px: Vec<Dyadic>,
     pub(super) linear: Dyadic,
+    /// The next states, if the table says where they are.
+    pub(super) next: Image,
 }
 
 /// The plans and the evidence of a table.
@@ -59,8 +62,8 @@ pub(super) struct Waiting {
     pub(super) corners: Vec<Rc<Corner>>,
 }
 
-/// Kuhn's simplices, by the orders of the axes in lexicographic order.
-fn simplices(n: usize) -> Vec<Vec<Rc<Corner>>> {
+/// The orders of the axes, in lexicographic order.
+pub(super) fn orders(n: usize) -> Vec<Vec<usize>> {
     let mut orders: Vec<Vec<usize>> = vec![Vec::new()];
     for _ in 0..n {
         let mut longer = Vec::new();
@@ -73,6 +76,11 @@ fn simplices(n: usize) -> Vec<Vec<Rc<Corner>>> {
         }
         orders = longer;
     }
+    orders
+}
+
+/// Kuhn's simplices, by the orders of the axes.
+fn simplices(n: usize) -> Vec<Vec<Rc<Corner>>> {
     let of = |order: &Vec<usize>| {
         let mut units = vec![0; n];
         let mut corners = vec![Rc::new(Corner { units: units.clone() })];
@@ -82,7 +90,7 @@ fn simplices(n: usize) -> Vec<Vec<Rc<Corner>>> {
         }
         corners
     };
-    orders.iter().map(of).collect()
+    orders(n).iter().map(of).collect()
 }
 
 impl Corner {
@@ -174,8 +182,11 @@ impl Checked {
             refuted: 0.0,
             open: 0.0,
             loss: 0.0,
+            stays: None,
+            reaches: None,
             depth: 0,
         };
+        let mut loop_cells = Vec::new();
         for number in 0..count {
             let (mut words, keyword) = lines.expect_any(&["cut", "plan", "none", "open"])?;
             let Some(cell) = waiting.get_mut(number).and_then(Option::take) else {
@@ -183,15 +194,19 @@ impl Checked {
             };
             proved.depth = proved.depth.max(cell.depth);
             if keyword == "cut" {
-                cut(&mut words, cell, &mut waiting)?;
+                let edge = cut(&mut words, cell, &mut waiting)?;
                 words.end()?;
+                let halves = [waiting.len() - 2, waiting.len() - 1];
+                loop_cells.push(LoopCell::Cut { edge, halves });
                 continue;
             }
             proved.cells += 1;
             match keyword {
                 "plan" => {
                     let head = self.head(&mut words, cell.corners.len())?;
-                    self.check_plan(head, lines, statement, &cell, &mut proved)?;
+                    let plans = self.check_plan(head, lines, statement, &cell, &mut proved)?;
+                    loop_cells.push(LoopCell::Plan(LoopPiece::new(&cell, &plans)));
+                    continue;
                 }
                 "none" => {
                     let steps = words.count("the number of steps")?;
@@ -204,9 +219,14 @@ impl Checked {
                     proved.open += cell.share;
                 }
             }
+            loop_cells.push(LoopCell::NoPlan);
         }
         if waiting.iter().any(Option::is_some) {
             return rejected("a half of a cell is not there");
+        }
+        if !statement.next.is_empty() {
+            let ProvedLoop { stays, reaches } = prove(loop_cells, statement)?;
+            (proved.stays, proved.reaches) = (Some(stays), reaches);
         }
         Ok(proved)
     }
@@ -216,7 +236,7 @@ fn cut(
     words: &mut Words<'_>,
     cell: Waiting,
     waiting: &mut Vec<Option<Waiting>>,
-) -> Result<(), Refusal> {
+) -> Result<[usize; 2], Refusal> {
     let corners = cell.corners.len();
     let (i, j) = (words.index("corner", corners)?, words.index("corner", corners)?);
     if i == j {
@@ -232,5 +252,5 @@ fn cut(
         corners[replaced] = Rc::clone(&middle);
         waiting.push(Some(Waiting { share: 0.5 * cell.share, depth: cell.depth + 1, corners }));
     }
-    Ok(())
+    Ok([i, j])
 }

@@ -2,6 +2,7 @@
 
 use super::ProvedTable;
 use super::cells::{Checked, Corner, Used, Waiting};
+use super::closed_loop::image;
 use super::evidence::{Evidence, Part, dense, twice_bound};
 use super::statement::Statement;
 use crate::exact::{Dyadic, Sum};
@@ -86,12 +87,13 @@ impl Checked {
         }
         statement.columns.iter().zip(&x).for_each(|(column, x)| sum.add(column.linear, x));
         let linear = sum.take()?;
-        let used = Rc::new(Used { units: corner.units.clone(), x, px, linear });
+        let next = if statement.next.is_empty() { None } else { image(statement, &x)? };
+        let used = Rc::new(Used { units: corner.units.clone(), x, px, linear, next });
         plan.used = Some(Rc::clone(&used));
         Ok(used)
     }
 
-    /// Checks a cell with a plan.
+    /// Checks a cell with a plan, and returns the plans of its corners.
     pub(super) fn check_plan<R: BufRead>(
         &mut self,
         head: (f64, Vec<usize>, usize),
@@ -99,7 +101,7 @@ impl Checked {
         statement: &Statement,
         cell: &Waiting,
         proved: &mut ProvedTable,
-    ) -> Result<(), Refusal> {
+    ) -> Result<Vec<Rc<Used>>, Refusal> {
         let (loss, numbers, steps) = head;
         let mut plans = Vec::new();
         for (&number, corner) in numbers.iter().zip(&cell.corners) {
@@ -116,7 +118,7 @@ impl Checked {
                 return rejected("there are steps for an infinite loss");
             }
             proved.unproved += cell.share;
-            return Ok(());
+            return Ok(plans);
         }
         let mut twice_cost = Vec::new();
         let mut sum = Sum::default();
@@ -139,7 +141,7 @@ impl Checked {
             }
             false => proved.larger += cell.share,
         }
-        Ok(())
+        Ok(plans)
     }
 
     /// Checks the steps of a proof: that there is no point, or that a claimed loss holds.

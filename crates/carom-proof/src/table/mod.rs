@@ -3,9 +3,10 @@
 //! A table states a program with parameters in a box, cuts the box into simplices, and says of each
 //! simplex which plan holds there and what it loses, or that there is none. `statement` reads what
 //! is said of the program and the device, `evidence` bounds costs over a simplex, `cells` walks the
-//! tree, `leaves` checks plans and proofs.
+//! tree, `leaves` checks plans and proofs, `closed_loop` says where the loop stays.
 
 mod cells;
+mod closed_loop;
 mod convexity;
 mod device;
 mod evidence;
@@ -34,6 +35,12 @@ pub struct ProvedTable {
     pub open: f64,
     /// The largest loss of those within.
     pub loss: f64,
+    /// The share from which the loop stays in it: each state has a plan, and its next states are in
+    /// this share again. `None` if the table does not say where the next states are.
+    pub stays: Option<f64>,
+    /// The share of those from which the loop is in the goal after some steps, and the most steps.
+    /// `None` if the table has no goal.
+    pub reaches: Option<(f64, u64)>,
     /// The most cuts on a way to a cell.
     pub depth: u64,
 }
@@ -54,7 +61,15 @@ impl fmt::Display for ProvedTable {
             percent(self.refuted),
             percent(self.open),
             self.depth,
-        )
+        )?;
+        if let Some(share) = self.stays {
+            write!(f, "; {:.3} % from which the loop stays there", percent(share))?;
+        }
+        if let Some((share, steps)) = self.reaches {
+            let share = percent(share);
+            write!(f, ", {share:.3} % from which it is in the goal after at most {steps} steps")?;
+        }
+        Ok(())
     }
 }
 

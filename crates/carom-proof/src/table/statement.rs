@@ -1,5 +1,6 @@
 //! The program of a table, as it is stated.
 
+use super::closed_loop::{Next, read_next};
 use super::convexity::check_blocks;
 use super::device::Device;
 use crate::exact::{Dyadic, Sum};
@@ -38,6 +39,12 @@ pub(super) struct Statement {
     pub(super) tolerance: f64,
     /// The inputs of a look-up: constants and terms of columns that are no axes.
     pub(super) inputs: Vec<(f64, Vec<(u32, f64)>)>,
+    /// Where the axes are at the next sample; empty if nothing is said of it.
+    pub(super) next: Vec<Next>,
+    /// The longest edge of a piece of a cell in the loop, as a share of the side.
+    pub(super) finest: f64,
+    /// A range of each axis that the loop is to reach; empty if there is none.
+    pub(super) goal: Vec<[f64; 2]>,
     /// Those with 64 bits and with 32.
     pub(super) devices: Vec<Device>,
     /// By how much the cost may miss being convex, over the bounds of the columns.
@@ -77,6 +84,9 @@ impl Statement {
             loss: [0.0; 2],
             tolerance: 0.0,
             inputs: Vec::new(),
+            next: Vec::new(),
+            finest: 1.0,
+            goal: Vec::new(),
             devices: Vec::new(),
             lack: Dyadic::zero(),
         };
@@ -108,6 +118,7 @@ impl Statement {
             }
             statement.inputs.push(own);
         }
+        read_next(lines, &mut statement)?;
         for bits in [53, 24] {
             let device = Device::read(lines, &statement)?;
             device.check(&statement, bits)?;
