@@ -233,7 +233,7 @@ impl NonlinearCase {
                 true => {}
                 false => _ = model.add("switched", on.on().implies(of.le(*limit)))?,
             }
-            cost = cost - *reward * on;
+            cost -= *reward * on;
         }
         model.minimize(cost)?;
         Ok((model, x))
