@@ -94,10 +94,10 @@ fn every_end_has_its_code() -> Result<(), Error> {
     let (_, any) = called(&stub("any", &nl::write(&open)?), &["objno=0"], "");
     assert_eq!((any.code, any.objective, any.bound), (0, -1, None));
     // The message of a failure has the name and the place.
-    let refused = text.replace("O0 1\nn0\n", "O0 1\no44\nv0\n");
+    let refused = text.replace("O0 1\nn0\n", "O0 1\no13\nv0\n");
     let (said, refused) = called(&stub("refused", &refused), &[], "");
     assert_eq!((said.code, refused.code, refused.columns), (Some(0), 500, 3));
-    assert!(refused.message.contains("line 14, column 1: `exp` is not taken; "), "{refused:?}");
+    assert!(refused.message.contains("line 14, column 1: `floor` is not taken; "), "{refused:?}");
     assert!(refused.message.ends_with("[unsupported]"), "{refused:?}");
     Ok(())
 }
