@@ -3,6 +3,7 @@
 `CAROM_PROGRAM` is the path of the program; else it is the one in the `PATH`, or a build of this repository.
 """
 
+import math
 import os
 import random
 import shutil
@@ -73,12 +74,21 @@ def test_how_a_search_ends():
 
 def test_failures_say_what_and_where():
     model = bag()
-    model.curve = pyo.Constraint(expr=pyo.exp(model.take[0]) + model.take[1] <= 2)
+    model.curve = pyo.Constraint(expr=pyo.floor(model.take[0]) + model.take[1] <= 2)
     found = solve(model)
     assert found.solver.termination_condition == Condition.internalSolverError
-    assert "`exp` is not taken" in found.solver.message and "[unsupported]" in found.solver.message
+    assert "`floor` is not taken" in found.solver.message and "[unsupported]" in found.solver.message
     found = solve(bag(), colour="red")
     assert "no option is called `colour`" in found.solver.message
+
+
+def test_nonlinear_functions():
+    model = pyo.ConcreteModel()
+    model.x, model.n = pyo.Var(bounds=(-3, 3)), pyo.Var(domain=pyo.Integers, bounds=(1, 4))
+    model.wave = pyo.Constraint(expr=pyo.sin(model.x) * model.n >= 1)
+    model.cost = pyo.Objective(expr=pyo.exp(model.x) / model.n + 0.2 * model.n)
+    best = min(math.exp(math.asin(1 / n)) / n + 0.2 * n for n in range(1, 5))
+    assert solved(model, mipgap=1e-6) == pytest.approx(best, abs=1e-4)
 
 
 def test_quadratic_rows_and_costs():
