@@ -108,7 +108,9 @@ fn poles_and_missing_bounds_are_errors_with_names() {
     assert!(matches!(error.kind(), ErrorKind::Pole { .. }) && error.code() == "pole", "{error}");
     assert!(error.to_string().contains("(x)^-1") && error.to_string().contains("-1"), "{error}");
     model.set_bounds(x, 0.5, 1.0).unwrap();
-    assert_near(solve(&model).objective().unwrap(), 1.0);
+    let solution = solve(&model);
+    assert_near(solution.objective().unwrap(), 1.0);
+    assert!(solution.pool().is_complete());
 
     let mut model = Model::new("m");
     let x = model.continuous("x", f64::NEG_INFINITY, f64::INFINITY).unwrap();

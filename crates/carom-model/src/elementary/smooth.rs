@@ -46,7 +46,7 @@ use crate::interval::Interval;
 /// }
 ///
 /// let mut model = Model::new("dose");
-/// let x = model.continuous("x", -6.0, 6.0)?;
+/// let x = model.continuous("x", -2.0, 6.0)?;
 /// model.minimize(x - 8.0 * x.own(Logistic))?;
 /// let solution = BranchAndBound::default().solve(&model)?;
 /// // Where the slope of the function is 1/8.

@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::reformulate::{lower_around_functions, ties};
 use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Verification};
-use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
+use crate::solver::{Control, Event, Incumbent, Options, PoolMode, Progress, StopToken};
 use crate::spatial::{Occasion, SearchFlaw, SearchNews, SpatialProgram, SpatialSearch};
 
 use super::refusals::Refusals;
@@ -92,6 +92,9 @@ pub(super) fn solve_nonlinear(
     let values = best.map(|point| point.as_slice().to_vec());
     let outcome = Outcome::new(found.termination, values, sign * found.bound, found.statistics);
     let solution = Solution::new(model, outcome, options.feasibility)?;
+    let is_alone = options.pool == 1 && options.pool_mode == PoolMode::Best;
+    let complete = is_alone && (solution.is_optimal() || solution.is_infeasible());
+    let solution = solution.with_pool(model, std::iter::empty(), complete, options.feasibility)?;
     Ok(solution.with_refused(refusals.take()))
 }
 
