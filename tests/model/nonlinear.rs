@@ -110,7 +110,7 @@ fn poles_and_missing_bounds_are_errors_with_names() {
     model.set_bounds(x, 0.5, 1.0).unwrap();
     let solution = solve(&model);
     assert_near(solution.objective().unwrap(), 1.0);
-    assert!(solution.pool().is_complete());
+    assert!(solution.is_optimal());
 
     let mut model = Model::new("m");
     let x = model.continuous("x", f64::NEG_INFINITY, f64::INFINITY).unwrap();
