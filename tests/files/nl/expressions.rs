@@ -203,6 +203,9 @@ fn deep_expressions_are_read() {
     let depth = 200_000;
     let text = file(&format!("{}v0", "o16; ".repeat(depth)));
     assert_eq!(read(&text).objective().evaluate(|_| 3.0), 3.0);
+    let waves = error(&file(&format!("{}v0", "o41; ".repeat(depth))));
+    assert!(waves.contains("the number of functions inside each other in `objective`"), "{waves}");
+    assert_eq!(read(&file(&format!("{}v0", "o41; ".repeat(150)))).function_count(), 150);
     let left = file(&format!("{}v0{}", "o0; ".repeat(depth), "; n1".repeat(depth)));
     assert_eq!(read(&left).objective().affine().offset(), depth as f64);
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{FunctionPart, Nonlinear};
+use super::{FunctionPart, MAX_FUNCTION_DEPTH, Nonlinear};
 use crate::elementary::Elementary;
 use crate::error::Error;
 #[cfg(doc)]
@@ -54,6 +54,7 @@ impl Model {
 impl Nonlinear {
     /// The expression over variables of a model, which are added under a name.
     pub(in crate::model) fn define(self, model: &mut Model, name: &Name) -> Result<Affine, Error> {
+        self.check_depth(name)?;
         Definer::new(model, name).affine(&self)
     }
 
@@ -63,7 +64,23 @@ impl Nonlinear {
         model: &mut Model,
         name: &Name,
     ) -> Result<Quadratic, Error> {
+        self.check_depth(name)?;
         Definer::new(model, name).quadratic(&self)
+    }
+}
+
+impl Nonlinear {
+    /// Refuses functions that are too deep inside each other.
+    fn check_depth(&self, name: &Name) -> Result<(), Error> {
+        if self.depth <= MAX_FUNCTION_DEPTH {
+            return Ok(());
+        }
+        Err(Error::out_of_range_with(
+            format!("the number of functions inside each other in `{name}`"),
+            f64::from(self.depth),
+            ..=f64::from(MAX_FUNCTION_DEPTH),
+            "; give inner ones variables of their own by `Model::nonlinear`",
+        ))
     }
 }
 
@@ -123,6 +140,8 @@ impl<'a> Definer<'a> {
                     false => self.variable(Function::Absolute(of))?,
                 }
             }
+            // Refused before.
+            FunctionPart::Dropped => Affine::zero(),
             FunctionPart::Maximum(left, right) => {
                 let both = vec![self.affine(left)?, self.affine(right)?];
                 self.variable(Function::Maximum(both))?

@@ -44,7 +44,13 @@ use crate::error::Error;
 pub struct Nonlinear {
     rest: Quadratic,
     parts: Vec<(f64, Arc<FunctionPart>)>,
+    /// The number of functions inside each other.
+    depth: u32,
 }
+
+/// The largest depth of functions inside each other. Deeper ones are dropped, so that no later code
+/// walks them; the depth stays, and a model refuses the expression.
+const MAX_FUNCTION_DEPTH: u32 = 200;
 
 /// A function of expressions.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +61,20 @@ enum FunctionPart {
     Quotient(Nonlinear, Nonlinear),
     Absolute(Nonlinear),
     Maximum(Nonlinear, Nonlinear),
+    /// A function that is too deep.
+    Dropped,
+}
+
+impl FunctionPart {
+    fn depth(&self) -> u32 {
+        match self {
+            FunctionPart::Elementary(_, of) | FunctionPart::Absolute(of) => of.depth + 1,
+            FunctionPart::Product(a, b)
+            | FunctionPart::Quotient(a, b)
+            | FunctionPart::Maximum(a, b) => a.depth.max(b.depth) + 1,
+            FunctionPart::Dropped => MAX_FUNCTION_DEPTH + 1,
+        }
+    }
 }
 
 /// An expression as it is written: parts that are shared occur as often as they are used.
@@ -68,7 +88,7 @@ struct StoredNonlinear {
 
 #[cfg(feature = "serde")]
 impl From<Nonlinear> for StoredNonlinear {
-    fn from(Nonlinear { rest, parts }: Nonlinear) -> Self {
+    fn from(Nonlinear { rest, parts, .. }: Nonlinear) -> Self {
         let own = |part: Arc<FunctionPart>| Arc::unwrap_or_clone(part);
         let parts = parts.into_iter().map(|(factor, part)| (factor, own(part))).collect();
         StoredNonlinear { rest, parts }
@@ -78,8 +98,9 @@ impl From<Nonlinear> for StoredNonlinear {
 #[cfg(feature = "serde")]
 impl From<StoredNonlinear> for Nonlinear {
     fn from(StoredNonlinear { rest, parts }: StoredNonlinear) -> Self {
+        let depth = parts.iter().map(|(_, part)| part.depth()).max().unwrap_or(0);
         let parts = parts.into_iter().map(|(factor, part)| (factor, Arc::new(part))).collect();
-        Nonlinear { rest, parts }
+        Nonlinear { rest, parts, depth }
     }
 }
 
@@ -95,7 +116,9 @@ impl Nonlinear {
     }
 
     fn of(part: FunctionPart) -> Self {
-        Nonlinear { rest: Quadratic::zero(), parts: vec![(1.0, Arc::new(part))] }
+        let depth = part.depth();
+        let part = if depth > MAX_FUNCTION_DEPTH { FunctionPart::Dropped } else { part };
+        Nonlinear { rest: Quadratic::zero(), parts: vec![(1.0, Arc::new(part))], depth }
     }
 
     pub(in crate::model) fn elementary(function: Elementary, of: Nonlinear) -> Self {
@@ -137,6 +160,7 @@ impl Nonlinear {
     }
 
     pub(in crate::model) fn append(&mut self, other: &Nonlinear, factor: f64) {
+        self.depth = self.depth.max(other.depth);
         self.rest.append(&other.rest, factor);
         self.parts.extend(other.parts.iter().map(|(of, part)| (factor * of, part.clone())));
     }
@@ -163,12 +187,14 @@ impl Nonlinear {
                     FunctionPart::Quotient(a.try_map(entry)?, b.try_map(entry)?)
                 }
                 FunctionPart::Absolute(of) => FunctionPart::Absolute(of.try_map(entry)?),
+                FunctionPart::Dropped => FunctionPart::Dropped,
                 FunctionPart::Maximum(a, b) => {
                     FunctionPart::Maximum(a.try_map(entry)?, b.try_map(entry)?)
                 }
             };
             mapped.parts.push((*factor, Arc::new(part)));
         }
+        mapped.depth = self.depth;
         Ok(mapped)
     }
 
@@ -191,7 +217,7 @@ impl Nonlinear {
 
 impl From<Quadratic> for Nonlinear {
     fn from(rest: Quadratic) -> Self {
-        Nonlinear { rest, parts: Vec::new() }
+        Nonlinear { rest, ..Nonlinear::default() }
     }
 }
 
