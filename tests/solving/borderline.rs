@@ -7,11 +7,11 @@ use carom::prelude::*;
 use carom::solver::RelaxationMethod;
 
 /// Solves an LP file in all ways, and compares objective and bound with the right value.
-fn is_right(text: &str, value: f64) {
-    Path::ALL.into_iter().for_each(|path| is_right_with(path.options(), text, value));
+fn assert_right(text: &str, value: f64) {
+    Path::ALL.into_iter().for_each(|path| assert_right_with(path.options(), text, value));
 }
 
-fn is_right_with(options: Options, text: &str, value: f64) {
+fn assert_right_with(options: Options, text: &str, value: f64) {
     let model = lp::read(text).expect("a readable file").model;
     let mut solver = BranchAndBound::new(options);
     let solution = solver.solve(&model).expect("an answer");
@@ -44,15 +44,15 @@ const CORNER: &str = "Maximize
 fn an_interior_point_method_finds_the_corner_by_wider_limits() {
     let mut options = Options::default().with_presolve(false);
     options.relaxation = RelaxationMethod::InteriorPoint;
-    is_right_with(options, CORNER, -16.2);
+    assert_right_with(options, CORNER, -16.2);
 }
 
 /// The only corner misses the row by 1e-15 in doubles. Multipliers of 1e20 proved -115978.4 of the
 /// empty set, and `x6`, which no row holds, stayed where it was.
 #[test]
 fn a_corner_that_is_missed_by_the_last_digit_is_a_point() {
-    is_right(CORNER, -16.2);
-    is_right(
+    assert_right(CORNER, -16.2);
+    assert_right(
         "Maximize
             obj: - 4 x0 + 1 x1 + 3 x2 - 3 x3 + 5 x4 - 2 x5
         Subject To
@@ -97,5 +97,5 @@ fn what_is_missed_at_the_start_gains_nothing_at_the_end() {
         cost += 0.5 * u;
     }
     model.minimize(cost).unwrap();
-    is_right(&lp::write(&model).unwrap(), 0.0);
+    assert_right(&lp::write(&model).unwrap(), 0.0);
 }

@@ -389,14 +389,14 @@ pub(crate) fn judge_driven(seed: u64) -> Result<bool, String> {
 #[test]
 fn chains_without_inputs_are_their_runs() {
     for seed in 0..60 {
-        judge_free(seed).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(judge_free(seed).err(), None, "seed {seed}");
     }
 }
 
 #[test]
 fn chains_with_inputs_reach_what_they_can() {
     for seed in 0..120 {
-        judge_driven(seed).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(judge_driven(seed).err(), None, "seed {seed}");
     }
 }
 

@@ -205,7 +205,7 @@ enum Kind {
 }
 
 /// One loop, with disturbances or without.
-fn run(statement: &Statement, kind: Kind, is_disturbed: bool, draw: &mut Draw) {
+fn assert_moves_are_whole(statement: &Statement, kind: Kind, is_disturbed: bool, draw: &mut Draw) {
     let mut solver = BranchAndBound::default();
     let build = |_: usize| statement.program(HORIZON);
     let mut controller = match kind {
@@ -285,7 +285,7 @@ fn plants_arrive_where_moves_say_and_dwell_times_hold() {
         for is_disturbed in [false, true] {
             let told = || format!("seed {seed}, system {system}, {kind:?}, {is_disturbed}");
             let one = std::panic::AssertUnwindSafe(|| {
-                run(&statement, kind, is_disturbed, &mut draw);
+                assert_moves_are_whole(&statement, kind, is_disturbed, &mut draw);
             });
             if let Err(panic) = std::panic::catch_unwind(one) {
                 eprintln!("{}\n{}", told(), statement.system().0);

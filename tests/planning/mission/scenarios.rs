@@ -7,7 +7,7 @@ mod missions;
 
 use missions::{Point, SCENARIOS};
 
-fn solve(name: &str) -> Result<(), Error> {
+fn assert_solved(name: &str) -> Result<(), Error> {
     let scenario = SCENARIOS.iter().find(|own| own.name == name).expect("a scenario");
     let point = Point::new()?;
     let (program, mission, margin) = scenario.program(&point)?;
@@ -23,32 +23,32 @@ fn solve(name: &str) -> Result<(), Error> {
 
 #[test]
 fn a_goal_behind_an_obstacle() -> Result<(), Error> {
-    solve("reach_avoid_l")?;
-    solve("reach_avoid_q")
+    assert_solved("reach_avoid_l")?;
+    assert_solved("reach_avoid_q")
 }
 
 #[test]
 fn one_of_two_targets_for_a_while_and_then_a_goal() -> Result<(), Error> {
-    solve("either_or_l")?;
-    solve("either_or_q")
+    assert_solved("either_or_l")?;
+    assert_solved("either_or_q")
 }
 
 #[test]
 fn one_of_two_goals_through_a_narrow_passage() -> Result<(), Error> {
-    solve("narrow_passage_l")
+    assert_solved("narrow_passage_l")
 }
 
 #[test]
 fn a_door_that_needs_a_key() -> Result<(), Error> {
-    solve("door_puzzle_l")
+    assert_solved("door_puzzle_l")
 }
 
 #[test]
 fn one_target_of_each_group() -> Result<(), Error> {
-    solve("multitarget_l")
+    assert_solved("multitarget_l")
 }
 
 #[test]
 fn stepping_stones() -> Result<(), Error> {
-    solve("stepping_stones_l")
+    assert_solved("stepping_stones_l")
 }
