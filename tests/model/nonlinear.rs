@@ -122,6 +122,45 @@ fn poles_and_missing_bounds_are_errors_with_names() {
 }
 
 #[test]
+fn objectives_without_a_limit_are_told_apart_from_contradictions() {
+    let mut model = Model::new("m");
+    let x = model.continuous("x", 0.0, 3.0).unwrap();
+    let z = model.continuous("z", f64::NEG_INFINITY, f64::INFINITY).unwrap();
+    model.add("row", (x.sin() + 0.0 * z).le(0.5)).unwrap();
+    model.minimize(z + x.exp()).unwrap();
+    let unbounded = solve(&model);
+    assert_eq!(unbounded.termination(), Termination::Unbounded);
+    assert_eq!(unbounded.bound(), f64::NEG_INFINITY);
+    model.add("more", x.sin().ge(0.75)).unwrap();
+    assert!(solve(&model).is_infeasible());
+
+    // The logarithm has no least value at the end of the range.
+    let mut model = Model::new("m");
+    let x = model.continuous("x", 0.0, 1.0).unwrap();
+    let y = model.continuous("y", 0.0, 1.0).unwrap();
+    model.minimize(x.ln() + (5.0 * y).sin()).unwrap();
+    let mut solver = BranchAndBound::default();
+    solver.options_mut().time_limit = Some(Duration::from_secs(20));
+    match solver.solve(&model) {
+        Err(error) => assert_eq!(error.code(), "pole"),
+        Ok(solution) => assert_eq!(solution.termination(), Termination::Stalled),
+    }
+}
+
+#[test]
+fn functions_are_not_nested_without_end() {
+    let mut model = Model::new("m");
+    let x = model.continuous("x", 0.0, 1.0).unwrap();
+    let mut wave = Nonlinear::from(x);
+    for _ in 0..100_000 {
+        wave = wave.sin();
+    }
+    let error = model.add("row", wave.le(0.5)).unwrap_err();
+    assert!(error.to_string().contains("functions inside each other in `row`"), "{error}");
+    assert_eq!((model.variable_count(), model.function_count()), (1, 0));
+}
+
+#[test]
 fn arguments_stay_in_domains() {
     let mut model = Model::new("m");
     let x = model.continuous("x", -5.0, 5.0).unwrap();

@@ -1,4 +1,4 @@
-//! What becomes of a cell: a leaf with a plan or without, or two halves.
+//! The fate of a cell: a leaf with a plan or without, or two halves.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -96,7 +96,7 @@ pub(crate) fn plans_cost(form: &ParametricForm, plans: &[Arc<CornerRelaxation>])
     bounds::cost(form, &points)
 }
 
-/// What becomes of a cell.
+/// The fate of a cell.
 pub(crate) enum CellDecision {
     Leaf(PartitionCell),
     /// The edge that is cut, the corners of the halves, and integers to try there.

@@ -46,14 +46,14 @@ struct WaitingCell {
     depth: usize,
 }
 
-/// What becomes of a cell of a job.
+/// The fate of a cell of a job.
 enum LevelDecision {
     Leaf(PartitionCell),
     /// The edge, the corners of the halves, and integers to try there.
     Cut([usize; 2], [Vec<Arc<SharedCorner>>; 2], Arc<Vec<Vec<i64>>>),
 }
 
-/// What a job has found out.
+/// The findings of a job.
 struct JobResult {
     decided: Vec<LevelDecision>,
     cuts: KnownCuts,
@@ -63,13 +63,13 @@ struct JobResult {
 /// The depth of a cell that was decided, and whether it is cut.
 type Decided = (usize, bool);
 
-/// What threads tell.
+/// The reports of threads.
 enum JobNews {
     Decided(Decided),
     Done(usize, JobResult),
 }
 
-/// What all jobs of a level know.
+/// The data that all jobs of a level share.
 struct Level<'a> {
     waiting: &'a [WaitingCell],
     shared: &'a SharedCorners,

@@ -99,7 +99,7 @@ impl SavedWords {
     }
 }
 
-/// What cells name by numbers.
+/// The lists in which cells name entries by numbers.
 struct SavedParts<'a> {
     form: &'a ParametricForm,
     plans: Vec<Vec<f64>>,

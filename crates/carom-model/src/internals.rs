@@ -60,6 +60,10 @@ pub mod number {
     pub use crate::number::*;
 }
 
+pub mod random {
+    pub use crate::random::SplitMix;
+}
+
 pub mod semidefinite {
     pub use crate::semidefinite::*;
 }

@@ -164,6 +164,7 @@ impl Mul<f64> for Interval {
 impl Mul for Interval {
     type Output = Interval;
 
+    /// An infinite end times 0 is 0, because no member is infinite.
     fn mul(self, other: Interval) -> Interval {
         if self == Interval::point(0.0) || other == Interval::point(0.0) {
             return Interval::point(0.0);
@@ -171,7 +172,6 @@ impl Mul for Interval {
         let ends = [self.lower, self.upper].map(|a| [other.lower, other.upper].map(|b| (a, b)));
         let mut hull = Interval { lower: f64::INFINITY, upper: f64::NEG_INFINITY };
         for (a, b) in ends.into_iter().flatten() {
-            // An infinite end times 0 is 0, because no member is infinite.
             let product = if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
             let exact = is_exact_product(a, b, product) || product == 0.0 && (a == 0.0 || b == 0.0);
             let (low, high) = if exact { (product, product) } else { (down(product), up(product)) };

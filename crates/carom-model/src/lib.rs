@@ -13,6 +13,7 @@ pub mod interval;
 pub mod model;
 mod mutations;
 mod number;
+mod random;
 mod rounding;
 mod semidefinite;
 #[cfg(feature = "serde")]

@@ -26,6 +26,6 @@ use carom_model::internals::elementary;
 #[cfg(feature = "serde")]
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    activity, error, interval, model, mutations, number, semidefinite, setters, solution, solver,
-    sum, tolerance, union_find,
+    activity, error, interval, model, mutations, number, random, semidefinite, setters, solution,
+    solver, sum, tolerance, union_find,
 };

@@ -205,7 +205,7 @@ pub(super) fn image(statement: &Statement, x: &[Dyadic]) -> Result<Image, Refusa
     Ok(Some(ranges))
 }
 
-/// What is proved of a loop.
+/// The claims that are proved of a loop.
 #[derive(Debug)]
 pub(super) struct ProvedLoop {
     /// The share of the box that is taken by pieces with plans whose next states are in such pieces

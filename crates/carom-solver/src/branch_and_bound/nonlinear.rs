@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::reformulate::{lower_around_functions, ties};
-use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Verification};
+use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Termination, Verification};
 use crate::solver::{Control, Event, Incumbent, Options, PoolMode, Progress, StopToken};
 use crate::spatial::{Occasion, SearchFlaw, SearchNews, SpatialProgram, SpatialSearch};
 
@@ -33,7 +33,7 @@ pub(super) fn solve_nonlinear(
     let restated = with_affine_objective(model)?;
     let stated = restated.as_ref().unwrap_or(model);
     let Some(lowered) = lower_around_functions(stated, token)? else {
-        let reason = token.ended().unwrap_or(crate::solution::Termination::Interrupted);
+        let reason = token.ended().unwrap_or(Termination::Interrupted);
         let bound = -model.sense().sign() * f64::INFINITY;
         let outcome = Outcome::new(reason, None, bound, Statistics::default());
         return Solution::new(model, outcome, options.feasibility);
@@ -76,6 +76,9 @@ pub(super) fn solve_nonlinear(
         SpatialSearch { program: &program, options, token, accepts: &accepts, notify: &mut notify };
     let mut found = search.run(&starts);
     found.statistics.time = token.elapsed();
+    if found.termination == Termination::Unbounded {
+        return unbounded(model, options, watched.into_inner(), found.statistics);
+    }
     if let Some(flaw) = found.flaw {
         return Err(match flaw {
             SearchFlaw::OpenColumn(column) => missing_bound(stated, &program, column),
@@ -96,6 +99,30 @@ pub(super) fn solve_nonlinear(
     let complete = is_alone && (solution.is_optimal() || solution.is_infeasible());
     let solution = solution.with_pool(model, std::iter::empty(), complete, options.feasibility)?;
     Ok(solution.with_refused(refusals.take()))
+}
+
+/// The answer for a model whose objective falls without limit, if it has a point: a search without
+/// the objective tells.
+fn unbounded(
+    model: &Model,
+    options: &Options,
+    control: &Control<'_>,
+    statistics: Statistics,
+) -> Result<Solution, Error> {
+    let mut any = model.clone();
+    any.minimize(0.0)?;
+    let mut options = options.clone();
+    options.time_limit = options.time_limit.map(|limit| limit.saturating_sub(statistics.time));
+    let mut quiet = Control::default().with_interrupt(control.interrupt());
+    let found = solve_nonlinear(&any, &options, &mut quiet)?;
+    let (sign, values) = (model.sense().sign(), found.point().map(|p| p.as_slice().to_vec()));
+    let (termination, bound) = match (&values, found.termination()) {
+        (Some(_), _) => (Termination::Unbounded, -sign * f64::INFINITY),
+        (None, Termination::Infeasible) => (Termination::Infeasible, sign * f64::INFINITY),
+        (None, reason) => (reason, -sign * f64::INFINITY),
+    };
+    let outcome = Outcome::new(termination, values, bound, *found.statistics());
+    Solution::new(model, outcome, options.feasibility)
 }
 
 /// Reports how the search stands, and stops it if that is asked for.

@@ -17,7 +17,7 @@ const LEAST_PASS_GAIN: f64 = 0.1;
 const LEAST_PIVOTS: u64 = 3000;
 const PIVOTS: u64 = 40;
 
-/// What rounding may have cost a bound from reduced costs, relative (no unit).
+/// The rounding that a bound from reduced costs allows for, relative (no unit).
 const ROUNDING: f64 = 1e-9;
 
 /// Minimises and maximises each column that enclosures depend on over the relaxation of a domain
@@ -84,14 +84,8 @@ pub(super) fn tighten_by_relaxations(
 
 /// The columns whose terms are off, those with the largest misses first.
 fn columns_in_question(program: &SpatialProgram, x: Option<&[f64]>) -> Vec<usize> {
-    let mut off = vec![0.0_f64; program.program.column_count()];
-    for term in &program.terms {
-        let violation = x.map_or(1.0, |x| term.violation(x) / x[term.result].abs().max(1.0));
-        let violation = if violation.is_nan() { 1.0 } else { violation };
-        for &column in term.arguments() {
-            off[column] = off[column].max(violation);
-        }
-    }
+    let Some(x) = x else { return program.spatial.clone() };
+    let off = program.misses(x);
     let mut columns: Vec<usize> = (0..off.len()).filter(|&j| off[j] > 1e-7).collect();
     columns.sort_by(|&a, &b| off[b].total_cmp(&off[a]).then(a.cmp(&b)));
     columns

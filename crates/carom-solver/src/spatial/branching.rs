@@ -20,6 +20,9 @@ const TO_MIDDLE: f64 = 0.25;
 /// The width below which a range is not split, relative to its magnitude (no unit).
 const NARROW_RANGE: f64 = 1e-10;
 
+/// A miss of terms below this is rounding (no unit).
+const LEAST_TERM_MISS: f64 = 1e-9;
+
 /// The gains of earlier splits, by column.
 #[derive(Debug)]
 pub(super) struct SplitHistory {
@@ -86,18 +89,7 @@ fn spatial_split(
     domain: &Domain,
     x: &[f64],
 ) -> Option<BoxSplit> {
-    // By column, how much the terms of its range are off.
-    let mut off = vec![0.0; program.program.column_count()];
-    for term in &program.terms {
-        let size = x[term.result].abs().max(1.0);
-        let violation = term.violation(x);
-        let violation = if violation.is_nan() { 1.0 } else { violation / size };
-        if violation > 1e-9 {
-            for &column in term.arguments() {
-                off[column] += violation;
-            }
-        }
-    }
+    let off = program.misses(x);
     let can_split = |j: usize| {
         let [lower, upper] = domain.bounds(j);
         let size = lower.abs().max(upper.abs()).max(1e-3);
@@ -111,7 +103,8 @@ fn spatial_split(
         // Of equal ones, the wider range.
         share * width.max(1e-12).powf(0.25)
     };
-    let places = program.spatial.iter().copied().filter(|&j| can_split(j) && off[j] > 0.0);
+    let places =
+        program.spatial.iter().copied().filter(|&j| can_split(j) && off[j] > LEAST_TERM_MISS);
     let column = places.max_by(|&a, &b| score(a).total_cmp(&score(b)));
     // Without a violation the widest range is left.
     let column = column.or_else(|| {

@@ -139,14 +139,18 @@ fn product_rows(
             false => (f64::NEG_INFINITY, -corner.lower),
         };
         let mut entries = vec![(result, 1.0), (x, -b), (y, -a)];
-        entries.sort_by_key(|entry| entry.0);
-        // A column may be both factors, or result and factor.
-        entries.dedup_by(|later, kept| {
-            let is_same = later.0 == kept.0;
-            kept.1 += if is_same { later.1 } else { 0.0 };
-            is_same
-        });
-        entries.retain(|entry| entry.1 != 0.0);
+        merge_entries(&mut entries);
         Some(EnclosureRow { entries, lower, upper })
     })
+}
+
+/// Sorts entries by column and adds up those of one: it may be both factors, or result and factor.
+pub(super) fn merge_entries(entries: &mut Vec<(usize, f64)>) {
+    entries.sort_by_key(|entry| entry.0);
+    entries.dedup_by(|later, kept| {
+        let is_same = later.0 == kept.0;
+        kept.1 += if is_same { later.1 } else { 0.0 };
+        is_same
+    });
+    entries.retain(|entry| entry.1 != 0.0);
 }

@@ -1,8 +1,8 @@
-//! What makes a program one that cannot be searched.
+//! Reasons why a program cannot be searched.
 
 use crate::interval::Interval;
 
-/// What makes a program one that cannot be searched.
+/// A reason why a program cannot be searched.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum SearchFlaw {
     /// A column without a bound, and no bound of the objective because of it.

@@ -1,6 +1,7 @@
 //! Points from a sequence of linear programs: terms are replaced by their tangents within a trust
 //! region, and what a tangent misses costs a penalty (Fletcher and Sainz de la Maza 1989).
 
+use super::enclosure::merge_entries;
 use super::program::SpatialProgram;
 use super::relaxation::BoxRelaxer;
 use crate::presolve::{Domain, Reduced};
@@ -162,12 +163,7 @@ impl TangentSearch<'_> {
             if !constant.is_finite() || entries.iter().any(|(_, a)| !a.is_finite()) {
                 return None;
             }
-            entries.sort_by_key(|entry| entry.0);
-            entries.dedup_by(|later, kept| {
-                let is_same = later.0 == kept.0;
-                kept.1 += if is_same { later.1 } else { 0.0 };
-                is_same
-            });
+            merge_entries(&mut entries);
             let [below, above] = term.sides();
             let mut slack = |sign: f64, reduced: &mut Reduced| {
                 let column = reduced.columns.len();

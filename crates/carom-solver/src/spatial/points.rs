@@ -5,7 +5,7 @@ use super::propagation::propagate;
 use super::search::{Occasion, SpatialSearch};
 use super::state::SearchState;
 use crate::presolve::Domain;
-use crate::relaxation::MethodCascade;
+use crate::random::SplitMix;
 
 /// Random starts of local searches at the root, if no point is known.
 const RANDOM_STARTS: usize = 6;
@@ -34,20 +34,16 @@ impl SpatialSearch<'_> {
 
     /// Looks for points from random ones, as long as none is known.
     pub(super) fn try_random_starts(&mut self, state: &mut SearchState<'_>, domain: &Domain) {
-        let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut random = SplitMix(1);
         for _ in 0..RANDOM_STARTS {
             if state.best.is_some() || self.token.is_over() {
                 return;
             }
             let place = |j: usize| {
-                random ^= random << 13;
-                random ^= random >> 7;
-                random ^= random << 17;
-                let part = (random >> 11) as f64 / (1_u64 << 53) as f64;
                 let [lower, upper] = domain.bounds(j);
                 let (lower, upper) =
                     (lower.max(upper.min(0.0) - 10.0), upper.min(lower.max(0.0) + 10.0));
-                lower + part * (upper - lower)
+                lower + random.part() * (upper - lower)
             };
             let start: Vec<f64> = (0..domain.column_count()).map(place).collect();
             self.improve(state, domain, &start);
@@ -73,14 +69,9 @@ impl SpatialSearch<'_> {
         {
             return;
         }
-        let mut cascade =
-            std::mem::replace(&mut state.cascade, MethodCascade::new(self.options.relaxation));
         let mut found = Vec::new();
-        {
-            let search = TangentSearch { relaxer: &state.relaxer, domain: &fixed };
-            search.run(&mut cascade, x, &mut |x| found.push(x.to_vec()));
-        }
-        state.cascade = cascade;
+        let search = TangentSearch { relaxer: &state.relaxer, domain: &fixed };
+        search.run(&mut state.cascade, x, &mut |x| found.push(x.to_vec()));
         state.count();
         for x in found.iter().rev() {
             self.accept(state, x);

@@ -111,9 +111,34 @@ impl SpatialProgram {
         self.terms.iter().find_map(pole)
     }
 
-    /// A column of an argument without a bound.
-    pub(super) fn open_column(&self, domain: &Domain) -> Option<usize> {
-        self.spatial.iter().copied().find(|&j| !bounds(domain, j).is_bounded())
+    /// Whether all columns of terms have bounds.
+    pub(super) fn has_bounded_terms(&self, domain: &Domain) -> bool {
+        let is_bounded = |j: &usize| bounds(domain, *j).is_bounded();
+        self.spatial.iter().all(is_bounded)
+            && self.terms.iter().all(|term| is_bounded(&term.result))
+    }
+
+    /// By column, how much the terms are off of which it is an argument, relative to their values.
+    pub(super) fn misses(&self, x: &[f64]) -> Vec<f64> {
+        let mut misses = vec![0.0; self.program.column_count()];
+        for term in &self.terms {
+            let miss = term.violation(x) / x[term.result].abs().max(1.0);
+            let miss = if miss.is_nan() { 1.0 } else { miss };
+            term.arguments().iter().for_each(|&column| misses[column] += miss);
+        }
+        misses
+    }
+
+    /// A column of an argument without a bound, or a term without one.
+    pub(super) fn openness(&self, domain: &Domain) -> Option<SearchFlaw> {
+        let is_open = |j: usize| !bounds(domain, j).is_bounded();
+        let column = self.spatial.iter().copied().find(|&j| is_open(j));
+        column.map(SearchFlaw::OpenColumn).or_else(|| {
+            let term = self.terms.iter().find(|term| is_open(term.result))?;
+            // The divisor of a quotient.
+            let range = bounds(domain, *term.arguments().last()?);
+            Some(SearchFlaw::Pole { result: term.result, range })
+        })
     }
 
     /// Puts the columns of terms and arguments of a point on their functions, in the order in which

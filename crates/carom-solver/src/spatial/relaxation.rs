@@ -1,5 +1,7 @@
 //! The relaxation of a box: rows, and enclosures of the terms over it.
 
+use std::cell::RefCell;
+
 use super::enclosure::{EnclosureRow, rows, separate};
 use super::program::SpatialProgram;
 use crate::presolve::{Domain, Reduced};
@@ -8,7 +10,6 @@ use crate::relaxation::{
 };
 use crate::solver::{Options, StopToken};
 use crate::tolerance::largest_magnitude;
-use std::cell::RefCell;
 
 /// Names of rows for each term, by which a basis knows them.
 const NAMES: usize = 64;
@@ -24,11 +25,13 @@ const LEAST_ROUND_LIFT: f64 = 0.01;
 /// The part of the largest value by which a point may be outside of a cone (no unit).
 const CONE_MISS: f64 = 1e-9;
 
-/// What is known of a box from its relaxation.
+/// The verdict on a box from its relaxation.
 pub(super) enum BoxVerdict {
     /// No point of the box is better than the cutoff.
     Refuted,
     Stopped,
+    /// The objective falls without limit along columns that no term has.
+    Falls,
     Relaxed(Box<RelaxedBox>),
 }
 
@@ -38,11 +41,19 @@ pub(super) struct RelaxedBox {
     pub(super) bound: f64,
     /// The relaxed point, by column of the program; `None` if it is not near the bound.
     pub(super) x: Option<Vec<f64>>,
-    /// The program that was solved, with its multipliers.
+    /// The program that was solved last, and point and multipliers that prove the bound.
     pub(super) reduced: Reduced,
     pub(super) reduced_x: Vec<f64>,
     pub(super) y: Vec<f64>,
     pub(super) warm: Option<WarmState>,
+}
+
+/// The round that has proved the best bound so far.
+struct BestRound {
+    bound: f64,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    warm: Option<WarmState>,
 }
 
 /// By how much rows of terms are loosened, relative to their limits (no unit).
@@ -51,7 +62,7 @@ const LOOSE_ENCLOSURES: f64 = 1e-9;
 /// Most cuts of cones that all relaxations begin with; later ones take the places of earlier ones.
 const MAX_CONE_CUTS: usize = 300;
 
-/// What a relaxation needs.
+/// Relaxes the boxes of a program.
 pub(super) struct BoxRelaxer<'a> {
     pub(super) program: &'a SpatialProgram,
     pub(super) options: &'a Options,
@@ -151,7 +162,9 @@ impl<'a> BoxRelaxer<'a> {
         let (mut reduced, mut counts) = self.enclosed(domain, at);
         let rounds = if is_root { ROOT_ROUNDS } else { NODE_ROUNDS };
         let mut warm = warm.cloned();
-        let mut best: Option<RelaxedBox> = None;
+        let may_fall = is_root && self.program.has_bounded_terms(domain);
+        let mut best: Option<BestRound> = None;
+        let mut last_point = None;
         for round in 0..=rounds {
             let question = RelaxationQuestion {
                 // Without a basis, the simplex method solves roots only.
@@ -159,7 +172,7 @@ impl<'a> BoxRelaxer<'a> {
                 cutoff,
                 options: self.options,
                 constant: self.program.program.constant,
-                look_for_descent: false,
+                look_for_descent: may_fall,
                 token: self.token,
                 warm: warm.as_ref(),
             };
@@ -167,7 +180,7 @@ impl<'a> BoxRelaxer<'a> {
             let (bound, x, y, converged, state) = match verdict {
                 RelaxationVerdict::Refuted(_) => return BoxVerdict::Refuted,
                 RelaxationVerdict::Stopped => break,
-                RelaxationVerdict::Descent => break,
+                RelaxationVerdict::Descent => return BoxVerdict::Falls,
                 RelaxationVerdict::Relaxed { bound, x, y, converged, warm } => {
                     (bound, x, y, converged, warm)
                 }
@@ -184,17 +197,9 @@ impl<'a> BoxRelaxer<'a> {
             };
             warm = state.clone().or(warm);
             if bound >= last {
-                best = Some(RelaxedBox {
-                    bound,
-                    x: point.clone(),
-                    reduced: reduced.clone(),
-                    reduced_x: x,
-                    y,
-                    warm: state,
-                });
-            } else if let (Some(best), Some(_)) = (&mut best, &point) {
-                best.x = point.clone();
+                best = Some(BestRound { bound, x, y, warm: state });
             }
+            last_point = point.clone().or(last_point);
             let Some(point) = point.filter(|_| !is_enough) else { break };
             let mut is_new = self.cut_cones(&mut reduced, &point);
             for (k, term) in self.program.terms.iter().enumerate() {
@@ -211,9 +216,14 @@ impl<'a> BoxRelaxer<'a> {
                 break;
             }
         }
-        match best {
-            Some(best) => BoxVerdict::Relaxed(Box::new(best)),
-            None => BoxVerdict::Stopped,
+        let Some(BestRound { bound, x: reduced_x, mut y, warm }) = best else {
+            return BoxVerdict::Stopped;
+        };
+        if !y.is_empty() {
+            // Rows that came later need no multipliers.
+            y.resize(reduced.rows.len(), 0.0);
         }
+        let x = last_point;
+        BoxVerdict::Relaxed(Box::new(RelaxedBox { bound, x, reduced, reduced_x, y, warm }))
     }
 }

@@ -6,7 +6,6 @@ use web_time::{Duration, Instant};
 
 use super::bound_tightening::{tighten_by_reduced_costs, tighten_by_relaxations};
 use super::branching::{BoxSplit, choose};
-use super::flaw::SearchFlaw;
 use super::program::{SpatialProgram, middle};
 use super::propagation::propagate;
 use super::relaxation::{BoxVerdict, RelaxedBox};
@@ -17,8 +16,9 @@ use crate::solution::{Statistics, Termination};
 use crate::solver::{Options, StopToken};
 use crate::tolerance;
 
-/// Nodes after which a local search follows, while no point is known; it doubles.
-const LOCAL_INTERVAL: u64 = 4;
+/// Nodes between two local searches from relaxed points with whole integers, before a point is
+/// known and after.
+const LOCAL_INTERVALS: [u64; 2] = [4, 64];
 
 /// A bound of the objective below this comes from columns without bounds, which are proved up to a
 /// radius only.
@@ -44,7 +44,7 @@ pub(crate) struct SpatialSearch<'a> {
     pub(crate) notify: &'a mut dyn FnMut(&SearchNews<'_>),
 }
 
-/// What a search tells while it goes on.
+/// How a search stands while it goes on.
 pub(crate) struct SearchNews<'a> {
     pub(crate) occasion: Occasion<'a>,
     pub(crate) statistics: &'a Statistics,
@@ -94,23 +94,21 @@ impl SpatialSearch<'_> {
         let mut told = Instant::now();
         loop {
             let Some(node) = next.take().or_else(|| state.open.pop()) else { break };
-            let reason = self.limit(&state);
-            if let Some(reason) = reason {
-                let bound = state.open.bound().unwrap_or(f64::INFINITY).min(node.bound);
-                return state.result(reason, bound);
+            let least = state.open.bound().unwrap_or(f64::INFINITY).min(node.bound);
+            if let Some(reason) = self.limit(&state) {
+                return state.result(reason, least);
             }
             let nodes = state.statistics.nodes;
-            let least = state.open.bound().unwrap_or(f64::INFINITY).min(node.bound);
             if nodes > 0
                 && nodes.is_multiple_of(NODES_WITHOUT_BOUND)
                 && least < NO_OBJECTIVE_BOUND
-                && let Some(column) = program.open_column(&root)
+                && let Some(flaw) = program.openness(&root)
             {
                 let result = state.result(Termination::Stalled, f64::NEG_INFINITY);
-                return SpatialResult { flaw: Some(SearchFlaw::OpenColumn(column)), ..result };
+                return SpatialResult { flaw: Some(flaw), ..result };
             }
             if node.bound >= self.cutoff(&state) {
-                state.closed = state.closed.min(node.bound);
+                state.close(node.bound);
                 state.statistics.nodes += 1;
                 state.statistics.cut_off += 1;
                 continue;
@@ -118,6 +116,9 @@ impl SpatialSearch<'_> {
             state.in_hand = node.bound;
             let is_root = node.depth == 0;
             next = self.process(&mut state, &mut root, node);
+            if state.falls {
+                return state.result(Termination::Unbounded, f64::NEG_INFINITY);
+            }
             state.in_hand = next.as_ref().map_or(f64::INFINITY, |node| node.bound);
             if is_root {
                 self.tell(&state, Occasion::Root);
@@ -203,7 +204,6 @@ impl SpatialSearch<'_> {
         let from = if is_root { None } else { Some(mark) };
         if propagate(program, &mut state.propagator, &mut domain, from).is_err() {
             state.statistics.refuted_by_propagation += 1;
-            state.close(cutoff);
             return None;
         }
         let mut relaxed = None;
@@ -216,6 +216,10 @@ impl SpatialSearch<'_> {
                 BoxVerdict::Refuted => {
                     state.statistics.refuted_by_relaxation += 1;
                     state.close(cutoff);
+                    return None;
+                }
+                BoxVerdict::Falls => {
+                    state.falls = true;
                     return None;
                 }
                 BoxVerdict::Stopped => break,
@@ -256,7 +260,7 @@ impl SpatialSearch<'_> {
         if let Some(x) = &relaxed.x {
             self.offer(state, x);
             let nodes = state.statistics.nodes;
-            let interval = if state.best.is_some() { 64 } else { LOCAL_INTERVAL };
+            let interval = LOCAL_INTERVALS[usize::from(state.best.is_some())];
             let is_whole = |j: &usize| (x[*j] - x[*j].round()).abs() <= self.options.integrality;
             let all_whole = program.program.integers.iter().all(is_whole);
             if is_root || nodes.is_power_of_two() || (all_whole && nodes.is_multiple_of(interval)) {
@@ -293,7 +297,6 @@ impl SpatialSearch<'_> {
         }
         if is_empty {
             state.statistics.refuted_by_propagation += 1;
-            state.close(cutoff);
             return None;
         }
         Some(moves)

@@ -19,7 +19,7 @@ pub(crate) struct SpatialResult {
     /// Proved; infinite if there is no point.
     pub(crate) bound: f64,
     pub(crate) statistics: Statistics,
-    /// What makes the program one that cannot be searched.
+    /// The reason why the program cannot be searched.
     pub(crate) flaw: Option<SearchFlaw>,
 }
 
@@ -30,6 +30,8 @@ pub(super) struct SearchState<'a> {
     /// that can be neither split nor closed.
     pub(super) closed: f64,
     pub(super) is_stalled: bool,
+    /// Whether the objective falls without limit, if there is a point.
+    pub(super) falls: bool,
     /// The bound of the node in hand.
     pub(super) in_hand: f64,
     pub(super) statistics: Statistics,
@@ -50,6 +52,7 @@ impl<'a> SearchState<'a> {
             best: None,
             closed: f64::INFINITY,
             is_stalled: false,
+            falls: false,
             in_hand: f64::NEG_INFINITY,
             statistics: Statistics::default(),
             cascade: MethodCascade::new(options.relaxation),

@@ -87,9 +87,13 @@ impl StatementTightening<'_> {
                 }
                 Ok(half.into())
             }
-            _ => {
+            other => {
                 let help = "state it by rows, or about variables that do not differ";
-                Err(refused(own, "a piecewise function of states or inputs", help))
+                let what = match other.is_smooth() {
+                    true => "a nonlinear function of states or inputs",
+                    false => "a piecewise function of states or inputs",
+                };
+                Err(refused(own, what, help))
             }
         }
     }

@@ -175,10 +175,10 @@ impl OpenOperator {
             Operator::Elementary(function) => {
                 let of = next().merged();
                 Ok(match of.as_constant() {
-                    Some(x) => Polynomial::constant(function.function().value(x)),
+                    Some(x) => Polynomial::constant(function.value(x)),
                     None => {
                         let of = of.into_nonlinear(tag);
-                        Polynomial::of(Nonlinear::elementary(function.function(), of))
+                        Polynomial::of(Nonlinear::elementary(function.clone(), of))
                     }
                 })
             }

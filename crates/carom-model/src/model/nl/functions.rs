@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-use super::operators::NlFunction;
+use super::operators::FUNCTIONS;
 use crate::elementary::Elementary;
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
@@ -18,7 +18,8 @@ pub(super) fn function_lines(model: &Model) -> Result<Vec<FileLine<'_>>, Error> 
     let line = |function: crate::model::FunctionRef<'_>| {
         let is_known = match function.function() {
             Function::Piecewise { .. } => false,
-            Function::Elementary { function, .. } => NlFunction::of(function).is_some(),
+            Function::Elementary { function: Elementary::Power(_), .. } => true,
+            Function::Elementary { function, .. } => code(function).is_some(),
             _ => true,
         };
         match is_known {
@@ -46,6 +47,11 @@ impl Model {
         });
         rows.collect()
     }
+}
+
+/// The number of a function in files.
+fn code(function: &Elementary) -> Option<i64> {
+    FUNCTIONS.iter().find(|(_, known)| known == function).map(|(code, _)| *code)
 }
 
 /// The variables on which a function depends.
@@ -86,8 +92,8 @@ pub(super) fn function(text: &mut String, own: &Function, column: &dyn Fn(Variab
             put(text, format_args!("n{}\n", number(*p)));
         }
         Function::Elementary { function, of } => {
-            if let Some(known) = NlFunction::of(function) {
-                put(text, format_args!("o{}\n", known.code()));
+            if let Some(code) = code(function) {
+                put(text, format_args!("o{code}\n"));
             }
             affine(text, of, column);
         }

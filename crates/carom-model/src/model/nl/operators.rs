@@ -5,7 +5,7 @@ use crate::elementary::Elementary;
 use crate::error::{Error, ErrorKind};
 
 /// An operator that is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Operator {
     Plus,
     Minus,
@@ -20,73 +20,24 @@ pub(super) enum Operator {
     Absolute,
     DecimalLogarithm,
     Atan2,
-    Elementary(NlFunction),
+    Elementary(&'static Elementary),
 }
 
-/// A function of one expression.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NlFunction {
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Sinh,
-    Cosh,
-    Tanh,
-    Exp,
-    Ln,
-    Sqrt,
-}
-
-impl NlFunction {
-    const ALL: [(i64, NlFunction); 12] = [
-        (37, NlFunction::Tanh),
-        (38, NlFunction::Tan),
-        (39, NlFunction::Sqrt),
-        (40, NlFunction::Sinh),
-        (41, NlFunction::Sin),
-        (43, NlFunction::Ln),
-        (44, NlFunction::Exp),
-        (45, NlFunction::Cosh),
-        (46, NlFunction::Cos),
-        (49, NlFunction::Atan),
-        (51, NlFunction::Asin),
-        (53, NlFunction::Acos),
-    ];
-
-    /// The function of the format that one of a model is; the square root for all powers.
-    pub(super) fn of(function: &Elementary) -> Option<NlFunction> {
-        let is_same = |known: &NlFunction| match (function, known) {
-            (Elementary::Power(_), NlFunction::Sqrt) => true,
-            _ => known.function() == *function,
-        };
-        NlFunction::ALL.into_iter().map(|(_, known)| known).find(is_same)
-    }
-
-    /// Its number.
-    pub(super) fn code(self) -> i64 {
-        NlFunction::ALL.into_iter().find(|(_, own)| *own == self).map_or(0, |(code, _)| code)
-    }
-
-    pub(super) fn function(self) -> Elementary {
-        match self {
-            NlFunction::Sin => Elementary::Sin,
-            NlFunction::Cos => Elementary::Cos,
-            NlFunction::Tan => Elementary::Tan,
-            NlFunction::Asin => Elementary::Asin,
-            NlFunction::Acos => Elementary::Acos,
-            NlFunction::Atan => Elementary::Atan,
-            NlFunction::Sinh => Elementary::Sinh,
-            NlFunction::Cosh => Elementary::Cosh,
-            NlFunction::Tanh => Elementary::Tanh,
-            NlFunction::Exp => Elementary::Exp,
-            NlFunction::Ln => Elementary::Ln,
-            NlFunction::Sqrt => Elementary::Power(0.5),
-        }
-    }
-}
+/// The functions of one expression, with their numbers.
+pub(super) static FUNCTIONS: [(i64, Elementary); 12] = [
+    (37, Elementary::Tanh),
+    (38, Elementary::Tan),
+    (39, Elementary::Power(0.5)),
+    (40, Elementary::Sinh),
+    (41, Elementary::Sin),
+    (43, Elementary::Ln),
+    (44, Elementary::Exp),
+    (45, Elementary::Cosh),
+    (46, Elementary::Cos),
+    (49, Elementary::Atan),
+    (51, Elementary::Asin),
+    (53, Elementary::Acos),
+];
 
 impl Operator {
     /// The operator with a number, if it is taken.
@@ -107,8 +58,8 @@ impl Operator {
             42 => Operator::DecimalLogarithm,
             48 => Operator::Atan2,
             code => {
-                let known = NlFunction::ALL.into_iter().find(|(own, _)| *own == code)?;
-                Operator::Elementary(known.1)
+                let known = FUNCTIONS.iter().find(|(own, _)| *own == code)?;
+                Operator::Elementary(&known.1)
             }
         })
     }

@@ -14,7 +14,7 @@ pub(super) struct Polynomial {
     pub(super) linear: Vec<(usize, f64)>,
     /// Products with the smaller column first.
     pub(super) products: Vec<((usize, usize), f64)>,
-    /// What is not quadratic, over the variables of the model that is to be.
+    /// The rest, which is not quadratic, over the variables of the model that is to be.
     pub(super) functions: Nonlinear,
 }
 

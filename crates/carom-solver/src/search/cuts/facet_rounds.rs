@@ -30,7 +30,7 @@ pub(crate) struct FacetRounds<'a> {
     rounds: u32,
     /// The work that they have taken: iterations times rows.
     work: f64,
-    /// What the parts of a round have lifted so far.
+    /// The lift of the parts of a round so far.
     gain: f64,
     /// Whether the next round looks for new facets of unions whose known ones are violated, too.
     is_thorough: bool,

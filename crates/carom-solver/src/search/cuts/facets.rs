@@ -36,7 +36,7 @@ pub(super) struct FacetPool {
     next: usize,
 }
 
-/// What separation works with.
+/// The data that separation works with.
 pub(super) struct FacetTools<'a> {
     pub(super) program: &'a Program,
     pub(super) domain: &'a Domain,

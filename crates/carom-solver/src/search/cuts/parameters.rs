@@ -108,7 +108,7 @@ pub(super) struct CutParameters {
     pub(super) most_facet_cosine: f64,
     /// The part of what is to be lifted that a round lifts at least.
     pub(super) idle_facets: f64,
-    /// What all later rounds may lift, relative to the last one.
+    /// The lift that all later rounds may have, relative to that of the last one.
     pub(super) further_gains: f64,
     /// How far the centre of a union may be off, relative to its size.
     pub(super) centre_room: f64,

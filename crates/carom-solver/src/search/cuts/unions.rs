@@ -279,7 +279,7 @@ impl<'a> Region<'a> {
     }
 }
 
-/// What the unions of a shape have in common: the places of columns in rows, and the cases.
+/// The common part of the unions of a shape: the places of columns in rows, and the cases.
 fn shape(
     program: &Program,
     columns: &[usize],

@@ -11,6 +11,7 @@
 
 use super::jump_value::Kinks;
 use crate::program::Program;
+use crate::random::SplitMix;
 use crate::search::context::Context;
 use crate::search::leaf::try_assignment;
 use crate::tolerance;
@@ -157,7 +158,7 @@ struct LocalSearch<'a> {
     stale: MemberSet,
     kinks: Kinks,
     /// The state of the random numbers.
-    random: u64,
+    random: SplitMix,
     visits: usize,
 }
 
@@ -197,7 +198,7 @@ impl<'a> LocalSearch<'a> {
             good: MemberSet::of_none(n),
             stale: MemberSet::of_none(n),
             kinks: Kinks::default(),
-            random: 0x9e37_79b9_7f4a_7c15,
+            random: SplitMix(0x9e37_79b9_7f4a_7c15),
             visits: 0,
         };
         for i in 0..m {
@@ -304,13 +305,9 @@ impl<'a> LocalSearch<'a> {
         open.find_map(|column| column)
     }
 
-    /// A random number below another one (SplitMix64).
+    /// A random number below another one.
     fn random_below(&mut self, count: usize) -> usize {
-        self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.random;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % count as u64) as usize
+        (self.random.draw() % count as u64) as usize
     }
 
     fn jump(&mut self, j: usize) {
