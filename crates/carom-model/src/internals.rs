@@ -34,7 +34,9 @@ pub mod model {
     pub use crate::model::subset::{AnyStatement, statements, subset};
     pub use crate::model::text::quadratic_rows::with_quadratic_rows;
     pub use crate::model::*;
-    pub use crate::{comparisons, products, scaling, sums};
+    pub use crate::{
+        comparisons, functions, nonlinear_products, products, quotients, scaling, sums,
+    };
 
     use crate::error::Error;
 

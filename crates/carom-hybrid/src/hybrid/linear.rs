@@ -183,7 +183,9 @@ impl LinearSystem {
         Ok((0..self.states())
             .map(|i| {
                 let from_state = (0..state.len()).map(|j| self.a[(i, j)] * state[j]).sum::<f64>();
-                let from_input = (0..input.len()).map(|j| self.b[(i, j)] * input[j]).sum::<f64>();
+                // An input that changes nothing may have no value.
+                let inputs = (0..input.len()).filter(|&j| self.b[(i, j)] != 0.0);
+                let from_input = inputs.map(|j| self.b[(i, j)] * input[j]).sum::<f64>();
                 from_state + from_input + self.c[i]
             })
             .collect())

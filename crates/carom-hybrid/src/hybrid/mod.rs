@@ -49,6 +49,7 @@ pub use simulate::{
     Simulation, SimulationOptions, TransitionCandidate,
 };
 #[doc(alias("LCP", "complementarity"))]
+pub use system::Discretization;
 pub use system::LinearComplementarity;
 pub use system::{
     HybridSystem, Input, IntoRegion, MixedLogicalDynamical, Region, Schedule, State, SystemRow,

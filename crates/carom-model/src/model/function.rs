@@ -3,7 +3,10 @@
 use super::affine::Affine;
 use super::ids::Variable;
 use super::piecewise::PiecewiseAffine;
+use crate::activity;
 use crate::elementary::Elementary;
+use crate::error::Error;
+use crate::interval::Interval;
 
 /// The function that a variable equals, made by [`Model::product`](super::Model::product),
 /// [`absolute`](super::Model::absolute) and similar methods.
@@ -61,6 +64,66 @@ impl Function {
             Function::Bilinear([left, right]) => left.evaluate(&value) * right.evaluate(&value),
             Function::Quotient([left, right]) => left.evaluate(&value) / right.evaluate(&value),
         }
+    }
+
+    /// The range of the function over ranges of its variables, with outward rounding.
+    #[doc(hidden)]
+    pub fn range(&self, range: impl Fn(Variable) -> Interval) -> Interval {
+        let of = |e: &Affine| {
+            activity::range(e.offset(), e.terms().into_iter().map(|(v, factor)| (factor, range(v))))
+        };
+        let zero = Interval::point(0.0);
+        match self {
+            Function::Product { factor, of: e } => range(*factor) * of(e),
+            Function::Absolute(e) => {
+                let Interval { lower, upper } = of(e);
+                let least = if zero.intersection(of(e)).is_empty() { lower.abs().min(upper.abs()) } else { 0.0 };
+                Interval::new(least, lower.abs().max(upper.abs()))
+            }
+            Function::Maximum(list) => {
+                let ranges = list.iter().map(of);
+                let both = |a: Interval, b: Interval| Interval::new(a.lower.max(b.lower), a.upper.max(b.upper));
+                ranges.reduce(both).unwrap_or(Interval::REALS)
+            }
+            Function::Minimum(list) => {
+                let ranges = list.iter().map(of);
+                let both = |a: Interval, b: Interval| Interval::new(a.lower.min(b.lower), a.upper.min(b.upper));
+                ranges.reduce(both).unwrap_or(Interval::REALS)
+            }
+            Function::Piecewise { graph, .. } => {
+                let values = graph.points().iter().map(|(_, y)| Interval::point(*y));
+                values.reduce(|a, b| a.hull(b)).unwrap_or(Interval::REALS)
+            }
+            Function::Elementary { function, of: e } => function.range(of(e)),
+            Function::Bilinear([a, b]) => of(a) * of(b),
+            Function::Quotient([a, b]) => of(a) / of(b),
+        }
+    }
+
+    /// The function with other expressions in the places of its own; `None` for a product with a
+    /// binary.
+    #[doc(hidden)]
+    pub fn try_map(
+        &self,
+        mut entry: impl FnMut(&Affine) -> Result<Affine, Error>,
+    ) -> Result<Option<Function>, Error> {
+        let list = |of: &[Affine], entry: &mut dyn FnMut(&Affine) -> Result<Affine, Error>| {
+            of.iter().map(entry).collect::<Result<Vec<Affine>, Error>>()
+        };
+        Ok(Some(match self {
+            Function::Product { .. } => return Ok(None),
+            Function::Absolute(of) => Function::Absolute(entry(of)?),
+            Function::Maximum(of) => Function::Maximum(list(of, &mut entry)?),
+            Function::Minimum(of) => Function::Minimum(list(of, &mut entry)?),
+            Function::Piecewise { of, graph } => {
+                Function::Piecewise { of: entry(of)?, graph: graph.clone() }
+            }
+            Function::Elementary { function, of } => {
+                Function::Elementary { function: function.clone(), of: entry(of)? }
+            }
+            Function::Bilinear([a, b]) => Function::Bilinear([entry(a)?, entry(b)?]),
+            Function::Quotient([a, b]) => Function::Quotient([entry(a)?, entry(b)?]),
+        }))
     }
 
     /// The expressions that it depends on, without the factor of a product.

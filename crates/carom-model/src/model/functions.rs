@@ -178,7 +178,9 @@ impl Model {
         data.map(|data| FunctionRef { variable: &self.stored.variables[data.result.index()], data })
     }
 
-    pub(super) fn define(&mut self, name: Name, function: Function) -> Result<Variable, Error> {
+    /// A new variable that equals a function.
+    #[doc(hidden)]
+    pub fn define(&mut self, name: Name, function: Function) -> Result<Variable, Error> {
         self.check_function(&name, &function)?;
         let range = match &function {
             Function::Absolute(_) => Interval::new(0.0, f64::INFINITY),

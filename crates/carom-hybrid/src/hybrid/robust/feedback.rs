@@ -63,6 +63,7 @@ impl Feedback {
     /// [`ErrorKind::Shape`], [`ErrorKind::NotFinite`]; those of [`HybridSystem::check`].
     pub fn new(system: &HybridSystem, gain: impl Into<Matrix>) -> Result<Self, Error> {
         system.check()?;
+        system.check_is_linear("a feedback for robust plans")?;
         let gain = gain.into();
         let (n, m) = (system.states.len(), system.inputs.len());
         // An array without rows cannot say how many columns it has.
@@ -119,6 +120,7 @@ impl Feedback {
     /// Those of [`HybridSystem::check`].
     pub fn regulator(system: &HybridSystem) -> Result<Self, Error> {
         system.check()?;
+        system.check_is_linear("a feedback for robust plans")?;
         let Restated { system, coordinates } = &system.restated()?;
         let (n, m) = (system.states.len(), system.inputs.len());
         let half = |width: f64| (0.5 * width).clamp(1e-6, 1e6);

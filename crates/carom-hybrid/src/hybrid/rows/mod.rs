@@ -23,6 +23,7 @@ mod bound;
 mod change;
 mod constant_rows;
 mod extreme;
+mod functions;
 mod largest;
 mod levels;
 mod memory;
@@ -75,8 +76,8 @@ impl HybridSystem {
         horizon: &Horizon,
         method: Option<Method>,
     ) -> Result<SystemVariables, Error> {
-        let Restated { system, coordinates } = restated;
-        let variables = write::write(system, model, prefix, horizon, method)?;
+        let coordinates = &restated.coordinates;
+        let variables = write::write(restated, model, prefix, horizon, method)?;
         Ok(match coordinates.is_plain() {
             true => variables,
             false => variables.stated_as(self, coordinates),

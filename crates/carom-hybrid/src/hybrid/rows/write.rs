@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::change::{Changes, Part, quantity};
 use super::constant_rows::{constant, nontrivial};
+use super::functions;
 use super::levels;
 use super::modes;
 use super::names::Names;
@@ -14,7 +15,7 @@ use super::switch::{Region, Setting, Switch, switch};
 use crate::error::Error;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::step::{self, AffineForm, ConditionMaps, ConditionSet, Dynamics, StepCondition};
-use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Transition};
+use crate::hybrid::system::{Choice, Coordinates, HybridSystem, Restated, Transition};
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Method, Model, Variable, VariableKind};
 
@@ -120,19 +121,20 @@ fn counts(model: &Model) -> [usize; 4] {
 
 /// Adds a checked system to a model, or nothing if something fails.
 pub(super) fn write(
-    system: &HybridSystem,
+    restated: &Restated,
     model: &mut Model,
     prefix: &str,
     horizon: &Horizon,
     method: Option<Method>,
 ) -> Result<SystemVariables, Error> {
+    let system = &restated.system;
     let count = system.settles().min(horizon.steps() - 1) + 1;
     let formulations: Vec<Formulation> =
         system.choices.iter().map(|own| formulate(system, own, count, method)).collect();
     let before = counts(model);
     let (mut program, background, words) = model.all_or_nothing(|model| {
         let mut names = Names::new(prefix);
-        let program = variables(system, model, &mut names, horizon, &formulations)?;
+        let program = variables(restated, model, &mut names, horizon, &formulations)?;
         let mut writer = Writer {
             system,
             model,
@@ -163,13 +165,13 @@ pub(super) fn write(
 }
 
 fn variables(
-    system: &HybridSystem,
+    restated: &Restated,
     model: &mut Model,
     names: &mut Names,
     horizon: &Horizon,
     formulations: &[Formulation],
 ) -> Result<SystemVariables, Error> {
-    let steps = horizon.steps();
+    let (steps, system) = (horizon.steps(), &restated.system);
     let mut program = SystemVariables {
         system: system.clone(),
         stated: None,
@@ -189,6 +191,12 @@ fn variables(
         program.states.push(family);
     }
     for (u, (name, _)) in system.inputs.iter().enumerate() {
+        if system.functions.is_function(u) {
+            // Its place, until all arguments are there.
+            program.inputs.push(Family::from_iter([]));
+            program.levels.push(None);
+            continue;
+        }
         let [above, below] = ["above", "below"].map(|end| names.family(&[name, end, "ranges"]));
         let name = names.family(&[name]);
         let is_whole = system.values_of_input(u).is_some_and(levels::is_whole);
@@ -207,6 +215,7 @@ fn variables(
         program.inputs.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
         program.levels.push(levels::variables(system, u, model, names, steps)?);
     }
+    functions::add(restated, model, names, &mut program)?;
     for (choice, own) in system.choices.iter().zip(formulations) {
         // A single choice needs no name.
         let of = if system.choices.len() == 1 { "" } else { &choice.name };

@@ -14,6 +14,7 @@ mod decisions;
 mod digits;
 mod disturbed;
 mod follow;
+mod implicit_step;
 mod memory;
 mod open_run;
 mod options;

@@ -7,10 +7,11 @@
 
 use super::digits::{Digits, RoundedFloat, RunNumber};
 use super::plan::PlannedRun;
-use crate::error::RunError;
+use super::step::{Flown, StepStart};
+use crate::error::{Error, RunError};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::step::{self, AffineForm};
-use crate::hybrid::system::{HybridSystem, Measure, Transition};
+use crate::hybrid::system::{Coordinates, HybridSystem, Measure, Transition};
 use crate::interval::Interval;
 use crate::tolerance::allowed_drift;
 
@@ -118,6 +119,15 @@ impl OpenRun {
     /// The run of a plan's transitions from a start with some inputs, in so many digits that what
     /// is lost is small beside the drift that is allowed.
     pub(super) fn of(plan: &PlannedRun<'_>, start: &[f64], inputs: &[Vec<f64>]) -> Self {
+        if plan.system.is_nonlinear() {
+            let states = plan.flown(start, inputs);
+            let difference = |(own, planned): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                own.iter().zip(planned).map(|(own, planned)| own - planned).collect()
+            };
+            let differences = states.iter().zip(&plan.states).map(difference).collect();
+            let lost = plan.states.iter().map(|sample| vec![0.0; sample.len()]).collect();
+            return OpenRun { differences, lost };
+        }
         let suffices = |run: &OpenRun| {
             run.lost.iter().enumerate().all(|(sample, lost)| {
                 let allowed = plan.allowed_drifts(sample);
@@ -212,6 +222,28 @@ impl PlannedRun<'_> {
             measure.scale * allowed_drift(width, measure.inward(x), steps)
         };
         states.map(allowed).collect()
+    }
+
+    /// The states to which transitions and inputs lead from a start, in floats, for a system with
+    /// functions, which have a value in floats only; NaN from where it has none.
+    pub(super) fn flown(&self, start: &[f64], inputs: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let coordinates = &Coordinates::of(self.system);
+        let mut states = vec![start.to_vec()];
+        for (step, input) in inputs.iter().enumerate() {
+            let state = &states[step];
+            let input = &self.system.with_function_values(state, state, input);
+            let guess = &self.states[step + 1];
+            let start = StepStart { system: self.system, coordinates, step, state, input, guess };
+            let taken = self.system.choices.iter().zip(self.transitions(step));
+            let flown = taken.map(|(choice, own)| start.fly(choice, own).map(|(flown, _)| flown));
+            let next = flown.collect::<Result<Vec<Flown>, Error>>().and_then(|flown| {
+                start.next_state(&flown.iter().collect::<Vec<&Flown>>())
+            });
+            // Lengths that do not fit were refused.
+            let next = next.unwrap_or_else(|_| vec![f64::NAN; state.len()]);
+            states.push(next);
+        }
+        states
     }
 
     /// The next state as functions of the state and the input at a step.

@@ -45,7 +45,12 @@ impl<'a> PlannedRun<'a> {
         let states = system.states.iter().map(|(name, _)| run.state(name));
         let states = by_sample("the states of the run", states, steps + 1)?;
         let inputs = system.inputs.iter().map(|(name, _)| run.input(name));
-        let inputs = by_sample("the inputs of the run", inputs, steps)?;
+        let mut inputs = by_sample("the inputs of the run", inputs, steps)?;
+        if system.is_nonlinear() {
+            for (step, input) in inputs.iter_mut().enumerate() {
+                *input = system.with_function_values(&states[step], &states[step + 1], input);
+            }
+        }
         for (_, values) in &run.outputs {
             check_length("the outputs of the run", values.len(), steps)?;
         }
@@ -55,7 +60,8 @@ impl<'a> PlannedRun<'a> {
     /// The sample and the input at which a step starts.
     pub(super) fn start<'s>(&'s self, coordinates: &'s Coordinates, step: usize) -> StepStart<'s> {
         let (state, input) = (&self.states[step], &self.inputs[step]);
-        StepStart { system: self.system, coordinates, step, state, input }
+        let guess = &self.states[step + 1];
+        StepStart { system: self.system, coordinates, step, state, input, guess }
     }
 
     /// The memory at the first sample: its modes, which may have lasted for any time.

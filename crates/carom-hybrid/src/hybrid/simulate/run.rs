@@ -81,7 +81,10 @@ impl HybridSystem {
         options: &SimulationOptions,
     ) -> Result<Simulation, Error> {
         self.check()?;
-        let decided = decided.decided();
+        let mut decided = decided.decided();
+        let inputs: Vec<Vec<f64>> =
+            decided.inputs.iter().map(|input| self.with_places(input)).collect();
+        decided.inputs = inputs.iter().map(Vec::as_slice).collect();
         self.check_simulation(state, &decided.inputs, options)?;
         let coordinates = &Coordinates::of(self);
         let mut memory = match decided.memory {
@@ -120,7 +123,10 @@ impl HybridSystem {
             if run.dead_end.is_some() {
                 break;
             }
-            let start = StepStart { system: self, coordinates, step, state: &state, input };
+            let filled = self.with_function_values(&state, &state, input);
+            let (own, guess) = (&state, &state);
+            let start =
+                StepStart { system: self, coordinates, step, state: own, input: &filled, guess };
             let disturbance = options.disturbances.get(step).map_or(&[][..], Vec::as_slice);
             let plan = self.planned(step, &decided, options);
             let stepper = Stepper { start, memory: &memory, options, disturbance };
@@ -134,7 +140,7 @@ impl HybridSystem {
                         memory.advance(&choice.name, transition);
                     }
                     run.memory = memory.clone();
-                    run.inputs.push(input.to_vec());
+                    run.inputs.push(self.with_function_values(&state, &next, input));
                     run.steps.push(report);
                     run.states.push(next.clone());
                     run.modes.push(modes(&memory));

@@ -15,7 +15,10 @@ pub(super) struct StepStart<'a> {
     pub(super) coordinates: &'a Coordinates,
     pub(super) step: usize,
     pub(super) state: &'a [f64],
+    /// With the values of the functions that do not depend on the next state.
     pub(super) input: &'a [f64],
+    /// A state near the next one, where functions depend on it.
+    pub(super) guess: &'a [f64],
 }
 
 /// Where a transition leads if no other choice changes anything.
@@ -67,13 +70,15 @@ impl StepStart<'_> {
         choice: &Choice,
         transition: &Transition,
     ) -> Result<(Flown, Vec<Slack>), Error> {
-        let prediction = transition.flow.step(self.state, self.input)?;
+        let input = self.input_under(&transition.flow)?;
+        let prediction = transition.flow.step(self.state, &input)?;
         let joint = self.joint();
         let guards = transition.conditions().filter_map(|own| {
             let point = if own.moment == Moment::Start { &joint } else { &prediction };
             Slack::of_set(guard_condition(own), own.set, self.coordinates, point, self.step)
         });
         let own = self.system.inputs.iter().zip(self.input).enumerate();
+        let own = own.filter(|(k, _)| !self.system.functions.is_function(*k));
         let ranges = own.filter_map(|(k, ((name, _), &value))| {
             let range = self.system.input_range(choice, transition, k, self.step)?;
             let condition = Condition::InputRange { input: name.clone() };

@@ -82,7 +82,28 @@ impl HybridSystem {
         }
         check_names("choice", self.choices.iter().map(|choice| &choice.name))?;
         self.choices.iter().try_for_each(|choice| self.check_choice(choice))?;
+        self.check_implicit()?;
         self.check_predictions()
+    }
+
+    /// Refuses functions of the next state where the flow does not lead there.
+    fn check_implicit(&self) -> Result<(), Error> {
+        if !self.functions.use_predictions() {
+            return Ok(());
+        }
+        let resets = self.transitions().find(|own| {
+            let flow = self.functions.uses(&own.flow);
+            own.reset.is_some() && flow
+        });
+        let place = match (resets, self.choices.len()) {
+            (None, 1) => return Ok(()),
+            (Some(own), _) => format!("the transition `{}` with a reset", own.name),
+            (None, _) => "a system of several choices".to_owned(),
+        };
+        let name = self.functions.method.to_string();
+        let help = "state an explicit method first, such as \
+                    `discretization(Discretization::RungeKutta4)`";
+        Err(ErrorKind::Misplaced { name, place, help }.into())
     }
 
     /// Refuses guards on predictions that another choice makes wrong: each choice predicts by the

@@ -34,7 +34,11 @@ impl Coordinates {
     /// The coordinates of a checked system.
     pub(crate) fn of(system: &HybridSystem) -> Self {
         let states = system.states.iter().map(|(_, domain)| Measure::of(*domain));
-        let inputs = system.inputs.iter().map(|(name, range)| {
+        let inputs = system.inputs.iter().enumerate().map(|(number, (name, range))| {
+            // What functions are of is stated in the user's numbers.
+            if system.functions.is_function(number) {
+                return Measure::PLAIN;
+            }
             if system.input_values.get(name) == Some(&InputValues::Whole) {
                 return Measure::PLAIN;
             }

@@ -10,7 +10,7 @@ use super::{HybridSystem, Schedule};
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::step::Moment;
 use crate::interval::Interval;
-use crate::model::{Affine, Variable};
+use crate::model::{Nonlinear, Variable};
 
 impl HybridSystem {
     /// Declares a state with its domain, in the state's unit: at every sample the state lies in it.
@@ -203,7 +203,7 @@ impl HybridSystem {
     /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, and
     /// after the first transition; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`];
     /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
-    pub fn rates<E: Into<Affine>>(
+    pub fn rates<E: Into<Nonlinear>>(
         &mut self,
         rates: impl IntoIterator<Item = (State, E)>,
     ) -> Result<(), Error> {
@@ -216,14 +216,14 @@ impl HybridSystem {
     /// # Errors
     ///
     /// As for [`rates`](HybridSystem::rates).
-    pub fn next<E: Into<Affine>>(
+    pub fn next<E: Into<Nonlinear>>(
         &mut self,
         values: impl IntoIterator<Item = (State, E)>,
     ) -> Result<(), Error> {
         self.set_common(FlowKind::NextValues, values)
     }
 
-    fn set_common<E: Into<Affine>>(
+    fn set_common<E: Into<Nonlinear>>(
         &mut self,
         kind: FlowKind,
         rows: impl IntoIterator<Item = (State, E)>,
@@ -236,7 +236,7 @@ impl HybridSystem {
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         }
         let rows = self.flow_rows(kind, rows, PLACE)?;
-        self.flow = Some(self.linear(&rows)?);
+        self.flow = Some(self.flow_of(&rows)?);
         self.common = Some(rows);
         Ok(())
     }
@@ -275,7 +275,7 @@ impl HybridSystem {
         self.check_name(name)
     }
 
-    fn check_name(&self, name: &str) -> Result<(), Error> {
+    pub(super) fn check_name(&self, name: &str) -> Result<(), Error> {
         check_name(name)?;
         let states = self.states.iter().map(|(own, _)| own);
         let mut names = states.chain(self.inputs.iter().map(|(own, _)| own));

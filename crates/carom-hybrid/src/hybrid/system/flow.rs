@@ -5,11 +5,11 @@ use super::flow_rows::{FlowKind, FlowRows};
 use super::handles::{Meaning, State};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
-use crate::model::Affine;
+use crate::model::{Affine, Nonlinear};
 
 impl HybridSystem {
     /// The rows of a flow. States that are not named have the rows of the common flow, or stay.
-    pub(super) fn flow_rows<E: Into<Affine>>(
+    pub(super) fn flow_rows<E: Into<Nonlinear>>(
         &mut self,
         kind: FlowKind,
         rows: impl IntoIterator<Item = (State, E)>,
@@ -18,7 +18,7 @@ impl HybridSystem {
         let rows = rows
             .into_iter()
             .map(|(state, row)| Ok((state, self.with_series_as_inputs(&row.into(), place)?)));
-        let rows = rows.collect::<Result<Vec<(State, Affine)>, Error>>()?;
+        let rows = rows.collect::<Result<Vec<(State, Nonlinear)>, Error>>()?;
         let mut flow = self.unnamed_rows(kind, place)?;
         let mut named = vec![false; self.states.len()];
         for (state, row) in rows {
@@ -28,22 +28,23 @@ impl HybridSystem {
             if std::mem::replace(&mut named[i], true) {
                 return Err(Error::duplicate_name(&self.states[i].0, "row of the flow"));
             }
-            let all = self.plain_coefficients(&row, place)?;
-            if all.uses_predictions() {
-                let name = format!("the row of `{}`", self.states[i].0);
-                let help = "a flow starts from states and inputs, not from predictions";
-                return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
-            }
-            let constant = all.constant.get(0).copied().unwrap_or(0.0);
-            flow.rows[i] = (all.states, all.inputs, constant);
+            row.try_map(&mut |own: &Affine| {
+                let all = self.plain_coefficients(own, place)?;
+                if all.uses_predictions() {
+                    let name = format!("the row of `{}`", self.states[i].0);
+                    let help = "a flow starts from states and inputs, not from predictions";
+                    return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
+                }
+                Ok(own.clone())
+            })?;
+            flow.rows[i] = row;
         }
         Ok(flow)
     }
 
     /// The rows of a flow that names no state.
     fn unnamed_rows(&self, kind: FlowKind, place: &str) -> Result<FlowRows, Error> {
-        let (n, m) = (self.states.len(), self.inputs.len());
-        super::check::at_least_one("states", n)?;
+        super::check::at_least_one("states", self.states.len())?;
         match &self.common {
             Some(common) if common.kind != kind => {
                 let name = "a flow of another kind than the common one".to_owned();
@@ -52,20 +53,44 @@ impl HybridSystem {
             }
             Some(common) => Ok(common.clone()),
             None => {
-                let unit = |i: usize, j: usize| f64::from(i == j && kind == FlowKind::NextValues);
-                let row = |i: usize| ((0..n).map(|j| unit(i, j)).collect(), vec![0.0; m], 0.0);
-                Ok(FlowRows { kind, rows: (0..n).map(row).collect() })
+                let row = |i: usize| match kind {
+                    FlowKind::Rates => Nonlinear::zero(),
+                    FlowKind::NextValues => {
+                        self.handles.find_state(i).map_or(Nonlinear::zero(), Nonlinear::from)
+                    }
+                };
+                Ok(FlowRows { kind, rows: (0..self.states.len()).map(row).collect() })
             }
         }
     }
 
-    /// The flow over a step; with rates, the exact one for inputs that are held (zero-order hold).
-    pub(super) fn linear(&self, flow: &FlowRows) -> Result<LinearSystem, Error> {
+    /// The flow over a step; with linear rates, the exact one for inputs that are held (zero-order
+    /// hold).
+    pub(super) fn flow_of(&mut self, flow: &FlowRows) -> Result<LinearSystem, Error> {
+        let affine: Option<Vec<Affine>> =
+            flow.rows.iter().map(|row| row.as_affine().cloned()).collect();
+        let Some(affine) = affine else {
+            return match flow.kind {
+                FlowKind::Rates => self.discretized(&flow.rows),
+                FlowKind::NextValues => self.flow_of_functions(&flow.rows, false, |own| {
+                    let start = own.start.clone();
+                    own.at(&start)
+                }),
+            };
+        };
+        self.linear(flow.kind, &affine)
+    }
+
+    /// The same for affine rows.
+    fn linear(&self, kind: FlowKind, rows: &[Affine]) -> Result<LinearSystem, Error> {
         let (n, m) = (self.states.len(), self.inputs.len());
-        let a = faer::Mat::from_fn(n, n, |i, j| flow.rows[i].0[j]);
-        let b = faer::Mat::from_fn(n, m, |i, j| flow.rows[i].1[j]);
-        let c: Vec<f64> = flow.rows.iter().map(|(_, _, constant)| *constant).collect();
-        match flow.kind {
+        let rows = rows.iter().map(|row| self.plain_coefficients(row, "a flow"));
+        let rows = rows.collect::<Result<Vec<_>, Error>>()?;
+        let a = faer::Mat::from_fn(n, n, |i, j| rows[i].states[j]);
+        let b = faer::Mat::from_fn(n, m, |i, j| rows[i].inputs[j]);
+        let c = rows.iter().map(|row| row.constant.get(0).copied().unwrap_or(0.0));
+        let c: Vec<f64> = c.collect();
+        match kind {
             FlowKind::NextValues => LinearSystem::new(a, b, c),
             FlowKind::Rates => LinearSystem::zero_order_hold(a, b, c, self.time_step),
         }
@@ -102,7 +127,9 @@ impl HybridSystem {
 
     /// A flow that leaves the state as it is.
     pub(super) fn idle(&self) -> Result<LinearSystem, Error> {
-        let rows = self.unnamed_rows(FlowKind::NextValues, "a flow")?;
-        self.linear(&rows)
+        let n = self.states.len();
+        super::check::at_least_one("states", n)?;
+        let b = faer::Mat::zeros(n, self.inputs.len());
+        LinearSystem::new(faer::Mat::identity(n, n), b, vec![0.0; n])
     }
 }

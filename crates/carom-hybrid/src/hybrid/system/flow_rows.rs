@@ -1,4 +1,6 @@
-//! The rows of a flow as numbers.
+//! The rows of a flow.
+
+use crate::model::Nonlinear;
 
 /// How the rows of a flow are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,6 +15,5 @@ pub(crate) enum FlowKind {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FlowRows {
     pub(super) kind: FlowKind,
-    /// Coefficients of the states, of the inputs, and the constant.
-    pub(super) rows: Vec<(Vec<f64>, Vec<f64>, f64)>,
+    pub(super) rows: Vec<Nonlinear>,
 }

@@ -11,11 +11,12 @@
 //! | transition | [`Variable`] | 1 in the steps that take it, 0 in the others |
 //! | output | [`Variable`] | its value in the step |
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::schedule::Schedule;
 use crate::model::{
-    Affine, Literal, ModelTag, Quadratic, Row, Variable, comparisons, products, scaling, sums,
+    Affine, Literal, ModelTag, Nonlinear, Quadratic, Row, Variable, comparisons, functions,
+    nonlinear_products, products, quotients, scaling, sums,
 };
 
 /// A state of a [`HybridSystem`](crate::hybrid::HybridSystem), made by
@@ -51,7 +52,7 @@ impl State {
     /// [`next`](crate::hybrid::HybridSystem::next) or
     /// [`reset`](crate::hybrid::TransitionMut::reset): the state with its derivative, its next
     /// value or its value after the reset.
-    pub fn is(self, value: impl Into<Affine>) -> (State, Affine) {
+    pub fn is(self, value: impl Into<Nonlinear>) -> (State, Nonlinear) {
         (self, value.into())
     }
 }
@@ -107,7 +108,32 @@ macro_rules! handle {
             }
         }
 
+        impl From<$type> for Nonlinear {
+            fn from(handle: $type) -> Self {
+                handle.variable.into()
+            }
+        }
+
+        impl From<&$type> for Nonlinear {
+            fn from(handle: &$type) -> Self {
+                handle.variable.into()
+            }
+        }
+
         comparisons!($type);
+        functions!($type);
+        nonlinear_products!(
+            $type, Nonlinear; Nonlinear, $type; $type, &Nonlinear; &Nonlinear, $type;
+            $type, Quadratic; Quadratic, $type; $type, &Quadratic; &Quadratic, $type;
+        );
+        sums!(Nonlinear:
+            Nonlinear, $type; $type, Nonlinear; &Nonlinear, $type; $type, &Nonlinear;
+        );
+        quotients!(
+            $type: f64, Variable, Affine, &Affine, Quadratic, Nonlinear, &Nonlinear;
+            f64: $type; Variable: $type; Affine: $type; &Affine: $type; Quadratic: $type;
+            Nonlinear: $type; &Nonlinear: $type;
+        );
         sums!(Affine:
             $type, f64; f64, $type; &$type, f64; f64, &$type;
             $type, Variable; Variable, $type; $type, Literal; Literal, $type;
@@ -127,6 +153,7 @@ macro_rules! handle {
 handle!(State, Input);
 sums!(Affine: State, State; State, Input; Input, State; Input, Input);
 products!(State, State; State, Input; Input, State; Input, Input);
+quotients!(State: State, Input; Input: State, Input);
 
 /// The thing that a handle stands for.
 #[derive(Debug, Clone, PartialEq)]

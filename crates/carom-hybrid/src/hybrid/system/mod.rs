@@ -8,6 +8,7 @@
 //! | states, inputs, series, limits | `system/declarations.rs` |
 //! | choices: modes, events, switches | `system/modes.rs` |
 //! | a transition that is being stated; what it does after its flow | `system/transition_mut.rs`; `system/reset.rs` |
+//! | nonlinear flows: their steps; their functions | `system/discretization.rs`; `system/step_functions.rs` |
 //! | rates and next values | `system/flow.rs`, `system/flow_rows.rs` |
 //! | expressions and rows as coefficients | `system/coefficients.rs` |
 //! | rows of norms and squares | `system/system_row.rs`, `system/norm_rows.rs` |
@@ -36,6 +37,7 @@ mod choice;
 mod coefficients;
 mod coordinates;
 mod declarations;
+mod discretization;
 mod flow;
 mod flow_rows;
 mod halfspace;
@@ -61,12 +63,14 @@ mod schedule;
 #[cfg(feature = "serde")]
 mod serialized;
 mod series_inputs;
+mod step_functions;
 mod system_row;
 mod text;
 mod transition;
 mod transition_mut;
 
 pub use choice::Choice;
+pub use discretization::Discretization;
 pub(crate) use coordinates::{Coordinates, Restated};
 
 pub use halfspace::Halfspace;
@@ -82,6 +86,7 @@ pub(crate) use polygons::Approximation;
 pub use region::Region;
 pub(crate) use region::{check_cut, outside_domain};
 pub use schedule::Schedule;
+pub(crate) use step_functions::{Slot, StepFunctions};
 pub use system_row::SystemRow;
 pub use transition::Transition;
 pub(crate) use transition::{Reset, Uncertain};
@@ -162,6 +167,8 @@ pub struct HybridSystem {
     pub(crate) handles: Handles,
     /// The common flow as it was stated.
     common: Option<FlowRows>,
+    /// The functions of its nonlinear flows, each of which is the value of an input.
+    pub(crate) functions: StepFunctions,
     /// Transitions, by choice and number, that have not stated a flow and take that of no other
     /// yet.
     unstated: Vec<(usize, usize)>,
@@ -182,6 +189,7 @@ impl PartialEq for HybridSystem {
             && self.flow == other.flow
             && self.choices == other.choices
             && self.disturbance == other.disturbance
+            && self.functions == other.functions
     }
 }
 
@@ -204,6 +212,7 @@ impl HybridSystem {
             most_events: None,
             disturbance: Vec::new(),
             handles: Handles::default(),
+            functions: StepFunctions::default(),
             common: None,
             unstated: Vec::new(),
             predicting: Vec::new(),

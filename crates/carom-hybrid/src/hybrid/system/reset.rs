@@ -10,7 +10,7 @@ use super::transition::{Reset, Uncertain};
 use super::transition_mut::TransitionMut;
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
-use crate::model::Affine;
+use crate::model::Nonlinear;
 
 /// The most uncertain parameters of a transition: rows are written for all their signs.
 const MOST_PARAMETERS: usize = 4;
@@ -24,7 +24,7 @@ impl TransitionMut<'_> {
     /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions and series, such
     /// as one with an input, and for a second reset; [`ErrorKind::ForeignHandle`],
     /// [`ErrorKind::DuplicateName`].
-    pub fn reset<E: Into<Affine>>(
+    pub fn reset<E: Into<Nonlinear>>(
         mut self,
         values: impl IntoIterator<Item = (State, E)>,
     ) -> Result<Self, Error> {
@@ -69,7 +69,7 @@ impl TransitionMut<'_> {
     /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`]; those of
     /// [`reset`](TransitionMut::reset) for a value.
     #[doc(alias("restitution range", "parametric uncertainty"))]
-    pub fn uncertain<E: Into<Affine>>(
+    pub fn uncertain<E: Into<Nonlinear>>(
         mut self,
         lower: f64,
         upper: f64,
@@ -98,7 +98,7 @@ impl TransitionMut<'_> {
 
     /// Functions of predictions and series for some states; the others keep their row of the
     /// matrix.
-    fn by_predictions<E: Into<Affine>>(
+    fn by_predictions<E: Into<Nonlinear>>(
         &mut self,
         mut matrix: Mat<f64>,
         values: impl IntoIterator<Item = (State, E)>,
@@ -116,7 +116,14 @@ impl TransitionMut<'_> {
                 let name = self.system.states[i].0.clone();
                 return Err(Error::duplicate_name(&name, "state of the reset"));
             }
-            let all = self.system.plain_coefficients(&value.into(), &place)?;
+            let value = value.into();
+            let Some(value) = value.as_affine() else {
+                let name = format!("the new value of `{}`", self.system.states[i].0);
+                let help = "a reset is affine; state an event with the nonlinear map as its flow by \
+                            `next`";
+                return Err(ErrorKind::Misplaced { name, place, help }.into());
+            };
+            let all = self.system.plain_coefficients(value, &place)?;
             if all.uses_inputs() {
                 let help = "state it by predictions, such as `v.predicted()`, and by series; what an \
                             input does belongs in the flow";

@@ -11,6 +11,7 @@ use super::halfspace::Halfspace;
 use super::input_values::InputValues;
 use super::norm_limit::NormLimit;
 use super::schedule::Schedule;
+use super::step_functions::StepFunctions;
 use super::transition::Reset;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
@@ -32,6 +33,8 @@ pub(super) struct StoredSystem {
     flow: Option<LinearSystem>,
     choices: Vec<Choice>,
     #[serde(default)]
+    functions: StepFunctions,
+    #[serde(default)]
     most_events: Option<usize>,
     #[serde(default)]
     disturbance: Vec<Interval>,
@@ -48,6 +51,7 @@ impl From<HybridSystem> for StoredSystem {
             norms: system.norms,
             flow: system.flow,
             choices: system.choices,
+            functions: system.functions,
             most_events: system.most_events,
             disturbance: system.disturbance,
         }
@@ -68,6 +72,7 @@ impl TryFrom<StoredSystem> for HybridSystem {
         system = stored.choices.into_iter().fold(system, HybridSystem::with_choice);
         (system.limits, system.norms) = (stored.limits, stored.norms);
         system.flow = stored.flow;
+        system.functions = stored.functions;
         system.input_values = stored.input_values;
         (system.most_events, system.disturbance) = (stored.most_events, stored.disturbance);
         system.check()?;

@@ -7,15 +7,19 @@ use super::schedule::Schedule;
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
-use crate::model::{Affine, Variable};
+use crate::model::{Affine, Nonlinear, Variable};
 
 impl HybridSystem {
     /// The row with an input in the place of each series that varies.
     pub(super) fn with_series_as_inputs(
         &mut self,
-        row: &Affine,
+        row: &Nonlinear,
         place: &str,
-    ) -> Result<Affine, Error> {
+    ) -> Result<Nonlinear, Error> {
+        row.try_map(&mut |own: &Affine| self.with_series_as_input(own, place))
+    }
+
+    fn with_series_as_input(&mut self, row: &Affine, place: &str) -> Result<Affine, Error> {
         let mut changed = Affine::constant(row.offset());
         for (variable, factor) in row.terms() {
             let input = match self.meaning(variable, place)?.clone() {
@@ -60,8 +64,7 @@ impl HybridSystem {
             outputs.for_each(|output| widen(&mut output.factors));
         }
         self.flow.iter_mut().for_each(widen_flow);
-        let rows = self.common.iter_mut().flat_map(|common| &mut common.rows);
-        rows.for_each(|(_, inputs, _)| inputs.push(0.0));
+        self.functions.add_idle_input();
         self.limits.iter_mut().for_each(|limit| widen(&mut limit.normal));
         let norms = self.norms.iter_mut().flat_map(|norm| norm.parts_mut());
         norms.for_each(|part| widen(&mut part.factors));

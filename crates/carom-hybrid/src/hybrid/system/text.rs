@@ -40,7 +40,12 @@ impl Display for HybridSystem {
         for (name, domain) in &self.states {
             writeln!(f, "state {name} in {}", Range(*domain))?;
         }
-        for (name, range) in &self.inputs {
+        for (number, (name, range)) in self.inputs.iter().enumerate() {
+            if let Some((_, own)) = self.functions.iter().find(|(own, _)| *own == number) {
+                let range = ByStep(range, Range::text);
+                writeln!(f, "function {name} = {} in {range}", self.functions.text(own))?;
+                continue;
+            }
             match self.input_values.get(name) {
                 None => writeln!(f, "input {name} in {}", ByStep(range, Range::text))?,
                 Some(InputValues::Whole) => {

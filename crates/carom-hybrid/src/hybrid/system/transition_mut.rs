@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::step::Moment;
 use crate::interval::Interval;
-use crate::model::{Affine, ConicRow, Row, Variable};
+use crate::model::{Affine, ConicRow, Nonlinear, Row, Variable};
 
 /// A transition of a [`HybridSystem`] that is being stated, made by
 /// [`mode`](HybridSystem::mode), [`event`](HybridSystem::event), [`stay`](HybridSystem::stay) and
@@ -73,7 +73,7 @@ impl<'a> TransitionMut<'a> {
     /// to a common flow by next values, and for a second flow; [`ErrorKind::ForeignHandle`],
     /// [`ErrorKind::DuplicateName`]; [`ErrorKind::OutOfRange`] for a time step that is not finite
     /// and positive.
-    pub fn rates<E: Into<Affine>>(
+    pub fn rates<E: Into<Nonlinear>>(
         self,
         rates: impl IntoIterator<Item = (State, E)>,
     ) -> Result<Self, Error> {
@@ -86,7 +86,7 @@ impl<'a> TransitionMut<'a> {
     /// # Errors
     ///
     /// As for [`rates`](TransitionMut::rates).
-    pub fn next<E: Into<Affine>>(
+    pub fn next<E: Into<Nonlinear>>(
         self,
         values: impl IntoIterator<Item = (State, E)>,
     ) -> Result<Self, Error> {
@@ -130,14 +130,14 @@ impl<'a> TransitionMut<'a> {
         ErrorKind::Misplaced { name, place, help }.into()
     }
 
-    fn flow_by<E: Into<Affine>>(
+    fn flow_by<E: Into<Nonlinear>>(
         mut self,
         kind: FlowKind,
         rows: impl IntoIterator<Item = (State, E)>,
     ) -> Result<Self, Error> {
         self.state_flow()?;
         let rows = self.system.flow_rows(kind, rows, &self.place("the flow"))?;
-        let flow = self.system.linear(&rows)?;
+        let flow = self.system.flow_of(&rows)?;
         self.system.set_flow(self.choice, self.number, flow);
         Ok(self)
     }

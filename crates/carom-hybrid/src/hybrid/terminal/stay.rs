@@ -27,6 +27,7 @@ impl Stay {
     /// The map and the limits of the named transitions, one per choice in their order.
     pub(crate) fn new(system: &HybridSystem, transitions: &[&str]) -> Result<Self, Error> {
         system.check()?;
+        system.check_is_linear("a terminal set")?;
         // Polygons within norms, so that what keeps the former keeps the latter.
         let system = &system.polyhedral(Approximation::Inner);
         check_length("the list of transitions", transitions.len(), system.choices.len())?;

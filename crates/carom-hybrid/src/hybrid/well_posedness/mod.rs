@@ -68,6 +68,7 @@ impl HybridSystem {
     /// [`ErrorKind::NoPoint`](crate::error::ErrorKind::NoPoint) if a limit stops it.
     pub fn well_posedness(&self, solver: &mut dyn Solver) -> Result<Vec<IllPosedness>, Error> {
         self.check()?;
+        self.check_is_linear("a check of well-posedness")?;
         let system = &self.polyhedral(Approximation::Outer);
         let mut search = Search { system, solver, flaws: Vec::new(), found: BTreeSet::new() };
         let never = |choice: &Choice| vec![false; choice.transitions.len()];

@@ -8,11 +8,13 @@ mod define;
 mod operators;
 mod row;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use row::NonlinearRow;
 
 use super::affine::Affine;
+use super::ids::Variable;
 use super::quadratic::Quadratic;
 use crate::elementary::{Elementary, OwnFunction, SmoothFunction};
 use crate::error::Error;
@@ -121,12 +123,24 @@ impl Nonlinear {
         Nonlinear { rest: Quadratic::zero(), parts: vec![(1.0, Arc::new(part))], depth }
     }
 
-    pub(in crate::model) fn elementary(function: Elementary, of: Nonlinear) -> Self {
+    #[doc(hidden)]
+    pub fn elementary(function: Elementary, of: Nonlinear) -> Self {
         Nonlinear::of(FunctionPart::Elementary(function, of))
     }
 
+    #[doc(hidden)]
+    pub fn own_function(function: impl SmoothFunction + 'static, of: Nonlinear) -> Self {
+        Nonlinear::elementary(Elementary::Own(OwnFunction::new(function)), of)
+    }
+
+    #[doc(hidden)]
+    pub fn absolute(of: Nonlinear) -> Self {
+        Nonlinear::of(FunctionPart::Absolute(of))
+    }
+
     /// The product of two expressions.
-    pub(in crate::model) fn product(left: Nonlinear, right: Nonlinear) -> Self {
+    #[doc(hidden)]
+    pub fn product(left: Nonlinear, right: Nonlinear) -> Self {
         match (left.as_affine(), right.as_affine()) {
             (Some(left), Some(right)) => Quadratic::product(left, right).into(),
             (Some(factor), None) if factor.terms().is_empty() => right * factor.offset(),
@@ -135,7 +149,8 @@ impl Nonlinear {
         }
     }
 
-    pub(in crate::model) fn quotient(left: Nonlinear, right: Nonlinear) -> Self {
+    #[doc(hidden)]
+    pub fn quotient(left: Nonlinear, right: Nonlinear) -> Self {
         match right.as_affine() {
             Some(divisor) if divisor.terms().is_empty() => {
                 let divisor = divisor.offset();
@@ -149,24 +164,27 @@ impl Nonlinear {
     }
 
     /// The expression, if it is affine.
-    fn as_affine(&self) -> Option<&Affine> {
+    pub fn as_affine(&self) -> Option<&Affine> {
         let is_affine = self.parts.is_empty() && self.rest.products().is_empty();
         is_affine.then(|| self.rest.affine())
     }
 
-    pub(in crate::model) fn scale(&mut self, factor: f64) {
+    #[doc(hidden)]
+    pub fn scale(&mut self, factor: f64) {
         self.rest.scale(factor);
         self.parts.iter_mut().for_each(|(of, _)| *of *= factor);
     }
 
-    pub(in crate::model) fn append(&mut self, other: &Nonlinear, factor: f64) {
+    #[doc(hidden)]
+    pub fn append(&mut self, other: &Nonlinear, factor: f64) {
         self.depth = self.depth.max(other.depth);
         self.rest.append(&other.rest, factor);
         self.parts.extend(other.parts.iter().map(|(of, part)| (factor * of, part.clone())));
     }
 
     /// The expression with other expressions in the places of its affine ones.
-    pub(in crate::model) fn try_map(
+    #[doc(hidden)]
+    pub fn try_map(
         &self,
         entry: &mut dyn FnMut(&Affine) -> Result<Affine, Error>,
     ) -> Result<Nonlinear, Error> {
@@ -198,6 +216,42 @@ impl Nonlinear {
         Ok(mapped)
     }
 
+    /// The value at a point that is given as a function from variables to values; NaN where the
+    /// expression has none.
+    pub fn evaluate(&self, value: impl Fn(Variable) -> f64) -> f64 {
+        self.value_by(&value, &mut BTreeMap::new())
+    }
+
+    /// The value, with those of parts that are known already.
+    fn value_by(
+        &self,
+        value: &dyn Fn(Variable) -> f64,
+        known: &mut BTreeMap<*const FunctionPart, f64>,
+    ) -> f64 {
+        let mut sum = self.rest.evaluate(value);
+        for (factor, part) in &self.parts {
+            let key = Arc::as_ptr(part);
+            let own = known.get(&key).copied().unwrap_or_else(|| {
+                let own = match &**part {
+                    FunctionPart::Elementary(function, of) => {
+                        function.value(of.value_by(value, known))
+                    }
+                    FunctionPart::Product(a, b) => a.value_by(value, known) * b.value_by(value, known),
+                    FunctionPart::Quotient(a, b) => a.value_by(value, known) / b.value_by(value, known),
+                    FunctionPart::Absolute(of) => of.value_by(value, known).abs(),
+                    FunctionPart::Maximum(a, b) => {
+                        a.value_by(value, known).max(b.value_by(value, known))
+                    }
+                    FunctionPart::Dropped => f64::NAN,
+                };
+                known.insert(key, own);
+                own
+            });
+            sum += factor * own;
+        }
+        sum
+    }
+
     /// The larger of two expressions, in their unit.
     pub fn max(&self, other: impl Into<Nonlinear>) -> Nonlinear {
         Nonlinear::of(FunctionPart::Maximum(self.clone(), other.into()))
@@ -221,38 +275,40 @@ impl From<Quadratic> for Nonlinear {
     }
 }
 
-/// The functions of one expression.
+/// The functions of one expression, for an operand whose references are expressions.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! functions {
     ($operand:ty) => {
         impl $operand {
             /// The sine of an angle in rad.
             pub fn sin(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Sin, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Sin, self.into())
             }
 
             /// The cosine of an angle in rad.
             pub fn cos(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Cos, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Cos, self.into())
             }
 
             /// The tangent of an angle in rad. A solve refuses a range of angles with a pole.
             pub fn tan(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Tan, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Tan, self.into())
             }
 
             /// The angle in rad, from -π/2 to π/2, that has this sine, which must be from -1 to 1.
             pub fn asin(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Asin, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Asin, self.into())
             }
 
             /// The angle in rad, from 0 to π, that has this cosine, which must be from -1 to 1.
             pub fn acos(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Acos, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Acos, self.into())
             }
 
             /// The angle in rad, between -π/2 and π/2, that has this tangent.
             pub fn atan(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Atan, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Atan, self.into())
             }
 
             /// The angle in rad of the point with this second coordinate, for a first coordinate
@@ -268,55 +324,54 @@ macro_rules! functions {
 
             /// The hyperbolic sine.
             pub fn sinh(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Sinh, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Sinh, self.into())
             }
 
             /// The hyperbolic cosine.
             pub fn cosh(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Cosh, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Cosh, self.into())
             }
 
             /// The hyperbolic tangent.
             pub fn tanh(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Tanh, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Tanh, self.into())
             }
 
             /// The exponential function.
             pub fn exp(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Exp, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Exp, self.into())
             }
 
             /// The natural logarithm of an expression that must be greater than 0.
             pub fn ln(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Ln, self.into())
+                Nonlinear::elementary($crate::model::Elementary::Ln, self.into())
             }
 
             /// The square root of an expression that must be at least 0.
             pub fn sqrt(&self) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Power(0.5), self.into())
+                Nonlinear::elementary($crate::model::Elementary::Power(0.5), self.into())
             }
 
             /// A power. The expression must be at least 0 unless the exponent is whole, and other
             /// than 0 if it is negative.
             pub fn pow(&self, exponent: f64) -> Nonlinear {
-                Nonlinear::elementary(Elementary::Power(exponent), self.into())
+                Nonlinear::elementary($crate::model::Elementary::Power(exponent), self.into())
             }
 
             /// The absolute value, in the unit of the expression.
             pub fn abs(&self) -> Nonlinear {
-                Nonlinear::of(FunctionPart::Absolute(self.into()))
+                Nonlinear::absolute(self.into())
             }
 
             /// A function of one's own.
-            pub fn own(&self, function: impl SmoothFunction + 'static) -> Nonlinear {
-                let function = Elementary::Own(OwnFunction::new(function));
-                Nonlinear::elementary(function, self.into())
+            pub fn own(&self, function: impl $crate::model::SmoothFunction + 'static) -> Nonlinear {
+                Nonlinear::own_function(function, self.into())
             }
         }
     };
 }
 
-functions!(super::Variable);
+functions!(Variable);
 functions!(Affine);
 functions!(Quadratic);
 functions!(Nonlinear);

@@ -41,6 +41,9 @@ sums!(Nonlinear:
 scaling!(Nonlinear => Nonlinear; &Nonlinear => Nonlinear);
 assigning!(Nonlinear);
 
+/// Products of expressions that are not affine.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! nonlinear_products {
     ($($left:ty, $right:ty);+ $(;)?) => {$(
         impl Mul<$right> for $left {
@@ -64,6 +67,9 @@ nonlinear_products!(
     Quadratic, Variable; Variable, Quadratic; &Quadratic, Variable; Variable, &Quadratic;
 );
 
+/// Quotients of expressions.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! quotients {
     ($($left:ty: $($right:ty),+);+ $(;)?) => {$($(
         impl Div<$right> for $left {

@@ -47,6 +47,21 @@ impl Nonlinear {
 }
 
 impl NonlinearRow {
+    /// The expression that is compared.
+    pub fn expression(&self) -> &Nonlinear {
+        &self.expression
+    }
+
+    /// The lower limit, in the unit of the expression.
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// The upper limit, in the unit of the expression.
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
     /// The row over the variables of a model, which are added under a name.
     pub(in crate::model) fn define(self, model: &mut Model, name: &Name) -> Result<Row, Error> {
         Ok(self.expression.define(model, name)?.within(self.lower, self.upper))
