@@ -77,17 +77,25 @@ impl Function {
             Function::Product { factor, of: e } => range(*factor) * of(e),
             Function::Absolute(e) => {
                 let Interval { lower, upper } = of(e);
-                let least = if zero.intersection(of(e)).is_empty() { lower.abs().min(upper.abs()) } else { 0.0 };
+                let least = if zero.intersection(of(e)).is_empty() {
+                    lower.abs().min(upper.abs())
+                } else {
+                    0.0
+                };
                 Interval::new(least, lower.abs().max(upper.abs()))
             }
             Function::Maximum(list) => {
                 let ranges = list.iter().map(of);
-                let both = |a: Interval, b: Interval| Interval::new(a.lower.max(b.lower), a.upper.max(b.upper));
+                let both = |a: Interval, b: Interval| {
+                    Interval::new(a.lower.max(b.lower), a.upper.max(b.upper))
+                };
                 ranges.reduce(both).unwrap_or(Interval::REALS)
             }
             Function::Minimum(list) => {
                 let ranges = list.iter().map(of);
-                let both = |a: Interval, b: Interval| Interval::new(a.lower.min(b.lower), a.upper.min(b.upper));
+                let both = |a: Interval, b: Interval| {
+                    Interval::new(a.lower.min(b.lower), a.upper.min(b.upper))
+                };
                 ranges.reduce(both).unwrap_or(Interval::REALS)
             }
             Function::Piecewise { graph, .. } => {

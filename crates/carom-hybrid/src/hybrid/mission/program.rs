@@ -274,6 +274,7 @@ fn unit(mission: &Mission, systems: &ProgramSystems) -> f64 {
             let weight = match row {
                 SystemRow::Row(row) => systems.weight([row.expression()]),
                 SystemRow::Conic(row) => systems.weight_of(row.stored()),
+                SystemRow::Nonlinear(_) => 1.0,
             };
             least = least.min(weight);
         }

@@ -3,6 +3,7 @@
 //! This is the definition, and what plans are checked by. It shares nothing with the rows.
 
 use super::formula::{Mission, MissionNode, Predicate};
+use super::values::nonlinear_row;
 use super::window::Window;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::system::SystemRow;
@@ -160,6 +161,7 @@ impl Reading<'_> {
             match row {
                 SystemRow::Row(row) => handles.extend(row.expression().terms().iter().map(|t| t.0)),
                 SystemRow::Conic(row) => row.stored().for_each_variable(&mut |v| handles.push(v)),
+                SystemRow::Nonlinear(row) => return Err(nonlinear_row(row)),
             }
             for handle in handles {
                 if self.trajectory.value(handle, sample)?.is_none() {
@@ -216,6 +218,7 @@ impl Reading<'_> {
                     false => slack,
                 })
             }
+            SystemRow::Nonlinear(row) => Err(nonlinear_row(row)),
             SystemRow::Conic(_) if !positive => Err(negated_norm(&of.name)),
             SystemRow::Conic(row) => match row.stored() {
                 StoredConic::Norm { entries, bound } => {

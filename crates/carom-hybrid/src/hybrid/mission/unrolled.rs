@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use super::formula::{Mission, MissionNode, Predicate};
 use super::robustness::{negated_norm, too_deep};
+use super::values::nonlinear_row;
 use super::window::Window;
 use crate::activity;
 use crate::error::Error;
@@ -218,7 +219,7 @@ impl<'a> Unrolled<'a> {
                         SystemRow::Row(row) => {
                             row.expression().terms().iter().all(|term| (self.is_binary)(term.0))
                         }
-                        SystemRow::Conic(_) => false,
+                        SystemRow::Conic(_) | SystemRow::Nonlinear(_) => false,
                     };
                     self.conditions_of(row, is_logical, of, positive, &mut conditions)?;
                 }
@@ -255,6 +256,7 @@ impl<'a> Unrolled<'a> {
     ) -> Result<(), Error> {
         let row = match row {
             SystemRow::Row(row) => row,
+            SystemRow::Nonlinear(row) => return Err(nonlinear_row(&row)),
             SystemRow::Conic(_) if !positive => return Err(negated_norm(&of.name)),
             SystemRow::Conic(row) => {
                 row.clone().checked(self.model, &of.name.as_str().into())?;

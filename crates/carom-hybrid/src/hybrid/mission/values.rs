@@ -1,10 +1,19 @@
 //! Values of handles in programs and runs.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::hybrid::program::ProgramSystems;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{HybridSystem, Meaning, SystemRow};
-use crate::model::Variable;
+use crate::model::{NonlinearRow, Variable};
+
+/// Refuses a nonlinear row in a mission.
+pub(super) fn nonlinear_row(row: &NonlinearRow) -> Error {
+    let text = row.text(&|variable| format!("#{}", variable.index()));
+    let (name, place) = (format!("the nonlinear row `{text}`"), "a mission".to_owned());
+    let help = "a mission is about affine rows and discs: state the expression as an output, or as a \
+                state of its own";
+    ErrorKind::Misplaced { name, place, help }.into()
+}
 
 impl ProgramSystems {
     /// Whether all handles of a row have values at a sample.
@@ -13,6 +22,7 @@ impl ProgramSystems {
         match row {
             SystemRow::Row(row) => handles.extend(row.expression().terms().iter().map(|t| t.0)),
             SystemRow::Conic(row) => row.stored().for_each_variable(&mut |v| handles.push(v)),
+            SystemRow::Nonlinear(row) => return Err(nonlinear_row(row)),
         }
         for handle in handles {
             if !self.has_value(handle, sample)? {

@@ -217,6 +217,12 @@ impl HybridProgram {
         let row = match row.into() {
             SystemRow::Row(row) => row,
             SystemRow::Conic(row) => return self.soften_norm(name, &row, linear, quadratic),
+            SystemRow::Nonlinear(_) => {
+                let (name, place) = (format!("the nonlinear row `{name}`"), "`soften`".to_owned());
+                let help = "state its expression as an output of the transitions, and soften a row of \
+                            the output";
+                return Err(ErrorKind::Misplaced { name, place, help }.into());
+            }
         };
         if row.expression().terms().is_empty() {
             return Err(ErrorKind::EmptyRow { name: name.to_owned() }.into());

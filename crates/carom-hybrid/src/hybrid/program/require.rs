@@ -226,6 +226,7 @@ fn add(
                     rows.fold(Term::default(), |term, row| match row {
                         SystemRow::Row(row) => term.and(row),
                         SystemRow::Conic(row) => term.and(row),
+                        SystemRow::Nonlinear(row) => term.and(row),
                     })
                 };
                 model.add(name, Either::of(samples.into_iter().map(term)))?;
@@ -244,6 +245,9 @@ fn add(
                         model.add((family, sample), row)?;
                     }
                     SystemRow::Conic(row) => {
+                        model.add((family, sample), row)?;
+                    }
+                    SystemRow::Nonlinear(row) => {
                         model.add((family, sample), row)?;
                     }
                 }
@@ -266,7 +270,7 @@ fn families(model: &Model, name: &str, rows: &[SystemRow]) -> Result<Vec<(String
     for (k, row) in rows.iter().enumerate() {
         let terms = match row {
             SystemRow::Row(row) => row.expression().terms(),
-            SystemRow::Conic(_) => Vec::new(),
+            SystemRow::Conic(_) | SystemRow::Nonlinear(_) => Vec::new(),
         };
         let quantities = terms.iter().map(|(variable, _)| model.variable_ref(*variable));
         let quantities = quantities.map(|own| Ok(own?.name().family().to_owned()));
@@ -334,6 +338,11 @@ impl SystemVariables {
         let mut rows: Vec<SystemRow> =
             region.rows(&states)?.into_iter().map(SystemRow::from).collect();
         rows.extend(region.discs(&states)?.into_iter().map(SystemRow::from));
+        let coordinates = self.coordinates();
+        let stated: Vec<Affine> = (0..states.len())
+            .map(|i| self.in_units(coordinates.state(i), self.states()[i][sample]))
+            .collect();
+        rows.extend(region.nonlinear.iter().map(|own| SystemRow::from(own.over(&stated))));
         for (c, choice) in self.system().choices.iter().enumerate() {
             let allows = |mode: &&str| region.allows(&choice.name, mode);
             let modes = choice.modes();

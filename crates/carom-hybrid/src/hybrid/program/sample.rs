@@ -9,8 +9,8 @@ use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::{HybridSystem, Input, Meaning, State, SystemRow, power_of_two};
 use crate::interval::Interval;
 use crate::model::{
-    Affine, ConicRow, Literal, Model, ModelTag, Norm, NormSum, Quadratic, Row, StoredConic,
-    Variable,
+    Affine, ConicRow, Literal, Model, ModelTag, Nonlinear, NonlinearRow, Norm, NormSum, Quadratic,
+    Row, StoredConic, Variable,
 };
 use crate::solution::Solution;
 use crate::solver::Solver;
@@ -344,6 +344,24 @@ impl AtSample for ConicRow {
     }
 }
 
+impl AtSample for Nonlinear {
+    type Output = Nonlinear;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<Nonlinear, Error> {
+        self.try_map(&mut |own: &Affine| own.at_sample(systems, sample))
+    }
+}
+
+impl AtSample for NonlinearRow {
+    type Output = NonlinearRow;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, systems: &ProgramSystems, sample: usize) -> Result<NonlinearRow, Error> {
+        self.try_map(&mut |own: &Affine| own.at_sample(systems, sample))
+    }
+}
+
 impl AtSample for SystemRow {
     type Output = SystemRow;
 
@@ -352,6 +370,7 @@ impl AtSample for SystemRow {
         Ok(match self {
             SystemRow::Row(row) => row.at_sample(systems, sample)?.into(),
             SystemRow::Conic(row) => row.at_sample(systems, sample)?.into(),
+            SystemRow::Nonlinear(row) => row.at_sample(systems, sample)?.into(),
         })
     }
 }
@@ -371,6 +390,7 @@ impl SystemRow {
             SystemRow::Conic(row) => {
                 row.try_map(&mut |expression| expression.at_sample(systems, sample))?.into()
             }
+            SystemRow::Nonlinear(row) => row.at_sample(systems, sample)?.into(),
         })
     }
 }
@@ -398,4 +418,5 @@ impl AtSample for Literal {
 
 at_sample_as!(Affine: State, Input, Variable, &State, &Input, &Variable, &Affine);
 at_sample_as!(Quadratic: &Quadratic);
+at_sample_as!(Nonlinear: &Nonlinear);
 at_sample_as!(NormSum: Norm);

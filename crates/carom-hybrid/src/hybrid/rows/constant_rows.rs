@@ -26,6 +26,7 @@ pub(super) fn nontrivial(program: &SystemVariables, row: SystemRow, t: usize) ->
             };
         }
         SystemRow::Conic(conic) => conic,
+        SystemRow::Nonlinear(_) => return Some(row),
     };
     let StoredConic::Norm { entries, bound } = conic.stored() else { return Some(row) };
     if entries.iter().chain([bound]).any(|part| !part.terms().is_empty()) {

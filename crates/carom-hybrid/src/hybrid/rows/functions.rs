@@ -20,7 +20,8 @@ pub(super) fn add(
         for step in 0..program.horizon.steps() {
             let member = |family: &Family, at: usize| -> Result<Variable, Error> {
                 let place = name.clone();
-                let foreign = ErrorKind::ForeignHandle { kind: "variable", index: at, place, name: None };
+                let foreign =
+                    ErrorKind::ForeignHandle { kind: "variable", index: at, place, name: None };
                 family.get(at).ok_or_else(|| foreign.into())
             };
             let part = |slot: Slot| -> Result<Affine, Error> {

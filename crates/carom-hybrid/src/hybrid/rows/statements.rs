@@ -90,6 +90,7 @@ impl ChoiceStep<'_> {
                     term = match row {
                         SystemRow::Row(row) => term.and(row),
                         SystemRow::Conic(row) => term.and(row),
+                        SystemRow::Nonlinear(row) => term.and(row),
                     };
                 }
             }

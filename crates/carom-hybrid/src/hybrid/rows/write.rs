@@ -143,6 +143,7 @@ pub(super) fn write(
             formulations: &formulations,
             method,
             as_predicted: as_predicted(system),
+            coordinates: &restated.coordinates,
             background: BTreeSet::new(),
         };
         writer.limits()?;
@@ -357,6 +358,7 @@ struct Writer<'a> {
     method: Option<Method>,
     /// Which states are as predicted.
     as_predicted: Vec<bool>,
+    coordinates: &'a Coordinates,
     /// Families of statements that describe the system.
     background: BTreeSet<String>,
 }
@@ -381,7 +383,26 @@ impl Writer<'_> {
                 self.background.insert(family);
             }
         }
+        for row in &self.system.state_rows {
+            let family = self.names.family(&[&row.name]);
+            for t in 0..=steps {
+                let states = self.stated_states(t);
+                self.model.add((family.as_str(), t), row.over(&states))?;
+            }
+            if !row.is_limit {
+                self.background.insert(family);
+            }
+        }
         Ok(())
+    }
+
+    /// The states at a sample in the user's numbers.
+    fn stated_states(&self, sample: usize) -> Vec<Affine> {
+        let families = self.program.states.iter().enumerate();
+        let own = families.filter_map(|(i, family)| {
+            Some(self.program.in_units(self.coordinates.state(i), family.get(sample)?))
+        });
+        own.collect()
     }
 
     /// The values that inputs take, if they take some only.

@@ -151,8 +151,7 @@ impl HybridSystem {
             let by: Vec<f64> = self.disturbance.iter().map(|range| draw(*range)).collect();
             let system = drawn.as_ref().unwrap_or(self);
             let (own, guess) = (&state[..], &state[..]);
-            let start =
-                StepStart { system, coordinates, step, state: own, input: &input, guess };
+            let start = StepStart { system, coordinates, step, state: own, input: &input, guess };
             let transition = |c: usize, k: usize| system.choices[c].transitions.get(k);
             let of_plan = planned.taken.iter().map(|own| own[step]).collect::<Vec<usize>>();
             let (next, slacks) = disturbed.planned(&start, &of_plan, &by, &memory)?;

@@ -50,7 +50,8 @@ impl StepStart<'_> {
             let mut change = Mat::from_fn(n, 1, |i, _| to[i] - y[i]);
             jacobian.full_piv_lu().solve_in_place(change.as_mut());
             y.iter_mut().enumerate().for_each(|(i, own)| *own += change[(i, 0)]);
-            let is_small = |(i, own): (usize, &f64)| change[(i, 0)].abs() <= CONVERGED * own.abs().max(1.0);
+            let is_small =
+                |(i, own): (usize, &f64)| change[(i, 0)].abs() <= CONVERGED * own.abs().max(1.0);
             if y.iter().enumerate().all(is_small) {
                 return Ok(y);
             }

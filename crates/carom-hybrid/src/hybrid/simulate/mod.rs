@@ -16,6 +16,7 @@ mod disturbed;
 mod follow;
 mod implicit_step;
 mod memory;
+mod motion;
 mod open_run;
 mod options;
 mod plan;
@@ -31,6 +32,7 @@ pub(crate) use decisions::Decided;
 pub use decisions::Decisions;
 pub use disturbed::DisturbedRun;
 pub(crate) use follow::Followed;
+pub use motion::ContinuousMotion;
 pub use options::SimulationOptions;
 pub use simulation::{SimulatedStep, Simulation};
 

@@ -236,9 +236,9 @@ impl PlannedRun<'_> {
             let start = StepStart { system: self.system, coordinates, step, state, input, guess };
             let taken = self.system.choices.iter().zip(self.transitions(step));
             let flown = taken.map(|(choice, own)| start.fly(choice, own).map(|(flown, _)| flown));
-            let next = flown.collect::<Result<Vec<Flown>, Error>>().and_then(|flown| {
-                start.next_state(&flown.iter().collect::<Vec<&Flown>>())
-            });
+            let next = flown
+                .collect::<Result<Vec<Flown>, Error>>()
+                .and_then(|flown| start.next_state(&flown.iter().collect::<Vec<&Flown>>()));
             // Lengths that do not fit were refused.
             let next = next.unwrap_or_else(|_| vec![f64::NAN; state.len()]);
             states.push(next);

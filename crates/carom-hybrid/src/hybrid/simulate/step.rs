@@ -45,7 +45,11 @@ pub(super) fn sample_conditions(
     let limits = system
         .limits_of(false)
         .filter_map(|own| Slack::of_set(limit_condition(own), own.set, coordinates, state, step));
-    domains.chain(limits).collect()
+    let nonlinear = system.state_rows.iter().map(|row| {
+        let condition = Condition::Limit { name: row.name.clone() };
+        Slack::counted(condition, row.slack(state))
+    });
+    domains.chain(limits).chain(nonlinear).collect()
 }
 
 impl StepStart<'_> {

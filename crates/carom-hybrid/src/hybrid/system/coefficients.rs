@@ -211,6 +211,11 @@ impl HybridSystem {
                     region.norms.push(self.disc(&row, PLACE)?);
                     continue;
                 }
+                SystemRow::Nonlinear(row) => {
+                    let help = "a region is stated with states and modes";
+                    region.nonlinear.push(self.state_row(None, &row, PLACE, help)?);
+                    continue;
+                }
             };
             let all = self.coefficients(row.expression(), PLACE)?;
             if !all.modes.is_empty() {

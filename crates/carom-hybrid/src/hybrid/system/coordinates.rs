@@ -257,6 +257,7 @@ impl Coordinates {
             ranges: ranges.map(|(k, range)| self.state(k).inward_range(*range)).collect(),
             halfspaces: own.halfspaces.iter().map(|h| self.halfspace(h)).collect(),
             norms: own.norms.iter().map(|norm| self.norm(norm)).collect(),
+            nonlinear: own.nonlinear.clone(),
             modes: own.modes.clone(),
         }
     }

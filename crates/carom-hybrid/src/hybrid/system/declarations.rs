@@ -184,6 +184,18 @@ impl HybridSystem {
                 }
                 (moment, text)
             }
+            SystemRow::Nonlinear(row) => {
+                let text = self.nonlinear_text(row);
+                if self.is_of_states(row) {
+                    self.state_rows.push(self.state_row(name, row, PLACE, "")?);
+                    return Ok(());
+                }
+                let row = self.with_functions_as_inputs(row, PLACE)?;
+                let (text, is_limit) = name.unwrap_or((&text, false));
+                let (moment, halves) = self.halfspaces(Some((text, is_limit)), &row, PLACE)?;
+                self.limits.extend(halves);
+                (moment, String::new())
+            }
         };
         if moment == Moment::Prediction {
             let name = format!("the prediction in `{text}`");

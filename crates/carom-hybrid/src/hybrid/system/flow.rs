@@ -28,7 +28,7 @@ impl HybridSystem {
             if std::mem::replace(&mut named[i], true) {
                 return Err(Error::duplicate_name(&self.states[i].0, "row of the flow"));
             }
-            row.try_map(&mut |own: &Affine| {
+            let _visited = row.try_map(&mut |own: &Affine| {
                 let all = self.plain_coefficients(own, place)?;
                 if all.uses_predictions() {
                     let name = format!("the row of `{}`", self.states[i].0);

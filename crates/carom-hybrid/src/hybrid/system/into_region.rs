@@ -3,7 +3,7 @@
 use super::system_row::SystemRow;
 use super::{HybridSystem, Region};
 use crate::error::Error;
-use crate::model::{ConicRow, Row};
+use crate::model::{ConicRow, NonlinearRow, Row};
 
 /// A region as a user states it: rows of a system's handles, or a [`Region`].
 #[derive(Debug, Clone)]
@@ -14,7 +14,8 @@ pub enum StatedRegion {
 }
 
 /// A statement of where a run must be: rows such as `[x.equals(0.0), v.within(-1.0, 1.0)]`, a disc
-/// such as `norm([x - 4.0, y - 1.0]).le(0.5)`, rows and discs as a pair of lists, or a [`Region`].
+/// such as `norm([x - 4.0, y - 1.0]).le(0.5)`, nonlinear rows, rows and discs as a pair of lists, or
+/// a [`Region`].
 ///
 /// ```
 /// use carom::model::norm;
@@ -58,6 +59,18 @@ impl IntoRegion for ConicRow {
 }
 
 impl<const N: usize> IntoRegion for [ConicRow; N] {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Rows(self.map(SystemRow::from).into())
+    }
+}
+
+impl IntoRegion for NonlinearRow {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Rows(vec![self.into()])
+    }
+}
+
+impl<const N: usize> IntoRegion for [NonlinearRow; N] {
     fn stated(self) -> StatedRegion {
         StatedRegion::Rows(self.map(SystemRow::from).into())
     }

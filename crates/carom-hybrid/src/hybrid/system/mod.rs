@@ -8,6 +8,7 @@
 //! | states, inputs, series, limits | `system/declarations.rs` |
 //! | choices: modes, events, switches | `system/modes.rs` |
 //! | a transition that is being stated; what it does after its flow | `system/transition_mut.rs`; `system/reset.rs` |
+//! | nonlinear rows of states | `system/state_row.rs` |
 //! | nonlinear flows: their steps; their functions | `system/discretization.rs`; `system/step_functions.rs` |
 //! | rates and next values | `system/flow.rs`, `system/flow_rows.rs` |
 //! | expressions and rows as coefficients | `system/coefficients.rs` |
@@ -63,6 +64,7 @@ mod schedule;
 #[cfg(feature = "serde")]
 mod serialized;
 mod series_inputs;
+mod state_row;
 mod step_functions;
 mod system_row;
 mod text;
@@ -70,8 +72,8 @@ mod transition;
 mod transition_mut;
 
 pub use choice::Choice;
-pub use discretization::Discretization;
 pub(crate) use coordinates::{Coordinates, Restated};
+pub use discretization::Discretization;
 
 pub use halfspace::Halfspace;
 pub use handles::{Input, State};
@@ -86,6 +88,7 @@ pub(crate) use polygons::Approximation;
 pub use region::Region;
 pub(crate) use region::{check_cut, outside_domain};
 pub use schedule::Schedule;
+pub(crate) use state_row::StateRow;
 pub(crate) use step_functions::{Slot, StepFunctions};
 pub use system_row::SystemRow;
 pub use transition::Transition;
@@ -155,6 +158,8 @@ pub struct HybridSystem {
     pub(crate) limits: Vec<Halfspace>,
     /// Limits of lengths, as the limits.
     pub(crate) norms: Vec<NormLimit>,
+    /// Nonlinear limits of the states at every sample.
+    pub(crate) state_rows: Vec<StateRow>,
     /// The common flow, to which the choices add; needed with two choices or more.
     pub(crate) flow: Option<LinearSystem>,
     /// The choices of a step, at least one.
@@ -190,6 +195,7 @@ impl PartialEq for HybridSystem {
             && self.choices == other.choices
             && self.disturbance == other.disturbance
             && self.functions == other.functions
+            && self.state_rows == other.state_rows
     }
 }
 
@@ -207,6 +213,7 @@ impl HybridSystem {
             input_values: BTreeMap::new(),
             limits: Vec::new(),
             norms: Vec::new(),
+            state_rows: Vec::new(),
             flow: None,
             choices: Vec::new(),
             most_events: None,

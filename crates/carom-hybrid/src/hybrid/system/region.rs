@@ -6,6 +6,7 @@ use super::HybridSystem;
 use super::check::{check_halfspace, check_norm, too_large};
 use super::halfspace::Halfspace;
 use super::norm_limit::NormLimit;
+use super::state_row::StateRow;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::interval::Interval;
 use crate::model::{Affine, ConicRow, Constraint, Model, Row};
@@ -37,6 +38,9 @@ pub struct Region {
     /// Discs of the states, the same at every step.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) norms: Vec<NormLimit>,
+    /// Nonlinear rows of the states.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) nonlinear: Vec<StateRow>,
     /// Choices and modes. A choice that is named several times may be in any of those modes; a
     /// choice that is not named may be in any mode.
     pub(crate) modes: Vec<(String, String)>,
@@ -44,7 +48,8 @@ pub struct Region {
 
 impl From<Vec<Interval>> for Region {
     fn from(ranges: Vec<Interval>) -> Self {
-        Region { ranges, halfspaces: Vec::new(), norms: Vec::new(), modes: Vec::new() }
+        let (halfspaces, norms, nonlinear) = (Vec::new(), Vec::new(), Vec::new());
+        Region { ranges, halfspaces, norms, nonlinear, modes: Vec::new() }
     }
 }
 
@@ -145,11 +150,13 @@ impl Region {
         let in_disc = |disc: &NormLimit| disc.slack(state, 0) >= -tolerance;
         Ok(inside
             && self.halfspaces.iter().all(|h| excess(h) <= tolerance)
-            && self.norms.iter().all(in_disc))
+            && self.norms.iter().all(in_disc)
+            && self.nonlinear.iter().all(|row| row.slack(state) >= -tolerance))
     }
 
     /// Adds rows to a model of your own that keep a sample in the region: `name[0]`, `name[1]`,
-    /// ..., and `name_disc[0]`, ... for its discs, which are not returned. Modes are left to the
+    /// ..., and `name_disc[0]`, ... and `name_nonlinear[0]`, ... for its discs and nonlinear rows,
+    /// which are not returned. Modes are left to the
     /// caller.
     ///
     /// # Arguments
@@ -170,9 +177,13 @@ impl Region {
         for<'a> Affine: From<&'a X>,
     {
         let (rows, discs) = (self.rows(states)?, self.discs(states)?);
+        let states: Vec<Affine> = states.iter().map(Affine::from).collect();
         model.all_or_nothing(|model| {
             for (k, disc) in discs.into_iter().enumerate() {
                 model.add((format!("{name}_disc"), k), disc)?;
+            }
+            for (k, row) in self.nonlinear.iter().enumerate() {
+                model.add((format!("{name}_nonlinear"), k), row.over(&states))?;
             }
             rows.into_iter().enumerate().map(|(k, row)| model.add((name, k), row)).collect()
         })

@@ -11,6 +11,7 @@ use super::halfspace::Halfspace;
 use super::input_values::InputValues;
 use super::norm_limit::NormLimit;
 use super::schedule::Schedule;
+use super::state_row::StateRow;
 use super::step_functions::StepFunctions;
 use super::transition::Reset;
 use crate::error::{Error, ErrorKind};
@@ -35,6 +36,8 @@ pub(super) struct StoredSystem {
     #[serde(default)]
     functions: StepFunctions,
     #[serde(default)]
+    state_rows: Vec<StateRow>,
+    #[serde(default)]
     most_events: Option<usize>,
     #[serde(default)]
     disturbance: Vec<Interval>,
@@ -52,6 +55,7 @@ impl From<HybridSystem> for StoredSystem {
             flow: system.flow,
             choices: system.choices,
             functions: system.functions,
+            state_rows: system.state_rows,
             most_events: system.most_events,
             disturbance: system.disturbance,
         }
@@ -72,7 +76,7 @@ impl TryFrom<StoredSystem> for HybridSystem {
         system = stored.choices.into_iter().fold(system, HybridSystem::with_choice);
         (system.limits, system.norms) = (stored.limits, stored.norms);
         system.flow = stored.flow;
-        system.functions = stored.functions;
+        (system.functions, system.state_rows) = (stored.functions, stored.state_rows);
         system.input_values = stored.input_values;
         (system.most_events, system.disturbance) = (stored.most_events, stored.disturbance);
         system.check()?;

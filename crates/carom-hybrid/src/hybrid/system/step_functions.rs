@@ -5,14 +5,15 @@
 //! All that knows inputs then knows it: rows say what the input equals, simulators compute it, and
 //! reach sets let it be anything in its range, which loses no run.
 
+use super::HybridSystem;
 use super::discretization::Discretization;
 use super::handles::Meaning;
 use super::schedule::Schedule;
-use super::HybridSystem;
-use crate::error::{Error, ErrorKind};
+use super::state_row::StateRow;
+use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
-use crate::model::{Affine, Function, Model, Nonlinear, Variable, VariableKind};
+use crate::model::{Affine, Function, Model, Nonlinear, NonlinearRow, Row, Variable, VariableKind};
 
 /// The part of a step that an argument of a function names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -221,7 +222,8 @@ impl HybridSystem {
         let Some((number, function)) = self.functions.iter().next() else { return Ok(()) };
         let function = self.functions.text(function);
         let name = format!("the function `{}` = `{function}`", self.inputs[number].0);
-        let help = "it knows linear flows only; state a linear one, or plan by `program` and `shortest`";
+        let help =
+            "it knows linear flows only; state a linear one, or plan by `program` and `shortest`";
         Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into())
     }
 
@@ -254,6 +256,114 @@ impl HybridSystem {
         are_rates: bool,
         step: impl FnOnce(&mut FlowFunctions<'_>) -> Result<Vec<Affine>, Error>,
     ) -> Result<LinearSystem, Error> {
+        let (next, rows) = self.define_functions(rows, "a flow", step)?;
+        let functions = &mut self.functions;
+        let flow = functions.linear(&next, self.states.len(), self.inputs.len())?;
+        if are_rates && functions.rates.iter().all(|(own, _)| *own != flow) {
+            functions.rates.push((flow.clone(), rows));
+        }
+        Ok(flow)
+    }
+
+    /// An expression of states and inputs as an affine one of states, inputs and the inputs of its
+    /// functions.
+    pub(super) fn affine_of(
+        &mut self,
+        expression: &Nonlinear,
+        place: &str,
+    ) -> Result<Affine, Error> {
+        if let Some(own) = expression.as_affine() {
+            return Ok(own.clone());
+        }
+        let rows = vec![self.with_series_as_inputs(expression, place)?];
+        let (values, _) = self.define_functions(&rows, place, |own| {
+            let start = own.start.clone();
+            own.at(&start)
+        })?;
+        let mut sum = Affine::zero();
+        for value in values {
+            sum += value.offset();
+            for (variable, factor) in value.terms() {
+                let handle = match self.functions.slot(variable) {
+                    Some(Slot::State(i)) => self.handles.find_state(i).map(Variable::from),
+                    Some(Slot::Input(u)) => Some(self.handles.of(Meaning::Input(u))),
+                    Some(Slot::Prediction(_)) | None => None,
+                };
+                if let Some(handle) = handle {
+                    sum.add_term(factor, handle);
+                }
+            }
+        }
+        Ok(sum)
+    }
+
+    /// A nonlinear row as one of the inputs of its functions.
+    pub(super) fn with_functions_as_inputs(
+        &mut self,
+        row: &NonlinearRow,
+        place: &str,
+    ) -> Result<Row, Error> {
+        let left = self.affine_of(row.expression(), place)?;
+        Ok(left.within(row.lower(), row.upper()))
+    }
+
+    /// Whether a row is one of states alone.
+    pub(super) fn is_of_states(&self, row: &NonlinearRow) -> bool {
+        let mut is_of_states = true;
+        let visited = row.try_map(&mut |own: &Affine| {
+            let is_state = |(handle, _): (Variable, f64)| {
+                matches!(self.handles.meaning(handle), Some(Meaning::State(_)))
+            };
+            is_of_states &= own.terms().into_iter().all(is_state);
+            Ok(own.clone())
+        });
+        visited.is_ok() && is_of_states
+    }
+
+    /// A nonlinear row with the names of its handles.
+    pub(super) fn nonlinear_text(&self, row: &NonlinearRow) -> String {
+        row.text(&|variable| self.handle_name(variable))
+    }
+
+    /// A nonlinear row of states.
+    pub(super) fn state_row(
+        &self,
+        name: Option<(&str, bool)>,
+        row: &NonlinearRow,
+        place: &str,
+        help: &'static str,
+    ) -> Result<StateRow, Error> {
+        let mut states: Vec<(Variable, usize)> = Vec::new();
+        let _visited = row.try_map(&mut |own: &Affine| {
+            let numbers = own.raw_terms().iter().map(|&(_, factor)| factor);
+            check_finite(place, "a number", numbers.chain([own.offset()]))?;
+            for (handle, _) in own.terms() {
+                match self.meaning(handle, place)? {
+                    Meaning::State(i) if !states.contains(&(handle, *i)) => {
+                        states.push((handle, *i));
+                    }
+                    Meaning::State(_) => {}
+                    _ => return Err(self.misplaced(handle, place, help)),
+                }
+            }
+            Ok(own.clone())
+        })?;
+        let text = name.map_or_else(|| self.nonlinear_text(row), |(name, _)| name.to_owned());
+        let is_limit = name.is_some_and(|(_, is_limit)| is_limit);
+        Ok(StateRow::new(text, is_limit, row.clone(), states))
+    }
+
+    /// Defines what functions of rows need.
+    ///
+    /// # Returns
+    ///
+    /// The values, and the rows, over the variables of the functions.
+    fn define_functions(
+        &mut self,
+        rows: &[Nonlinear],
+        place: &str,
+        step: impl FnOnce(&mut FlowFunctions<'_>) -> Result<Vec<Affine>, Error>,
+    ) -> Result<(Vec<Affine>, Vec<Nonlinear>), Error> {
         let mut functions = self.functions.clone();
         functions.declare(self)?;
         let known = functions.model.function_count();
@@ -265,9 +375,10 @@ impl HybridSystem {
         let over = |own: &Affine| {
             let mut sum = Affine::constant(own.offset());
             for (handle, factor) in own.terms() {
+                self.meaning(handle, place)?;
                 let variable = part(handle);
                 let variable =
-                    variable.ok_or_else(|| self.misplaced(handle, "a flow", FLOW_HELP))?;
+                    variable.ok_or_else(|| self.misplaced(handle, place, FUNCTION_HELP))?;
                 sum.add_term(factor, variable);
             }
             Ok(sum)
@@ -283,14 +394,10 @@ impl HybridSystem {
         let names = self.states.iter().map(|(name, _)| name.clone()).collect();
         let mut own =
             FlowFunctions { functions: &mut functions, start, end, rows: rows.clone(), names };
-        let next = step(&mut own)?;
+        let values = step(&mut own)?;
         self.declare_functions(&mut functions, known)?;
-        let flow = functions.linear(&next, n, self.inputs.len())?;
-        if are_rates && functions.rates.iter().all(|(own, _)| *own != flow) {
-            functions.rates.push((flow.clone(), rows));
-        }
         self.functions = functions;
-        Ok(flow)
+        Ok((values, rows))
     }
 
     /// Makes inputs of functions that are new.
@@ -301,11 +408,8 @@ impl HybridSystem {
     ) -> Result<(), Error> {
         let mut ranges: Vec<Interval> =
             functions.model.variables().map(|own| own.bounds()).collect();
-        let all: Vec<(Variable, String)> = functions
-            .model
-            .functions()
-            .map(|own| (own.result(), own.name().to_string()))
-            .collect();
+        let all: Vec<(Variable, String)> =
+            functions.model.functions().map(|own| (own.result(), own.name().to_string())).collect();
         for (k, (variable, name)) in all.into_iter().enumerate() {
             let function = functions.model.functions().nth(k).map(|own| own.function().clone());
             let Some(function) = function else { continue };
@@ -340,7 +444,8 @@ impl HybridSystem {
     }
 }
 
-const FLOW_HELP: &str = "a flow is stated with states, inputs and series";
+/// Where functions can stand.
+const FUNCTION_HELP: &str = "functions are of states, inputs and series at the start of the step";
 
 impl StepFunctions {
     /// Declares the states and inputs that are not known yet.

@@ -1,11 +1,12 @@
-//! Rows of a system's handles: affine ones, and those of norms and squares.
+//! Rows of a system's handles: affine ones, those of norms and squares, and nonlinear ones.
 
 use crate::error::Error;
-use crate::model::{ConicRow, Literal, Model, Name, Row};
+use crate::model::{ConicRow, Literal, Model, Name, NonlinearRow, Row};
 
-/// A row of a system's handles: a [`Row`], or the [`ConicRow`] of a norm or a square.
+/// A row of a system's handles: a [`Row`], the [`ConicRow`] of a norm or a square, or a
+/// [`NonlinearRow`].
 ///
-/// Methods take `impl Into<SystemRow>`, so both can be given as they are.
+/// Methods take `impl Into<SystemRow>`, so all can be given as they are.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -14,6 +15,8 @@ pub enum SystemRow {
     Row(Row),
     /// A row of a norm or of squares, which is a second-order cone.
     Conic(ConicRow),
+    /// A row of a nonlinear expression.
+    Nonlinear(NonlinearRow),
 }
 
 impl SystemRow {
@@ -29,6 +32,8 @@ impl SystemRow {
             (SystemRow::Row(row), Some(when)) => model.add(name, when.implies(row)).map(drop),
             (SystemRow::Conic(row), None) => model.add(name, row).map(drop),
             (SystemRow::Conic(row), Some(when)) => model.add(name, when.implies(row)).map(drop),
+            (SystemRow::Nonlinear(row), None) => model.add(name, row).map(drop),
+            (SystemRow::Nonlinear(row), Some(when)) => model.add(name, when.implies(row)).map(drop),
         }
     }
 }
@@ -36,6 +41,12 @@ impl SystemRow {
 impl From<Row> for SystemRow {
     fn from(row: Row) -> Self {
         SystemRow::Row(row)
+    }
+}
+
+impl From<NonlinearRow> for SystemRow {
+    fn from(row: NonlinearRow) -> Self {
+        SystemRow::Nonlinear(row)
     }
 }
 

@@ -60,6 +60,11 @@ impl Display for HybridSystem {
         for limit in self.conditions() {
             writeln!(f, "always {}", names.condition(limit, ""))?;
         }
+        for row in &self.state_rows {
+            let name =
+                |i: usize| self.states.get(i).map_or(String::new(), |(name, _)| name.clone());
+            writeln!(f, "always {}", row.text(&name))?;
+        }
         if let Some(most) = self.most_events {
             writeln!(f, "at most {most} events")?;
         }

@@ -186,6 +186,12 @@ impl<'a> TransitionMut<'a> {
                 self.note_prediction();
                 return Ok(self);
             }
+            SystemRow::Nonlinear(row) => {
+                let name = format!("the row `{}`", self.system.nonlinear_text(&row));
+                let help = "an invariant of a mode is affine; use `guard` for the start of the step, or \
+                            `limit` of the system";
+                return Err(ErrorKind::Misplaced { name, place, help }.into());
+            }
         };
         let mut predicted = Affine::constant(row.expression().offset());
         for (variable, factor) in row.expression().terms() {
@@ -228,6 +234,16 @@ impl<'a> TransitionMut<'a> {
         match row {
             SystemRow::Row(row) => self.add_row(name, row),
             SystemRow::Conic(row) => self.add_norm(name, row),
+            SystemRow::Nonlinear(row) => {
+                let place = self.place("a guard");
+                let text = self.system.nonlinear_text(row);
+                let row = self.system.with_functions_as_inputs(row, &place)?;
+                let (text, is_limit) = name.unwrap_or((&text, false));
+                let (_, halves) = self.system.halfspaces(Some((text, is_limit)), &row, &place)?;
+                let mut own = self;
+                own.own().guards.extend(halves);
+                Ok(own)
+            }
         }
     }
 
@@ -314,7 +330,7 @@ impl<'a> TransitionMut<'a> {
     ///
     /// [`ErrorKind::Misplaced`] for a function of both; [`ErrorKind::ForeignHandle`];
     /// [`ErrorKind::DuplicateName`] at the second call.
-    pub fn output(mut self, output: Variable, value: impl Into<Affine>) -> Result<Self, Error> {
+    pub fn output(mut self, output: Variable, value: impl Into<Nonlinear>) -> Result<Self, Error> {
         let place = self.place("an output");
         let Meaning::Output(name) = self.system.meaning(output, &place)?.clone() else {
             return Err(self.system.misplaced(output, &place, "name an output of the system"));
@@ -322,7 +338,8 @@ impl<'a> TransitionMut<'a> {
         if self.own().outputs.iter().any(|own| own.name == name) {
             return Err(Error::duplicate_name(&name, "output of the transition"));
         }
-        let all = self.system.plain_coefficients(&value.into(), &place)?;
+        let value = self.system.affine_of(&value.into(), &place)?;
+        let all = self.system.plain_coefficients(&value, &place)?;
         let is_at_start = all.uses_start();
         if is_at_start && all.uses_predictions() {
             let name = format!("`{name}`");

@@ -7,6 +7,7 @@
 mod define;
 mod operators;
 mod row;
+mod text;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -236,8 +237,12 @@ impl Nonlinear {
                     FunctionPart::Elementary(function, of) => {
                         function.value(of.value_by(value, known))
                     }
-                    FunctionPart::Product(a, b) => a.value_by(value, known) * b.value_by(value, known),
-                    FunctionPart::Quotient(a, b) => a.value_by(value, known) / b.value_by(value, known),
+                    FunctionPart::Product(a, b) => {
+                        a.value_by(value, known) * b.value_by(value, known)
+                    }
+                    FunctionPart::Quotient(a, b) => {
+                        a.value_by(value, known) / b.value_by(value, known)
+                    }
                     FunctionPart::Absolute(of) => of.value_by(value, known).abs(),
                     FunctionPart::Maximum(a, b) => {
                         a.value_by(value, known).max(b.value_by(value, known))

@@ -2,7 +2,8 @@
 
 use super::Nonlinear;
 use crate::error::Error;
-use crate::model::ids::{Constraint, Indicator};
+use crate::model::affine::Affine;
+use crate::model::ids::{Constraint, Indicator, Variable};
 use crate::model::indicator::{Implication, Implications};
 use crate::model::name::Name;
 use crate::model::row::Row;
@@ -60,6 +61,34 @@ impl NonlinearRow {
     /// The upper limit, in the unit of the expression.
     pub fn upper(&self) -> f64 {
         self.upper
+    }
+
+    /// The row with other expressions in the places of its affine ones.
+    #[doc(hidden)]
+    pub fn try_map(
+        &self,
+        entry: &mut dyn FnMut(&Affine) -> Result<Affine, Error>,
+    ) -> Result<NonlinearRow, Error> {
+        Ok(NonlinearRow { expression: self.expression.try_map(entry)?, ..*self })
+    }
+
+    /// By how much an expression's value keeps the limits; negative if it does not.
+    #[doc(hidden)]
+    pub fn slack(&self, value: impl Fn(Variable) -> f64) -> f64 {
+        let value = self.expression.evaluate(value);
+        (value - self.lower).min(self.upper - value)
+    }
+
+    /// The row with its variables named.
+    #[doc(hidden)]
+    pub fn text(&self, name: &dyn Fn(Variable) -> String) -> String {
+        let left = self.expression.text(name);
+        match (self.lower.is_finite(), self.upper.is_finite()) {
+            (true, true) if self.lower == self.upper => format!("{left} = {}", self.lower),
+            (true, true) => format!("{} <= {left} <= {}", self.lower, self.upper),
+            (true, false) => format!("{left} >= {}", self.lower),
+            _ => format!("{left} <= {}", self.upper),
+        }
     }
 
     /// The row over the variables of a model, which are added under a name.
