@@ -13,6 +13,7 @@ mod loops;
 mod mission;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
+mod nonlinear;
 mod physics;
 mod reach;
 mod receding;

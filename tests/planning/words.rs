@@ -8,6 +8,7 @@ use carom::ErrorKind;
 use carom::explain::{ExplainOptions, infeasibility};
 use carom::hybrid::scene::ScenePlan;
 use carom::hybrid::{Feedback, HorizonRefutation, HorizonVerdict, Mission, RobustError};
+use carom::model::Nonlinear;
 use carom::prelude::*;
 
 fn solver() -> BranchAndBound {
@@ -288,7 +289,7 @@ fn an_output_that_nobody_states_is_zero() {
 /// Two choices about one state: `gear` has a guard on what it predicts, and `brake` changes the
 /// same speed.
 fn two_choices(
-    of_brake: impl Fn(State, State) -> Vec<(State, Affine)>,
+    of_brake: impl Fn(State, State) -> Vec<(State, Nonlinear)>,
 ) -> Result<HybridSystem, Error> {
     let mut car = HybridSystem::new(1.0); // s
     let x = car.state("x", -9.0, 9.0)?;

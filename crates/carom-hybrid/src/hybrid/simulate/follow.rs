@@ -30,16 +30,17 @@ impl HybridSystem {
             return Ok(Followed::AsPlanned);
         };
         let error = plan.drifts(start, &inputs, &departure);
-        if self.is_nonlinear() {
-            return Ok(Followed::Leaves(vec![plan.flown_run(run, start, &inputs)], error));
-        }
         // Without inputs, there is one run.
         let freedoms = match self.inputs.is_empty() {
             true => &[Freedom::WholeRange][..],
             false => &[Freedom::ToNearerEnd, Freedom::WholeRange],
         };
         let tracked = freedoms.iter().filter_map(|freedom| plan.tracked(start, *freedom));
-        let runs = tracked.map(|TrackedRun { inputs, states }| {
+        let runs = tracked.map(|TrackedRun { mut inputs, states }| {
+            let ends = states.iter().zip(states.iter().skip(1));
+            for (input, (state, next)) in inputs.iter_mut().zip(ends) {
+                *input = self.with_function_values(state, next, input);
+            }
             let mut run = run.clone();
             put(&mut run.states, &states);
             put(&mut run.inputs, &inputs);
@@ -47,22 +48,6 @@ impl HybridSystem {
             run
         });
         Ok(Followed::Leaves(runs.collect(), error))
-    }
-}
-
-impl PlannedRun<'_> {
-    /// The run of the inputs of a system with functions.
-    fn flown_run(&self, run: &HybridRun, start: &[f64], inputs: &[Vec<f64>]) -> HybridRun {
-        let states = self.flown(start, inputs);
-        let samples = states.iter().zip(states.iter().skip(1)).zip(inputs);
-        let inputs: Vec<Vec<f64>> = samples
-            .map(|((state, next), input)| self.system.with_function_values(state, next, input))
-            .collect();
-        let mut run = run.clone();
-        put(&mut run.states, &states);
-        put(&mut run.inputs, &inputs);
-        run.outputs.clear();
-        run
     }
 }
 

@@ -21,6 +21,9 @@ const FEW_PARTS: usize = 2;
 /// Floats of a number if a few do not suffice: some 1000 bits.
 pub(super) const MANY_PARTS: usize = 20;
 
+/// The relative step of a difference quotient (no unit).
+const DIFFERENCE: f64 = 1e-6;
+
 /// The share of what is allowed that digits may lose (no unit).
 const LOST: f64 = 1e-3;
 
@@ -227,27 +230,56 @@ impl PlannedRun<'_> {
     /// The states to which transitions and inputs lead from a start, in floats, for a system with
     /// functions, which have a value in floats only; NaN from where it has none.
     pub(super) fn flown(&self, start: &[f64], inputs: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let coordinates = &Coordinates::of(self.system);
         let mut states = vec![start.to_vec()];
         for (step, input) in inputs.iter().enumerate() {
-            let state = &states[step];
-            let input = &self.system.with_function_values(state, state, input);
-            let guess = &self.states[step + 1];
-            let start = StepStart { system: self.system, coordinates, step, state, input, guess };
-            let taken = self.system.choices.iter().zip(self.transitions(step));
-            let flown = taken.map(|(choice, own)| start.fly(choice, own).map(|(flown, _)| flown));
-            let next = flown
-                .collect::<Result<Vec<Flown>, Error>>()
-                .and_then(|flown| start.next_state(&flown.iter().collect::<Vec<&Flown>>()));
-            // Lengths that do not fit were refused.
-            let next = next.unwrap_or_else(|_| vec![f64::NAN; state.len()]);
-            states.push(next);
+            states.push(self.led(step, &states[step], input));
         }
         states
     }
 
+    /// The state to which a step leads from a state with an input, in floats.
+    pub(super) fn led(&self, step: usize, state: &[f64], input: &[f64]) -> Vec<f64> {
+        let input = &self.system.with_function_values(state, state, input);
+        let (system, guess) = (self.system, &self.states[step + 1]);
+        let coordinates = &Coordinates::default();
+        let start = StepStart { system, coordinates, step, state, input, guess };
+        let taken = self.system.choices.iter().zip(self.transitions(step));
+        let flown = taken.map(|(choice, own)| start.fly(choice, own).map(|(flown, _)| flown));
+        let next = flown
+            .collect::<Result<Vec<Flown>, Error>>()
+            .and_then(|flown| start.next_state(&flown.iter().collect::<Vec<&Flown>>()));
+        // Lengths that do not fit were refused.
+        next.unwrap_or_else(|_| vec![f64::NAN; state.len()])
+    }
+
+    /// The next state near a step of the plan as affine functions of the state and the input, by
+    /// differences.
+    fn maps_near(&self, step: usize) -> Vec<AffineForm> {
+        let (state, input) = (&self.states[step], &self.inputs[step]);
+        let (n, m) = (state.len(), input.len());
+        let mut point = [&state[..], input].concat();
+        let middle = self.led(step, state, input);
+        let mut maps = vec![AffineForm::constant(n + m, 0.0); n];
+        for k in 0..n + m {
+            let (own, by) = (point[k], DIFFERENCE * point[k].abs().max(1.0));
+            point[k] = own + by;
+            let moved = self.led(step, &point[..n], &point[n..]);
+            point[k] = own;
+            for (map, (to, from)) in maps.iter_mut().zip(moved.iter().zip(&middle)) {
+                map.factors[k] = (to - from) / by;
+            }
+        }
+        for (map, to) in maps.iter_mut().zip(&middle) {
+            map.constant = to - map.at(&point);
+        }
+        maps
+    }
+
     /// The next state as functions of the state and the input at a step.
     pub(super) fn maps(&self, step: usize) -> Vec<AffineForm> {
+        if self.system.is_nonlinear() {
+            return self.maps_near(step);
+        }
         let of = |own: &&Transition| step::dynamics(self.system, own, &[], Vec::new(), step).next;
         let parts: Vec<Vec<AffineForm>> = self.transitions(step).iter().map(of).collect();
         let parts: Vec<&[AffineForm]> = parts.iter().map(Vec::as_slice).collect();

@@ -85,7 +85,13 @@ impl PlannedRun<'_> {
             if !input.iter().all(|u| u.is_finite()) {
                 return None;
             }
-            state = lead(self.system, &self.transitions(step), step, &state, &input, MANY_PARTS);
+            state = match self.system.is_nonlinear() {
+                true => exact(&self.led(step, &run.states[step], &input)),
+                false => {
+                    let taken = self.transitions(step);
+                    lead(self.system, &taken, step, &state, &input, MANY_PARTS)
+                }
+            };
             let values: Vec<f64> = state.iter().map(Digits::value).collect();
             if !values.iter().all(|x| x.is_finite()) {
                 return None;

@@ -13,7 +13,9 @@ use super::state_row::StateRow;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
-use crate::model::{Affine, Function, Model, Nonlinear, NonlinearRow, Row, Variable, VariableKind};
+use crate::model::{
+    Affine, Elementary, Function, Model, Nonlinear, NonlinearRow, Row, Variable, VariableKind,
+};
 
 /// The part of a step that an argument of a function names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -414,20 +416,14 @@ impl HybridSystem {
             let function = functions.model.functions().nth(k).map(|own| own.function().clone());
             let Some(function) = function else { continue };
             let range = function.range(|v| ranges[v.index()]);
-            if !range.lower.is_finite() || !range.upper.is_finite() {
-                let arguments = function.expressions().iter().map(|own| {
-                    let terms = own.terms().into_iter().map(|(v, a)| (a, ranges[v.index()]));
-                    crate::activity::range(own.offset(), terms)
-                });
-                let of = arguments.last().unwrap_or(Interval::REALS);
-                let function = functions.text(&function);
-                return Err(ErrorKind::Pole { function, range: (of.lower, of.upper) }.into());
-            }
             if range.is_empty() {
                 let text = functions.text(&function);
                 let name = format!("{text}, which has no value over the domains");
                 let Interval { lower, upper } = range;
                 return Err(ErrorKind::CrossedBounds { name, lower, upper }.into());
+            }
+            if !range.lower.is_finite() || !range.upper.is_finite() {
+                return Err(functions.infinite(&function, &ranges, range));
             }
             ranges[variable.index()] = range;
             if k < known {
@@ -463,6 +459,33 @@ impl StepFunctions {
             }
         }
         Ok(())
+    }
+
+    /// The error for a function without a finite range: it has a pole, or overflows.
+    fn infinite(&self, function: &Function, ranges: &[Interval], range: Interval) -> Error {
+        let text = self.text(function);
+        let has_pole = match function {
+            Function::Quotient(_) => true,
+            Function::Elementary { function, .. } => match function {
+                Elementary::Tan | Elementary::Ln => true,
+                Elementary::Power(p) => *p < 0.0,
+                _ => false,
+            },
+            _ => false,
+        };
+        if !has_pole {
+            return Error::out_of_range_in_words(
+                format!("the value of `{text}` over the domains"),
+                if range.upper.is_finite() { range.lower } else { range.upper },
+                ..,
+                "finite; narrow the domains, shorten the time step or choose another method",
+            );
+        }
+        let of = function.expressions().last().map_or(Interval::REALS, |own| {
+            let terms = own.terms().into_iter().map(|(v, a)| (a, ranges[v.index()]));
+            crate::activity::range(own.offset(), terms)
+        });
+        ErrorKind::Pole { function: text, range: (of.lower, of.upper) }.into()
     }
 
     fn add(&mut self, name: &str, range: Interval, slot: Slot) -> Result<(), Error> {

@@ -191,8 +191,19 @@ impl Nonlinear {
     ) -> Result<Nonlinear, Error> {
         let mut mapped = Nonlinear::from(entry(self.rest.affine())?);
         for (first, second, factor) in self.rest.products() {
-            let (first, second) = (entry(&first.into())?, entry(&second.into())?);
-            mapped.rest.append(&Quadratic::product(&first, &second), factor);
+            let (left, right) = (entry(&first.into())?, entry(&second.into())?);
+            let are_variables =
+                [&left, &right].iter().all(|own| own.offset() == 0.0 && own.terms().len() <= 1);
+            if are_variables {
+                mapped.rest.append(&Quadratic::product(&left, &right), factor);
+                continue;
+            }
+            // Multiplied out, its range would be lost.
+            let part = match first == second {
+                true => FunctionPart::Elementary(Elementary::Power(2.0), left.into()),
+                false => FunctionPart::Product(left.into(), right.into()),
+            };
+            mapped.parts.push((factor, Arc::new(part)));
         }
         for (factor, part) in &self.parts {
             let part = match &**part {
@@ -213,7 +224,8 @@ impl Nonlinear {
             };
             mapped.parts.push((*factor, Arc::new(part)));
         }
-        mapped.depth = self.depth;
+        let depth = mapped.parts.iter().map(|(_, part)| part.depth()).max();
+        mapped.depth = depth.unwrap_or(0).max(self.depth);
         Ok(mapped)
     }
 

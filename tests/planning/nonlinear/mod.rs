@@ -1,0 +1,7 @@
+//! Hybrid systems with nonlinear rates, guards, limits and goals, beside formulas and simulators
+//! that are written here.
+
+mod claims;
+mod fields;
+mod methods;
+mod statements;
