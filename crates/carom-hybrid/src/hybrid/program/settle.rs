@@ -73,6 +73,7 @@ impl ProgramSystems {
                 return Ok(Cow::Owned(found));
             }
         }
+        let Some(drift) = drift else { return Ok(Cow::Borrowed(solution)) };
         let Some(solver) = solver else { return Err(drift.into()) };
         // Another plan with the same transitions, whose inputs can be corrected.
         let another = self.with_room(model, point, solver)?;
@@ -93,9 +94,10 @@ impl ProgramSystems {
     }
 
     /// Follows the runs of a point from their starts: `None` if all are as planned, and otherwise
-    /// corrections of all runs together, and the drift for which they are made.
+    /// corrections of all runs together, and the drift for which they are made, if they must be.
     fn corrected(&self, model: &Model, point: &Point) -> Result<Option<Corrections>, Error> {
         let (mut all, mut drift): (Vec<Vec<HybridRun>>, _) = (Vec::new(), None);
+        let mut is_corrected = false;
         for own in self.iter() {
             let run = own.read_point(point)?;
             let start = stated_start(own, model, point)?;
@@ -103,14 +105,15 @@ impl ProgramSystems {
                 Followed::AsPlanned => all.push(vec![run]),
                 Followed::Leaves(runs, error) => {
                     all.push(runs);
-                    drift.get_or_insert(error);
+                    is_corrected = true;
+                    drift = drift.or(error);
                 }
             }
         }
         let most = all.iter().map(Vec::len).max().unwrap_or(0);
         let together =
             |k: usize| all.iter().map(|own| own.get(k).or(own.last()).cloned()).collect();
-        Ok(drift.map(|drift| ((0..most).filter_map(together).collect(), drift)))
+        Ok(is_corrected.then(|| ((0..most).filter_map(together).collect(), drift)))
     }
 
     /// The solution with these runs in the place of its own, if the model and the systems accept
@@ -186,8 +189,8 @@ impl ProgramSystems {
     }
 }
 
-/// Ways to correct all runs, and the drift for which they are corrected.
-type Corrections = (Vec<Vec<HybridRun>>, RunError);
+/// Ways to correct all runs, and the drift for which they must be corrected, if they must.
+type Corrections = (Vec<Vec<HybridRun>>, Option<RunError>);
 
 /// Solves without a log, which would replace that of the search.
 fn solve(solver: &mut dyn Solver, model: &Model) -> Result<Solution, Error> {

@@ -120,6 +120,23 @@ fn allowed_difference(measure: Measure, first: f64, second: f64) -> f64 {
     REPLAY * scale + ROUNDINGS * f64::EPSILON * first.abs().max(second.abs())
 }
 
+/// The share of the difference that is allowed between a sample and where the step before leads
+/// from which on a plan is corrected (no unit): the misses of several functions add up.
+const CORRECTED: f64 = 0.9;
+
+impl PlannedRun<'_> {
+    /// Whether a sample is nearly as far from where the step before leads as is allowed.
+    pub(super) fn misses(&self, inputs: &[Vec<f64>]) -> bool {
+        let coordinates = Coordinates::of(self.system);
+        self.residuals(inputs).iter().zip(&self.states[1..]).any(|(residuals, sample)| {
+            let each = residuals.iter().zip(sample).enumerate();
+            each.into_iter().any(|(i, (residual, x))| {
+                residual.abs() > CORRECTED * allowed_difference(coordinates.state(i), *x, *x)
+            })
+        })
+    }
+}
+
 impl SystemVariables {
     /// Reads a solution and [certifies](HybridSystem::certify) its run: a solution whose run is not
     /// what the system states is an error.

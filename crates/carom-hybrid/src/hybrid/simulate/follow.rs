@@ -12,8 +12,8 @@ pub(crate) enum Followed {
     /// It is the run of its inputs, up to what is allowed.
     AsPlanned,
     /// It leaves that run. These runs have the same transitions and other inputs, and need not keep
-    /// what is stated.
-    Leaves(Vec<HybridRun>, RunError),
+    /// what is stated. Without an error, the run may be kept as it is.
+    Leaves(Vec<HybridRun>, Option<RunError>),
 }
 
 impl HybridSystem {
@@ -26,10 +26,11 @@ impl HybridSystem {
     pub(crate) fn follow(&self, run: &HybridRun, start: &[f64]) -> Result<Followed, Error> {
         let plan = PlannedRun::new(self, run)?;
         let inputs = plan.inputs_within();
-        let Some(departure) = OpenRun::of(&plan, start, &inputs).worst(&plan) else {
-            return Ok(Followed::AsPlanned);
+        let error = match OpenRun::of(&plan, start, &inputs).worst(&plan) {
+            Some(departure) => Some(plan.drifts(start, &inputs, &departure)),
+            None if self.is_nonlinear() && plan.misses(&inputs) => None,
+            None => return Ok(Followed::AsPlanned),
         };
-        let error = plan.drifts(start, &inputs, &departure);
         // Without inputs, there is one run.
         let freedoms = match self.inputs.is_empty() {
             true => &[Freedom::WholeRange][..],

@@ -125,7 +125,7 @@ impl StepStart<'_> {
     pub(super) fn next_state(&self, flown: &[&Flown]) -> Result<Vec<f64>, Error> {
         let common = match (&self.system.flow, flown) {
             (_, [only]) => return Ok(only.next.clone()),
-            (Some(flow), _) => flow.step(self.state, self.input)?,
+            (Some(flow), _) => flow.step(self.state, &self.input_under(flow)?)?,
             // Refused by the system's check.
             (None, _) => vec![0.0; self.state.len()],
         };

@@ -86,19 +86,24 @@ impl HybridSystem {
         self.check_predictions()
     }
 
-    /// Refuses functions of the next state where the flow does not lead there.
+    /// Refuses functions of the next state where a flow does not lead there.
     fn check_implicit(&self) -> Result<(), Error> {
         if !self.functions.use_predictions() {
             return Ok(());
         }
-        let resets = self.transitions().find(|own| {
-            let flow = self.functions.uses(&own.flow);
-            own.reset.is_some() && flow
-        });
-        let place = match (resets, self.choices.len()) {
-            (None, 1) => return Ok(()),
+        let resets =
+            self.transitions().find(|own| own.reset.is_some() && self.functions.uses(&own.flow));
+        let changes = |own: &&Transition| self.flow.as_ref().is_some_and(|flow| own.flow != *flow);
+        let changed = self.transitions().find(changes).filter(|_| self.choices.len() > 1);
+        let place = match (resets, changed) {
+            (None, None) => return Ok(()),
             (Some(own), _) => format!("the transition `{}` with a reset", own.name),
-            (None, _) => "a system of several choices".to_owned(),
+            (None, Some(own)) => {
+                format!(
+                    "the transition `{}`, which changes the flow beside another choice",
+                    own.name
+                )
+            }
         };
         let name = self.functions.method.to_string();
         let help = "state an explicit method first, such as \

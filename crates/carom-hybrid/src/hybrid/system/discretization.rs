@@ -82,8 +82,8 @@ impl std::fmt::Display for Discretization {
 
 impl HybridSystem {
     /// Sets the method that makes steps of nonlinear rates; without it, the
-    /// [midpoint rule](Discretization::Midpoint). An implicit method is for systems of one choice
-    /// without resets of nonlinear flows.
+    /// [midpoint rule](Discretization::Midpoint). An implicit method is for flows that lead to the
+    /// next state: without a reset, and, beside other choices, the common flow.
     ///
     /// # Errors
     ///

@@ -140,6 +140,13 @@ impl<'a> Definer<'a> {
                     false => self.variable(Function::Absolute(of))?,
                 }
             }
+            FunctionPart::Piecewise(graph, of) => {
+                let of = self.affine(of)?;
+                match of.terms().is_empty() {
+                    true => Affine::constant(graph.value_near(of.offset())),
+                    false => self.variable(Function::Piecewise { of, graph: graph.clone() })?,
+                }
+            }
             // Refused before.
             FunctionPart::Dropped => Affine::zero(),
             FunctionPart::Maximum(left, right) => {

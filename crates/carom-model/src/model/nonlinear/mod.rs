@@ -16,6 +16,7 @@ pub use row::NonlinearRow;
 
 use super::affine::Affine;
 use super::ids::Variable;
+use super::piecewise::PiecewiseAffine;
 use super::quadratic::Quadratic;
 use crate::elementary::{Elementary, OwnFunction, SmoothFunction};
 use crate::error::Error;
@@ -64,6 +65,7 @@ enum FunctionPart {
     Quotient(Nonlinear, Nonlinear),
     Absolute(Nonlinear),
     Maximum(Nonlinear, Nonlinear),
+    Piecewise(PiecewiseAffine, Nonlinear),
     /// A function that is too deep.
     Dropped,
 }
@@ -71,7 +73,9 @@ enum FunctionPart {
 impl FunctionPart {
     fn depth(&self) -> u32 {
         match self {
-            FunctionPart::Elementary(_, of) | FunctionPart::Absolute(of) => of.depth + 1,
+            FunctionPart::Elementary(_, of)
+            | FunctionPart::Absolute(of)
+            | FunctionPart::Piecewise(_, of) => of.depth + 1,
             FunctionPart::Product(a, b)
             | FunctionPart::Quotient(a, b)
             | FunctionPart::Maximum(a, b) => a.depth.max(b.depth) + 1,
@@ -132,6 +136,26 @@ impl Nonlinear {
     #[doc(hidden)]
     pub fn own_function(function: impl SmoothFunction + 'static, of: Nonlinear) -> Self {
         Nonlinear::elementary(Elementary::Own(OwnFunction::new(function)), of)
+    }
+
+    /// A table of values: the piecewise-affine function through its points, at an expression. The
+    /// expression must lie between the first and the last point.
+    ///
+    /// ```
+    /// use carom::model::{Nonlinear, PiecewiseAffine};
+    /// use carom::prelude::*;
+    ///
+    /// // A current in m/s that was measured at some places across a river.
+    /// let current = PiecewiseAffine::new([(0.0, 0.2), (2.0, 1.5), (5.0, 0.4)])?;
+    /// let mut model = Model::new("river");
+    /// let y = model.continuous("y", 0.0, 5.0)?; // m
+    /// model.add("calm", Nonlinear::table(&current, y).le(0.85))?;
+    /// model.maximize(y * 1.0)?;
+    /// assert!((BranchAndBound::default().solve(&model)?.value(y)? - 5.0).abs() < 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn table(graph: &PiecewiseAffine, of: impl Into<Nonlinear>) -> Self {
+        Nonlinear::of(FunctionPart::Piecewise(graph.clone(), of.into()))
     }
 
     #[doc(hidden)]
@@ -217,6 +241,9 @@ impl Nonlinear {
                     FunctionPart::Quotient(a.try_map(entry)?, b.try_map(entry)?)
                 }
                 FunctionPart::Absolute(of) => FunctionPart::Absolute(of.try_map(entry)?),
+                FunctionPart::Piecewise(graph, of) => {
+                    FunctionPart::Piecewise(graph.clone(), of.try_map(entry)?)
+                }
                 FunctionPart::Dropped => FunctionPart::Dropped,
                 FunctionPart::Maximum(a, b) => {
                     FunctionPart::Maximum(a.try_map(entry)?, b.try_map(entry)?)
@@ -258,6 +285,9 @@ impl Nonlinear {
                     FunctionPart::Absolute(of) => of.value_by(value, known).abs(),
                     FunctionPart::Maximum(a, b) => {
                         a.value_by(value, known).max(b.value_by(value, known))
+                    }
+                    FunctionPart::Piecewise(graph, of) => {
+                        graph.value_near(of.value_by(value, known))
                     }
                     FunctionPart::Dropped => f64::NAN,
                 };

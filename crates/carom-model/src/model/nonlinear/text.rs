@@ -48,6 +48,7 @@ impl FunctionPart {
             FunctionPart::Quotient(a, b) => format!("({}) / ({})", a.text(name), b.text(name)),
             FunctionPart::Absolute(of) => format!("|{}|", of.text(name)),
             FunctionPart::Maximum(a, b) => format!("max({}, {})", a.text(name), b.text(name)),
+            FunctionPart::Piecewise(_, of) => format!("table({})", of.text(name)),
             FunctionPart::Dropped => "...".to_owned(),
         }
     }
