@@ -19,7 +19,7 @@ const HALF: [f64; 2] = [0.9, 0.4];
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut car = HybridSystem::new(0.5); // s
     let x = car.state("x", -4.0, 4.0)?; // m along the road
-    let y = car.state("y", 0.0, 3.0)?; // m from the kerb
+    let y = car.state("y", 0.0, 3.0)?; // m aside
     let heading = car.state("heading", -1.2, 1.2)?; // rad
     let speed = car.input("speed", -FASTEST, FASTEST)?; // m/s
     let turn = car.input("turn", -FASTEST * STEERING, FASTEST * STEERING)?; // rad/s

@@ -13,12 +13,12 @@ use carom::prelude::*;
 
 /// Length of a step (s), the largest acceleration by the motor (rad/s²), and the place of the wall
 /// (rad from hanging).
-const STEP: f64 = 0.2;
+const STEP: f64 = 0.15;
 const MOTOR: f64 = 5.5;
 const WALL: f64 = 0.85 * PI;
 
 /// The largest speed at which it may hit the wall (rad/s).
-const IMPACT: f64 = 1.5;
+const IMPACT: f64 = 3.5;
 
 /// The pendulum, with or without the chance to lean on the wall.
 fn pendulum(leans: bool) -> Result<HybridSystem, Error> {

@@ -11,6 +11,9 @@ use carom::prelude::*;
 /// The post (m): from left to right, and from below to above.
 const POST: [[f64; 2]; 2] = [[1.0, 1.3], [0.3, 0.6]];
 
+/// The least distance of the post from the line of the forearm (m).
+const MARGIN: f64 = 0.03;
+
 /// Where the hand should end (m).
 const GOAL: [[f64; 2]; 2] = [[0.9, 1.0], [1.1, 1.2]];
 
@@ -24,16 +27,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Links of 1 m.
     let elbow_at = [shoulder.cos(), shoulder.sin()];
     let forearm = [(shoulder + elbow).cos(), (shoulder + elbow).sin()];
-    // The elbow, two points of the forearm and the hand are on one side of the post each.
-    let along = |share: f64| [0, 1].map(|axis| &elbow_at[axis] + share * &forearm[axis]);
-    for (name, share) in [("elbow", 0.0), ("third", 0.33), ("two thirds", 0.67), ("hand", 1.0)] {
-        let [x, y] = along(share);
-        arm.mode_of(name, "left")?.guard(x.le(POST[0][0]))?;
-        arm.mode_of(name, "right")?.guard(x.ge(POST[0][1]))?;
-        arm.mode_of(name, "below")?.guard(y.le(POST[1][0]))?;
-        arm.mode_of(name, "above")?.guard(y.ge(POST[1][1]))?;
+    let hand = [0, 1].map(|axis| &elbow_at[axis] + &forearm[axis]);
+    let [x, y] = hand;
+    // The forearm has the post on one side of its line, or ends before it.
+    let corners = [0, 1].map(|i| [0, 1].map(|j| [POST[0][i], POST[1][j]]));
+    let beside = |[along, above]: [f64; 2]| above * &forearm[0] - along * &forearm[1] + elbow.sin();
+    let mut right = arm.mode_of("forearm", "right of the post")?;
+    for corner in corners.concat() {
+        right = right.guard(beside(corner).ge(MARGIN))?;
     }
-    let [x, y] = along(1.0);
+    let mut left = arm.mode_of("forearm", "left of the post")?;
+    for corner in corners.concat() {
+        left = left.guard(beside(corner).le(-MARGIN))?;
+    }
+    arm.mode_of("forearm", "before the post")?.guard(x.le(POST[0][0]))?;
+    arm.mode_of("forearm", "below the post")?.guard(y.le(POST[1][0]))?;
     let start = [shoulder.equals(-0.5), elbow.equals(0.3)];
     let goal = [x.within(GOAL[0][0], GOAL[0][1]), y.within(GOAL[1][0], GOAL[1][1])];
     let found = arm.shortest(start, goal, &mut BranchAndBound::default())?;

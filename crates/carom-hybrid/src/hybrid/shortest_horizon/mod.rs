@@ -30,7 +30,7 @@ use std::borrow::Cow;
 use crate::error::Error;
 use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
-use crate::hybrid::system::{HybridSystem, Region};
+use crate::hybrid::system::{Discretization, HybridSystem, Region};
 use crate::model::Model;
 use crate::solution::Solution;
 use crate::solver::Solver;
@@ -113,6 +113,12 @@ pub trait HorizonModel {
 
     /// Δt of the programs, in s, for the words of the result; `None` by default.
     fn time_step(&self) -> Option<f64> {
+        None
+    }
+
+    /// The method that makes steps of nonlinear rates, for the words of the result; `None` by
+    /// default, for linear ones.
+    fn discretization(&self) -> Option<Discretization> {
         None
     }
 

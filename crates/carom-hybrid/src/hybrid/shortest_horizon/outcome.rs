@@ -8,6 +8,7 @@ use web_time::Duration;
 use super::Monotonicity;
 use crate::error::{Error, RunError};
 use crate::hybrid::reach::{ReachSets, Tube};
+use crate::hybrid::system::Discretization;
 use crate::number::counted;
 use crate::solution::{ProofReport, Solution, Statistics, Termination};
 
@@ -204,6 +205,8 @@ pub struct ShortestHorizon<P> {
     /// Δt of the time-stepped law, in s: what is found and what is refuted is said of it. `None` if
     /// the search does not know it.
     pub time_step: Option<f64>,
+    /// The method that makes steps of nonlinear rates; `None` without such rates.
+    pub discretization: Option<Discretization>,
     /// Whether waiting is free, and why: whether smaller horizons were refuted by monotonicity or
     /// each separately.
     pub monotonicity: Monotonicity,
@@ -249,7 +252,10 @@ pub struct SolvedHorizon<P> {
 impl<P> fmt::Display for ShortestHorizon<P> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let law = match self.time_step {
-            Some(time_step) => format!("the time-stepped law with Δt = {time_step} s"),
+            Some(time_step) => {
+                let method = self.discretization.map_or(String::new(), |own| format!(" by {own}"));
+                format!("the time-stepped law{method} with Δt = {time_step} s")
+            }
             None => "the programs of the search".to_owned(),
         };
         let horizon = |steps: usize| {
@@ -318,6 +324,7 @@ impl<P> ShortestHorizon<P> {
             plan: self.plan.map(plan).transpose()?,
             refuted_steps: self.refuted_steps,
             time_step: self.time_step,
+            discretization: self.discretization,
             monotonicity: self.monotonicity,
             sets: self.sets,
             tube: self.tube,

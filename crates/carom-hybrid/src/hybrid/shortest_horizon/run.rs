@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::hybrid::program::{HybridPlan, HybridProgram, When};
 use crate::hybrid::reach::{ReachSets, SetOptions};
-use crate::hybrid::system::{HybridSystem, IntoRegion, Region, outside_domain};
+use crate::hybrid::system::{Discretization, HybridSystem, IntoRegion, Region, outside_domain};
 use crate::solver::Solver;
 
 impl HybridSystem {
@@ -127,6 +127,10 @@ impl HorizonModel for Task<'_> {
 
     fn time_step(&self) -> Option<f64> {
         Some(self.system.time_step)
+    }
+
+    fn discretization(&self) -> Option<Discretization> {
+        self.system.discretized_by()
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {

@@ -74,6 +74,7 @@ pub(super) fn find<B: HorizonModel + ?Sized>(
         plan: None,
         refuted_steps: (refuted > 0).then_some(refuted),
         time_step: builder.time_step(),
+        discretization: builder.discretization(),
         monotonicity,
         sets,
         tube: None,

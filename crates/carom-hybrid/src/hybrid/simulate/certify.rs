@@ -11,7 +11,7 @@ use crate::error::ErrorKind;
 use crate::error::{Error, RunError};
 use crate::hybrid::memory::Memory;
 use crate::hybrid::rows::{HybridRun, SystemVariables};
-use crate::hybrid::system::{Coordinates, HybridSystem, Measure, Transition};
+use crate::hybrid::system::{Coordinates, Discretization, HybridSystem, Measure, Transition};
 use crate::solution::Solution;
 use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 
@@ -27,6 +27,9 @@ pub struct RunCertificate {
     /// Δt of the time-stepped law that the run follows, in s.
     #[cfg_attr(feature = "serde", serde(default))]
     pub time_step: f64,
+    /// The method that makes steps of nonlinear rates; `None` without such rates.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub discretization: Option<Discretization>,
     /// Largest difference between a sample and where the step before leads, in the states' units.
     pub largest_residual: f64,
     /// Largest violation of a condition, in its unit; 0 if none is violated.
@@ -79,6 +82,7 @@ impl HybridSystem {
         let plan = PlannedRun::new(self, run)?;
         let mut certificate = RunCertificate {
             time_step: self.time_step,
+            discretization: self.discretized_by(),
             largest_residual: 0.0,
             largest_violation: 0.0,
             drift: 0.0,
