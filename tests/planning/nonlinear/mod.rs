@@ -3,5 +3,6 @@
 
 mod claims;
 mod fields;
+mod loops;
 mod methods;
 mod statements;
