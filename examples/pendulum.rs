@@ -49,8 +49,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let found = system.shortest(start, goal, &mut BranchAndBound::default())?;
         println!("{name}: {found}");
         let Some(plan) = found.plan else { return Err("no plan".into()) };
-        let motion = system.motion(&plan.run)?;
-        println!("  the motion leaves the samples by {:.3} rad", motion.errors[0]);
+        let motion = system.enclose_motion(&plan.run)?;
+        println!("  its motion leaves the samples by at most {:.3} rad, proved", motion.errors[0]);
         plans.push((name, plan));
     }
     if let Some(path) = std::env::args().nth(1) {

@@ -42,10 +42,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{found}");
     let Some(plan) = found.plan else { return Ok(()) };
     print!("{}", plan.run.to_csv());
-    let motion = quadrotor.motion(&plan.run)?;
+    let (motion, proved) = (quadrotor.motion(&plan.run)?, quadrotor.enclose_motion(&plan.run)?);
     println!(
-        "the motion leaves the samples by {:.3} m and {:.3} m",
-        motion.errors[0], motion.errors[1]
+        "the motion leaves the samples by at most {:.3} m and {:.3} m, proved",
+        proved.errors[0], proved.errors[1]
     );
     let Some(path) = std::env::args().nth(1) else { return Ok(()) };
 

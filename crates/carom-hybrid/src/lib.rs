@@ -13,6 +13,6 @@ pub mod picture;
 #[cfg(feature = "serde")]
 use carom_model::internals::serde_numbers;
 use carom_model::internals::{
-    activity, error, interval, model, number, random, setters, solution, solver, sum, tolerance,
-    union_find,
+    activity, elementary, error, interval, model, number, random, setters, solution, solver, sum,
+    tolerance, union_find,
 };

@@ -6,7 +6,7 @@ pub mod activity {
 }
 
 pub mod elementary {
-    pub use crate::elementary::{Elementary, SupportLine};
+    pub use crate::elementary::{Elementary, IntervalSeries, SupportLine};
 }
 
 pub mod error {

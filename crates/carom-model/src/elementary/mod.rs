@@ -15,8 +15,10 @@ mod function;
 mod inverse;
 mod line;
 mod range;
+mod series;
 mod smooth;
 
 pub use function::Elementary;
 pub use line::SupportLine;
+pub use series::IntervalSeries;
 pub use smooth::{OwnFunction, SmoothFunction};

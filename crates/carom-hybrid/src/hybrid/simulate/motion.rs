@@ -129,7 +129,10 @@ impl HybridSystem {
     }
 
     /// The one flow of the transitions of a step.
-    fn flow_together<'a>(&'a self, taken: &[&'a Transition]) -> Result<&'a LinearSystem, Error> {
+    pub(super) fn flow_together<'a>(
+        &'a self,
+        taken: &[&'a Transition],
+    ) -> Result<&'a LinearSystem, Error> {
         let changes = |own: &&&Transition| self.flow.as_ref() != Some(&own.flow);
         let mut changed = taken.iter().filter(changes);
         match (changed.next(), changed.next(), &self.flow) {

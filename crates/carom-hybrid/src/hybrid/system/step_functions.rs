@@ -10,6 +10,7 @@ use super::discretization::Discretization;
 use super::handles::Meaning;
 use super::schedule::Schedule;
 use super::state_row::StateRow;
+use crate::elementary::IntervalSeries;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
@@ -157,8 +158,34 @@ impl StepFunctions {
         Some(rates.iter().map(|own| own.evaluate(value)).collect())
     }
 
+    /// Whether a flow was stated by nonlinear rates.
+    pub(crate) fn is_stated_by_rates(&self, flow: &LinearSystem) -> bool {
+        self.rates.iter().any(|(own, _)| own == flow)
+    }
+
+    /// The derivatives of the states of such a flow as series, for series of states; `None` where
+    /// they have no value or are not smooth enough.
+    pub(crate) fn rate_series(
+        &self,
+        flow: &LinearSystem,
+        states: &[IntervalSeries],
+        input: &[f64],
+        count: usize,
+    ) -> Option<Vec<IntervalSeries>> {
+        let (_, rates) = self.rates.iter().find(|(own, _)| own == flow)?;
+        let of = |variable: Variable| match self.slot(variable) {
+            Some(Slot::State(i)) if i < states.len() => states[i].clone(),
+            Some(Slot::Input(u)) => {
+                let value = input.get(u).copied().unwrap_or(f64::NAN);
+                IntervalSeries::constant(Interval::point(value), count)
+            }
+            _ => IntervalSeries::constant(Interval::REALS, count),
+        };
+        rates.iter().map(|own| own.series(&of, count)).collect()
+    }
+
     /// Whether a flow uses a function.
-    pub(super) fn uses(&self, flow: &LinearSystem) -> bool {
+    pub(crate) fn uses(&self, flow: &LinearSystem) -> bool {
         let is_used = |u: usize| (0..flow.states()).any(|i| flow.b()[(i, u)] != 0.0);
         self.iter().any(|(number, _)| number < flow.inputs() && is_used(number))
     }

@@ -7,6 +7,7 @@
 mod define;
 mod operators;
 mod row;
+mod series;
 mod text;
 
 use std::collections::BTreeMap;
