@@ -12,8 +12,16 @@ use carom::picture::{Chart, GOAL_COLOUR, WITHOUT_COLLISION};
 use carom::prelude::*;
 
 /// The current (m/s) at places across the river (m).
-const CURRENT: [(f64, f64); 6] =
-    [(0.0, 0.1), (1.0, 0.7), (2.0, 1.2), (3.0, 1.3), (4.0, 0.9), (5.0, 0.1)];
+const CURRENT: [(f64, f64); 8] = [
+    (-0.5, 0.1),
+    (0.0, 0.1),
+    (1.0, 0.7),
+    (2.0, 1.2),
+    (3.0, 1.3),
+    (4.0, 0.9),
+    (5.0, 0.1),
+    (5.5, 0.1),
+];
 
 /// The speed of the boat in the water (m/s), and the length of a step (s).
 const SPEED: f64 = 1.3;
@@ -38,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     print!("{}", plan.run.to_csv());
     let (motion, proved) = (boat.motion(&plan.run)?, boat.enclose_motion(&plan.run)?);
     let bend = |list: &[(f64, f64)]| (list[0].1 - 2.0 * list[1].1 + list[2].1).abs() / 8.0;
-    let table = CURRENT.windows(3).map(bend).fold(0.0, f64::max);
+    let table = CURRENT[1..7].windows(3).map(bend).fold(0.0, f64::max);
     println!(
         "the motion leaves the samples by at most {:.3} m; the table errs by {table:.3} m/s",
         proved.errors[0]
@@ -46,8 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let Some(path) = std::env::args().nth(1) else { return Ok(()) };
 
     let mut chart = Chart::new("x (m)", "y (m)").with_equal_axes().with_size(520.0, 560.0);
-    for (y, current) in CURRENT {
-        chart.arrow("grey", [-3.5, y], [-3.5 + current, y]);
+    for (y, current) in &CURRENT[1..7] {
+        chart.arrow("grey", [-3.5, *y], [-3.5 + current, *y]);
     }
     let way = motion.path.iter().map(|(_, state)| [state[0], state[1]]);
     chart.line("motion", WITHOUT_COLLISION[0], way);
