@@ -5,7 +5,7 @@ use carom::model::Nonlinear;
 use carom::prelude::*;
 
 /// All methods, with their orders.
-pub const METHODS: [(Discretization, f64); 5] = [
+pub(super) const METHODS: [(Discretization, f64); 5] = [
     (Discretization::Euler, 1.0),
     (Discretization::ImplicitEuler, 1.0),
     (Discretization::Midpoint, 2.0),
@@ -14,20 +14,20 @@ pub const METHODS: [(Discretization, f64); 5] = [
 ];
 
 /// The number of fields.
-pub const FIELDS: usize = 4;
+pub(super) const FIELDS: usize = 4;
 
 /// The numbers of states of each field.
-pub const STATES: [usize; FIELDS] = [2, 3, 1, 2];
+pub(super) const STATES: [usize; FIELDS] = [2, 3, 1, 2];
 
 /// A system with a field, its states and its input.
-pub struct Stated {
-    pub system: HybridSystem,
-    pub states: Vec<State>,
-    pub input: Input,
+pub(super) struct Stated {
+    pub(super) system: HybridSystem,
+    pub(super) states: Vec<State>,
+    pub(super) input: Input,
 }
 
 /// A system with one mode.
-pub fn stated(field: usize, step: f64, method: Discretization) -> Stated {
+pub(super) fn stated(field: usize, step: f64, method: Discretization) -> Stated {
     let mut own = declared(field, step, method);
     let rates = rates(field, &own.states, own.input);
     own.system.mode("only").unwrap().rates(rates).unwrap();
@@ -35,7 +35,7 @@ pub fn stated(field: usize, step: f64, method: Discretization) -> Stated {
 }
 
 /// A system without modes.
-pub fn declared(field: usize, step: f64, method: Discretization) -> Stated {
+pub(super) fn declared(field: usize, step: f64, method: Discretization) -> Stated {
     let mut system = HybridSystem::new(step);
     let names = ["a", "b", "c"];
     let states = names[..STATES[field]].iter().map(|name| system.state(name, -6.0, 6.0).unwrap());
@@ -46,7 +46,7 @@ pub fn declared(field: usize, step: f64, method: Discretization) -> Stated {
 }
 
 /// The rates of a field.
-pub fn rates(field: usize, x: &[State], u: Input) -> Vec<(State, Nonlinear)> {
+pub(super) fn rates(field: usize, x: &[State], u: Input) -> Vec<(State, Nonlinear)> {
     match field {
         // A pendulum with drag.
         0 => vec![x[0].is(x[1]), x[1].is(u - 2.0 * x[0].sin() - 0.1 * x[1] * x[1].abs())],
@@ -60,7 +60,7 @@ pub fn rates(field: usize, x: &[State], u: Input) -> Vec<(State, Nonlinear)> {
 }
 
 /// The rates of a field in numbers.
-pub fn value(field: usize, x: &[f64], u: f64) -> Vec<f64> {
+pub(super) fn value(field: usize, x: &[f64], u: f64) -> Vec<f64> {
     match field {
         0 => vec![x[1], u - 2.0 * x[0].sin() - 0.1 * x[1] * x[1].abs()],
         1 => vec![1.5 * x[2].cos(), 1.5 * x[2].sin(), u],
@@ -74,7 +74,7 @@ fn moved(x: &[f64], by: f64, rates: &[f64]) -> Vec<f64> {
 }
 
 /// Where a method's equation says that a step leads, if it leads to `next`.
-pub fn step(
+pub(super) fn step(
     method: Discretization,
     f: &dyn Fn(&[f64]) -> Vec<f64>,
     h: f64,
@@ -106,7 +106,12 @@ pub fn step(
 }
 
 /// The step of a method, by repeating its equation, which contracts for short steps.
-pub fn lead(method: Discretization, f: &dyn Fn(&[f64]) -> Vec<f64>, h: f64, x: &[f64]) -> Vec<f64> {
+pub(super) fn lead(
+    method: Discretization,
+    f: &dyn Fn(&[f64]) -> Vec<f64>,
+    h: f64,
+    x: &[f64],
+) -> Vec<f64> {
     let mut next = x.to_vec();
     for _ in 0..200 {
         next = step(method, f, h, x, &next);

@@ -6,3 +6,4 @@ mod fields;
 mod loops;
 mod methods;
 mod statements;
+mod tubes;

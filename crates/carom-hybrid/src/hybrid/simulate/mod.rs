@@ -18,6 +18,7 @@ mod follow;
 mod implicit_step;
 mod memory;
 mod motion;
+mod motion_tube;
 mod open_run;
 mod options;
 mod plan;
@@ -26,6 +27,7 @@ mod simulation;
 mod step;
 mod stepper;
 mod track;
+mod zonotope;
 
 pub use certify::RunCertificate;
 pub(crate) use condition::{guard_condition, limit_condition};
@@ -35,6 +37,7 @@ pub use disturbed::DisturbedRun;
 pub use enclosed_motion::MotionEnclosure;
 pub(crate) use follow::Followed;
 pub use motion::ContinuousMotion;
+pub use motion_tube::MotionTube;
 pub use options::SimulationOptions;
 pub use simulation::{SimulatedStep, Simulation};
 

@@ -25,8 +25,8 @@ const CLOSENESS: f64 = 0.1;
 const LEAST_FREEDOM: f64 = 1e-9;
 
 /// The feedback of a step: `δu = gain . e + shift`.
-struct StepFeedback {
-    gain: Mat<f64>,
+pub(super) struct StepFeedback {
+    pub(super) gain: Mat<f64>,
     shift: Vec<f64>,
 }
 
@@ -72,7 +72,10 @@ impl PlannedRun<'_> {
         let ranges: Vec<Vec<Interval>> =
             (0..self.inputs.len()).map(|step| self.input_ranges(step)).collect();
         let planned = self.inputs_within();
-        let feedbacks = self.feedbacks(&planned, &ranges, freedom)?;
+        let close = |sample: usize| -> Vec<f64> {
+            self.allowed_drifts(sample).iter().map(|allowed| CLOSENESS * allowed).collect()
+        };
+        let feedbacks = self.feedbacks(&planned, &ranges, freedom, &close)?;
         let mut run = TrackedRun { inputs: Vec::new(), states: vec![start.to_vec()] };
         let mut state: Vec<Digits> = exact(start);
         for (step, feedback) in feedbacks.iter().enumerate() {
@@ -104,11 +107,17 @@ impl PlannedRun<'_> {
 
     /// The feedbacks of all steps. The difference from the plan is `e⁺ = A e + B δu + r`, where r
     /// is what the plan misses, and the cost of being off is `e'We + δu'R δu` in each step.
-    fn feedbacks(
+    ///
+    /// # Arguments
+    ///
+    /// * `close`: by sample, the difference of each state that costs as much as an input's whole
+    ///   freedom.
+    pub(super) fn feedbacks(
         &self,
         planned: &[Vec<f64>],
         ranges: &[Vec<Interval>],
         freedom: Freedom,
+        close: &dyn Fn(usize) -> Vec<f64>,
     ) -> Option<Vec<StepFeedback>> {
         let (n, m) = (self.system.states.len(), self.system.inputs.len());
         if m == 0 {
@@ -117,9 +126,8 @@ impl PlannedRun<'_> {
         }
         let residuals = self.residuals(planned);
         let weight = |sample: usize| {
-            let allowed = self.allowed_drifts(sample);
-            let entry =
-                |i: usize, j: usize| if i == j { (CLOSENESS * allowed[i]).powi(-2) } else { 0.0 };
+            let close = close(sample);
+            let entry = |i: usize, j: usize| if i == j { close[i].powi(-2) } else { 0.0 };
             Mat::from_fn(n, n, entry)
         };
         let mut cost = weight(planned.len());

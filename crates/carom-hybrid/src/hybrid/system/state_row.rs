@@ -1,5 +1,7 @@
 //! Nonlinear rows of the states at a sample: limits, starts and goals.
 
+use crate::elementary::IntervalSeries;
+use crate::interval::Interval;
 use crate::model::{Affine, NonlinearRow, Variable};
 
 /// A nonlinear row of states.
@@ -31,6 +33,19 @@ impl StateRow {
             let own = self.states.iter().find(|(own, _)| *own == variable);
             own.and_then(|(_, i)| state.get(*i)).copied().unwrap_or(f64::NAN)
         })
+    }
+
+    /// The least that every state of a box keeps the row by, in its unit; infinitely less than 0 if
+    /// it may have no value there.
+    pub(crate) fn least_slack(&self, states: &[Interval]) -> f64 {
+        let of = |variable: Variable| {
+            let own = self.states.iter().find(|(own, _)| *own == variable);
+            let range = own.and_then(|(_, i)| states.get(*i)).copied();
+            IntervalSeries::constant(range.unwrap_or(Interval::REALS), 1)
+        };
+        let Some(value) = self.row.expression().series(&of, 1) else { return f64::NEG_INFINITY };
+        let value = value.coefficients()[0];
+        (value.lower - self.row.lower()).min(self.row.upper() - value.upper)
     }
 
     /// The row of the states at a sample, in the user's numbers.

@@ -169,19 +169,32 @@ impl StepFunctions {
         &self,
         flow: &LinearSystem,
         states: &[IntervalSeries],
-        input: &[f64],
+        inputs: &[IntervalSeries],
         count: usize,
     ) -> Option<Vec<IntervalSeries>> {
         let (_, rates) = self.rates.iter().find(|(own, _)| own == flow)?;
         let of = |variable: Variable| match self.slot(variable) {
             Some(Slot::State(i)) if i < states.len() => states[i].clone(),
-            Some(Slot::Input(u)) => {
-                let value = input.get(u).copied().unwrap_or(f64::NAN);
-                IntervalSeries::constant(Interval::point(value), count)
-            }
+            Some(Slot::Input(u)) if u < inputs.len() => inputs[u].clone(),
             _ => IntervalSeries::constant(Interval::REALS, count),
         };
         rates.iter().map(|own| own.series(&of, count)).collect()
+    }
+
+    /// The ranges of all inputs, where those that are no functions have these.
+    pub(crate) fn ranges(&self, states: &[Interval], inputs: &[Interval]) -> Vec<Interval> {
+        let mut inputs = inputs.to_vec();
+        for (number, function) in self.iter() {
+            let range = function.range(|variable| match self.slot(variable) {
+                Some(Slot::State(i)) => states.get(i).copied().unwrap_or(Interval::REALS),
+                Some(Slot::Input(u)) => inputs.get(u).copied().unwrap_or(Interval::REALS),
+                Some(Slot::Prediction(_)) | None => Interval::REALS,
+            });
+            if let Some(own) = inputs.get_mut(number) {
+                *own = range;
+            }
+        }
+        inputs
     }
 
     /// Whether a flow uses a function.

@@ -1,0 +1,104 @@
+//! Tubes for the differential equations, beside disturbed motions that are integrated here.
+
+use carom::hybrid::Discretization;
+use proptest::prelude::*;
+
+use super::fields::{FIELDS, STATES, Stated, declared, rates, step, value};
+use crate::common::config;
+
+/// Length of a step (s).
+const STEP: f64 = 0.2;
+
+/// Numbers from -1 to 1 by a linear congruence.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A field whose first state is disturbed by `by`.
+fn disturbed(field: usize, by: f64) -> Stated {
+    let mut own = declared(field, STEP, Discretization::Midpoint);
+    let rates = rates(field, &own.states, own.input);
+    own.system.disturbance(own.states[0], -by, by).unwrap();
+    own.system.mode("only").unwrap().rates(rates).unwrap();
+    own
+}
+
+/// The number of disturbed motions from starts within a box that leave the tube of a plan; every
+/// second disturbance is at an end of its range.
+fn leave(field: usize, start: &[f64], inputs: &[f64], by: f64, wide: f64, runs: usize) -> usize {
+    let own = disturbed(field, by);
+    let list: Vec<[f64; 1]> = inputs.iter().map(|u| [*u]).collect();
+    let run = own.system.simulate(start, &list).unwrap().to_run();
+    let tube = own.system.motion_tube(&run, &vec![wide; start.len()]).unwrap();
+    assert!(tube.holds(), "{:?}", tube.tightest);
+    let plan: Vec<Vec<f64>> = ["a", "b", "c"][..start.len()]
+        .iter()
+        .map(|name| run.state(name).unwrap().to_vec())
+        .collect();
+    let mut numbers = Numbers(field as u64 + 7);
+    let is_out = |t: usize, x: &[f64]| {
+        // The formula here errs by some 1e-9.
+        (0..x.len()).any(|i| (x[i] - plan[i][t]).abs() > tube.radii[t][i] + 1e-8)
+    };
+    let leaves = |_: &usize| {
+        let mut x: Vec<f64> = start.iter().map(|x| x + wide * numbers.next()).collect();
+        for t in 0..inputs.len() {
+            let u = tube.input(t, &x).unwrap()[0];
+            assert!((-1.0..=1.0).contains(&u));
+            for _ in 0..20 {
+                x = step(Discretization::RungeKutta4, &|x| value(field, x, u), STEP / 20.0, &x, &x);
+            }
+            let push = numbers.next();
+            x[0] += by * if numbers.next() > 0.0 { push } else { push.signum() };
+            if is_out(t + 1, &x) {
+                return true;
+            }
+        }
+        false
+    };
+    (0..runs).filter(leaves).count()
+}
+
+#[test]
+fn no_disturbed_motion_leaves_the_tube() {
+    let inputs = [0.4, 0.4, -0.2, -0.4, 0.1, 0.3, 0.0, 0.2];
+    for (field, start) in [(1, &[0.0, 0.0, 0.3][..]), (2, &[1.0]), (3, &[0.5, -0.3])] {
+        assert_eq!(leave(field, start, &inputs, 0.005, 0.02, 10_000), 0);
+    }
+}
+
+proptest! {
+    #![proptest_config(config(20, "tests/regressions/nonlinear_tubes.txt"))]
+
+    #[test]
+    fn tubes_hold_every_disturbed_motion(
+        field in 1..FIELDS,
+        start in prop::array::uniform3(-1.0..1.0_f64),
+        inputs in prop::collection::vec(-0.3..0.3_f64, 1..6),
+        by in 0.0..0.005_f64,
+    ) {
+        prop_assert_eq!(leave(field, &start[..STATES[field]], &inputs, by, 0.01, 100), 0);
+    }
+}
+
+#[test]
+fn a_tube_says_where_it_does_not_hold() {
+    let own = disturbed(1, 0.01);
+    let run = own.system.simulate(&[5.3, 0.0, 0.0], &[[0.0], [0.0]]);
+    let run = run.unwrap().to_run();
+    let tube = own.system.motion_tube(&run, &[0.1, 0.1, 0.1]).unwrap();
+    assert!(!tube.holds());
+    let (sample, condition, room) = tube.tightest.clone().unwrap();
+    assert_eq!((sample, condition.to_string().contains("`a`")), (2, true));
+    assert!(room < 0.0);
+    assert!(tube.input(2, &[0.0, 0.0, 0.0]).is_err());
+    assert!(tube.input(0, &[0.0]).is_err());
+    assert!(own.system.motion_tube(&run, &[0.1]).is_err());
+    assert!(own.system.motion_tube(&run, &[-0.1, 0.0, 0.0]).is_err());
+}
