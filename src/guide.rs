@@ -74,6 +74,7 @@ pub mod explicit_control {}
 #[doc = "[benchmarks]: crate::guide::benchmarks"]
 #[doc = "[robust]: crate::guide::robust_plans"]
 #[doc = "[on a cluster]: crate::guide::cluster"]
+#[doc = "[nonlinear functions]: crate::guide::nonlinear"]
 #[doc = "[tutorial]: crate::guide::tutorial"]
 #[doc = include_str!("../docs/gallery.md")]
 pub mod gallery {}

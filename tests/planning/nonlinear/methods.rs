@@ -76,7 +76,7 @@ proptest! {
                 x = step(Discretization::RungeKutta4, &|x| value(field, x, *u), 0.001, &x, &x);
             }
             for (i, x) in x.iter().enumerate() {
-                let (centre, radius) = (enclosed.centres[t + 1][i], enclosed.radii[t + 1][i]);
+                let (centre, radius) = (enclosed.samples[t + 1][i], enclosed.radii[t + 1][i]);
                 // The formula here errs by some 1e-12, and by more at a kink.
                 let slack = if field == 0 { 1e-7 } else { 1e-10 };
                 prop_assert!((x - centre).abs() <= radius + slack, "{x}, {centre} +- {radius}");

@@ -45,8 +45,8 @@ pub use shortest_horizon::{
     TimeStepGrid, least_time_step, shortest_horizon,
 };
 pub use simulate::{
-    Condition, ContinuousMotion, DeadEnd, Decisions, DisturbedRun, MotionEnclosure, MotionTube,
-    RunCertificate, RunError, SimulatedStep, Simulation, SimulationOptions, TransitionCandidate,
+    Condition, ContinuousMotion, DeadEnd, Decisions, DisturbedRun, MotionTube, RunCertificate,
+    RunError, SimulatedStep, Simulation, SimulationOptions, TransitionCandidate,
 };
 #[doc(alias("LCP", "complementarity"))]
 pub use system::Discretization;

@@ -13,7 +13,7 @@ use crate::interval::Interval;
 #[derive(Debug, Clone, PartialEq)]
 pub struct IntervalSeries(Vec<Interval>);
 
-const ZERO: Interval = Interval { lower: 0.0, upper: 0.0 };
+const NO_TERM: Interval = Interval { lower: 0.0, upper: 0.0 };
 
 impl IntervalSeries {
     /// The series with these coefficients, from degree 0 on; at least one.
@@ -23,7 +23,7 @@ impl IntervalSeries {
 
     /// A constant, with the number of coefficients.
     pub fn constant(value: Interval, count: usize) -> Self {
-        let mut coefficients = vec![ZERO; count.max(1)];
+        let mut coefficients = vec![NO_TERM; count.max(1)];
         coefficients[0] = value;
         IntervalSeries(coefficients)
     }
@@ -46,7 +46,7 @@ impl IntervalSeries {
     /// `sum over j from 1 to k of j a_j b_(k-j) / k`: what `y' = b a'` makes of the coefficient k.
     fn integral(&self, b: &[Interval], k: usize) -> Interval {
         let terms = (1..=k).map(|j| self.0[j] * (j as f64) * b[k - j]);
-        terms.fold(ZERO, |sum, own| sum + own) / Interval::point(k as f64)
+        terms.fold(NO_TERM, |sum, own| sum + own) / Interval::point(k as f64)
     }
 
     /// The quotient; `None` if the divisor may be 0.
@@ -58,7 +58,7 @@ impl IntervalSeries {
         let mut own: Vec<Interval> = Vec::with_capacity(self.count());
         for k in 0..self.count() {
             let known = (1..=k).map(|j| divisor.0[j] * own[k - j]);
-            let known = known.fold(ZERO, |sum, part| sum + part);
+            let known = known.fold(NO_TERM, |sum, part| sum + part);
             own.push((self.0[k] + -known) / first);
         }
         Some(IntervalSeries(own))
@@ -160,7 +160,7 @@ impl IntervalSeries {
                 let factor = Interval::point(p) * (j as f64) + Interval::point(j as f64 - k as f64);
                 factor * self.0[j] * own[k - j]
             });
-            let sum = terms.fold(ZERO, |sum, part| sum + part);
+            let sum = terms.fold(NO_TERM, |sum, part| sum + part);
             own.push(sum / (first * (k as f64)));
         }
         Some(IntervalSeries(own))
@@ -181,7 +181,7 @@ impl Mul for IntervalSeries {
     fn mul(self, other: IntervalSeries) -> IntervalSeries {
         let entry = |k: usize| {
             let terms = (0..=k).map(|j| self.0[j] * other.0[k - j]);
-            terms.fold(ZERO, |sum, part| sum + part)
+            terms.fold(NO_TERM, |sum, part| sum + part)
         };
         IntervalSeries((0..self.count().min(other.count())).map(entry).collect())
     }

@@ -3,7 +3,7 @@
 use super::names::Names;
 use super::program::SystemVariables;
 use crate::error::{Error, ErrorKind};
-use crate::hybrid::system::{Restated, Slot};
+use crate::hybrid::system::{Restated, StepSlot};
 use crate::model::{Affine, Family, Model, Variable};
 
 /// Adds the functions of all steps, in the user's numbers.
@@ -24,13 +24,13 @@ pub(super) fn add(
                     ErrorKind::ForeignHandle { kind: "variable", index: at, place, name: None };
                 family.get(at).ok_or_else(|| foreign.into())
             };
-            let part = |slot: Slot| -> Result<Affine, Error> {
+            let part = |slot: StepSlot| -> Result<Affine, Error> {
                 let (measure, variable) = match slot {
-                    Slot::State(i) => (coordinates.state(i), member(&program.states[i], step)?),
-                    Slot::Prediction(i) => {
+                    StepSlot::State(i) => (coordinates.state(i), member(&program.states[i], step)?),
+                    StepSlot::Prediction(i) => {
                         (coordinates.state(i), member(&program.states[i], step + 1)?)
                     }
-                    Slot::Input(u) => (coordinates.input(u), member(&program.inputs[u], step)?),
+                    StepSlot::Input(u) => (coordinates.input(u), member(&program.inputs[u], step)?),
                 };
                 Ok(program.in_units(measure, variable))
             };

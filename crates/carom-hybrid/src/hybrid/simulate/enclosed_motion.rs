@@ -3,6 +3,7 @@
 //!
 //! `zonotope.rs` follows the equations; here is what is said of a run.
 
+use super::motion::ContinuousMotion;
 use super::plan::PlannedRun;
 use super::zonotope::Zonotope;
 use crate::error::Error;
@@ -12,23 +13,10 @@ use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::HybridSystem;
 use crate::interval::Interval;
 
-/// Where the motion of a run's inputs is, beside the run: at each sample within `radii` of
-/// `centres`, proved.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct MotionEnclosure {
-    /// By sample and state, in the states' units, in the system's order.
-    pub centres: Vec<Vec<f64>>,
-    /// By sample and state: the motion differs from the centre by at most this.
-    pub radii: Vec<Vec<f64>>,
-    /// By state: the motion differs from the samples of the run by at most this, at every sample.
-    pub errors: Vec<f64>,
-}
-
 impl HybridSystem {
     /// Encloses the motion of a run's inputs and transitions by the differential equations, from
     /// the run's first sample: at every sample it is within a radius that is proved by interval
-    /// arithmetic, so that [`errors`](MotionEnclosure::errors) bounds by how much the
+    /// arithmetic, so that the [errors](ContinuousMotion::errors) bound by how much the
     /// [discretization](HybridSystem::discretization) is off.
     ///
     /// The claim is about the differential equations as they are stated, with inputs held over
@@ -56,14 +44,16 @@ impl HybridSystem {
     /// Those of [`motion`](HybridSystem::motion); [`ErrorKind::NotFinite`] if no box is found that
     /// the motion keeps to, because it may leave the range in which rates have values or because
     /// the step is too long.
-    pub fn enclose_motion(&self, run: &HybridRun) -> Result<MotionEnclosure, Error> {
+    pub fn enclose_motion(&self, run: &HybridRun) -> Result<ContinuousMotion, Error> {
         self.check()?;
         let plan = PlannedRun::new(self, run)?;
         let mut own = Zonotope::point(&plan.states[0]);
         let n = own.centre.len();
-        let mut found = MotionEnclosure {
-            centres: vec![own.centre.clone()],
+        let first = plan.states[0].clone();
+        let mut found = ContinuousMotion {
+            samples: vec![first.clone()],
             radii: vec![vec![0.0; n]],
+            path: vec![(0.0, first)],
             errors: vec![0.0; n],
         };
         for (step, input) in plan.inputs.iter().enumerate() {
@@ -77,7 +67,9 @@ impl HybridSystem {
                 let most = (Interval::point(off.magnitude()) + Interval::point(radius[i])).upper;
                 found.errors[i] = found.errors[i].max(most);
             }
-            found.centres.push(own.centre.clone());
+            let time = (step + 1) as f64 * self.time_step;
+            found.path.push((time, own.centre.clone()));
+            found.samples.push(own.centre.clone());
             found.radii.push(radius);
         }
         Ok(found)

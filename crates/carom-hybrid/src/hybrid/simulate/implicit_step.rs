@@ -14,7 +14,7 @@ use crate::hybrid::system::HybridSystem;
 const MOST_CORRECTIONS: usize = 50;
 
 /// The relative step of a difference quotient (no unit).
-const DIFFERENCE: f64 = 1e-7;
+const NEWTON_DIFFERENCE: f64 = 1e-7;
 
 /// The relative change at which Newton's method ends (no unit).
 const CONVERGED: f64 = 4.0 * f64::EPSILON;
@@ -41,7 +41,7 @@ impl StepStart<'_> {
             let to = lead(&y)?;
             let mut jacobian = Mat::<f64>::identity(n, n);
             for j in 0..n {
-                let (own, by) = (y[j], DIFFERENCE * y[j].abs().max(1.0));
+                let (own, by) = (y[j], NEWTON_DIFFERENCE * y[j].abs().max(1.0));
                 y[j] = own + by;
                 let moved = lead(&y)?;
                 y[j] = own;

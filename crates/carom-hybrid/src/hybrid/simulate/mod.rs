@@ -34,7 +34,6 @@ pub(crate) use condition::{guard_condition, limit_condition};
 pub(crate) use decisions::Decided;
 pub use decisions::Decisions;
 pub use disturbed::DisturbedRun;
-pub use enclosed_motion::MotionEnclosure;
 pub(crate) use follow::Followed;
 pub use motion::ContinuousMotion;
 pub use motion_tube::MotionTube;

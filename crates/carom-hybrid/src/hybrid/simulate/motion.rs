@@ -11,7 +11,7 @@ use crate::hybrid::system::{HybridSystem, Transition};
 const STEP_ERROR: f64 = 1e-11;
 
 /// The most steps of the integration within a step of the system.
-const MOST_STEPS: usize = 20_000;
+const MOST_INTEGRATION_STEPS: usize = 20_000;
 
 /// The motion of a run's inputs and transitions by the differential equations of its system, beside
 /// the run.
@@ -20,11 +20,14 @@ const MOST_STEPS: usize = 20_000;
 pub struct ContinuousMotion {
     /// The states at the samples, by sample and state, in their units; in the system's order.
     pub samples: Vec<Vec<f64>>,
-    /// The motion at the instants of the integration: s since the start, and the states. A reset
-    /// has two entries of one time.
+    /// By sample and state: the motion is proved to differ from the sample by at most this. Empty
+    /// if the motion is simulated only.
+    pub radii: Vec<Vec<f64>>,
+    /// The motion at the instants of the integration, or at the samples of an enclosure: s since
+    /// the start, and the states. A reset has two entries of one time.
     pub path: Vec<(f64, Vec<f64>)>,
     /// For each state, the largest difference between a sample of the run and the motion, in its
-    /// unit.
+    /// unit; proved if there are radii.
     pub errors: Vec<f64>,
 }
 
@@ -69,6 +72,7 @@ impl HybridSystem {
         let first = plan.states[0].clone();
         let mut motion = ContinuousMotion {
             samples: vec![first.clone()],
+            radii: Vec::new(),
             path: vec![(0.0, first.clone())],
             errors: vec![0.0; first.len()],
         };
@@ -187,7 +191,7 @@ impl Integrator<'_> {
         mut tell: impl FnMut(f64, &[f64]),
     ) -> Result<Vec<f64>, Error> {
         let (mut time, mut by) = (0.0, 0.1 * self.duration);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_INTEGRATION_STEPS {
             by = f64::min(by, self.duration - time);
             let (next, error) = self.step(&state, by);
             if error <= 1.0 {

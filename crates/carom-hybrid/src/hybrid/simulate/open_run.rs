@@ -22,7 +22,7 @@ const FEW_PARTS: usize = 2;
 pub(super) const MANY_PARTS: usize = 20;
 
 /// The relative step of a difference quotient (no unit).
-const DIFFERENCE: f64 = 1e-6;
+const MAP_DIFFERENCE: f64 = 1e-6;
 
 /// The share of what is allowed that digits may lose (no unit).
 const LOST: f64 = 1e-3;
@@ -261,7 +261,7 @@ impl PlannedRun<'_> {
         let middle = self.led(step, state, input);
         let mut maps = vec![AffineForm::constant(n + m, 0.0); n];
         for k in 0..n + m {
-            let (own, by) = (point[k], DIFFERENCE * point[k].abs().max(1.0));
+            let (own, by) = (point[k], MAP_DIFFERENCE * point[k].abs().max(1.0));
             point[k] = own + by;
             let moved = self.led(step, &point[..n], &point[n..]);
             point[k] = own;

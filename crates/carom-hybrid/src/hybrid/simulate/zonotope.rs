@@ -20,8 +20,8 @@ const SHORT_STEPS: usize = 32;
 const DEGREES: [usize; 3] = [5, 2, 1];
 
 /// By how much a box grows that the motion might leave (no unit), and how often.
-const GROWTH: f64 = 0.1;
-const MOST_GROWTHS: usize = 40;
+const BOX_GROWTH: f64 = 0.1;
+const MOST_BOX_GROWTHS: usize = 40;
 
 /// The most generators; beyond, small ones become a box.
 const MOST_GENERATORS: usize = 400;
@@ -72,8 +72,8 @@ impl Zonotope {
         sides.map(|(x, r)| Interval::point(*x) + Interval::new(-r, r)).collect()
     }
 
-    /// Moves on by a step of a flow. Entries after the states are the inputs, which are held; without
-    /// them, inputs have the given values.
+    /// Moves on by a step of a flow. Entries after the states are the inputs, which are held;
+    /// without them, inputs have the given values.
     pub(super) fn follow(
         &mut self,
         flow: &LinearSystem,
@@ -232,7 +232,7 @@ impl ShortStep<'_> {
     fn kept(&self, around: &[Interval]) -> Option<Vec<Interval>> {
         let within = Interval::new(0.0, self.by.upper);
         let mut kept = around.to_vec();
-        for _ in 0..MOST_GROWTHS {
+        for _ in 0..MOST_BOX_GROWTHS {
             let rates = self.values(&kept)?;
             let moved = around.iter().zip(&rates).map(|(x, f)| *x + within * *f);
             let moved: Vec<Interval> = moved.collect();
@@ -246,7 +246,7 @@ impl ShortStep<'_> {
             kept = moved
                 .iter()
                 .map(|own| {
-                    let more = GROWTH * own.width() + f64::EPSILON * own.magnitude();
+                    let more = BOX_GROWTH * own.width() + f64::EPSILON * own.magnitude();
                     *own + Interval::new(-more, more)
                 })
                 .collect();
@@ -287,7 +287,7 @@ impl ShortStep<'_> {
             (0..n).map(|i| (0..n).map(|j| unit(i, j)).collect()).collect();
         let mut middle = identity.clone();
         let mut is_kept = false;
-        for _ in 0..MOST_GROWTHS {
+        for _ in 0..MOST_BOX_GROWTHS {
             let moved = product(&jacobian, &middle);
             let moved = added(&identity, &scaled(&moved, within));
             let pairs = middle.iter().flatten().zip(moved.iter().flatten());
@@ -296,7 +296,7 @@ impl ShortStep<'_> {
                 break;
             }
             let grown = |own: &Interval| {
-                let more = GROWTH * own.width() + f64::EPSILON;
+                let more = BOX_GROWTH * own.width() + f64::EPSILON;
                 *own + Interval::new(-more, more)
             };
             middle = moved.iter().map(|row| row.iter().map(grown).collect()).collect();

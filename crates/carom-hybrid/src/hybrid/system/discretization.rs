@@ -1,13 +1,20 @@
 //! How a flow by nonlinear rates becomes a step.
 
-use super::HybridSystem;
-use super::step_functions::FlowFunctions;
-use crate::error::{Error, ErrorKind};
-use crate::hybrid::linear::LinearSystem;
-use crate::model::{Affine, Nonlinear};
+use crate::error::Error;
+use crate::model::Affine;
+
+/// Where a step begins and ends, and the rates between.
+pub(super) struct StepRates<'a> {
+    /// The states at the start of the step.
+    pub(super) start: Vec<Affine>,
+    /// The next states.
+    pub(super) end: Vec<Affine>,
+    /// The rates at some states.
+    pub(super) at: &'a mut dyn FnMut(&[Affine]) -> Result<Vec<Affine>, Error>,
+}
 
 /// A method that makes steps of nonlinear rates. Plans, refutations and certificates are about
-/// these steps; [`HybridSystem::motion`] says how far the motion between them is.
+/// these steps; [`motion`](crate::hybrid::HybridSystem::motion) says how far the motion between them is.
 ///
 /// Inputs are held over the step. Linear rates need no method: their step is exact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
@@ -37,31 +44,31 @@ impl Discretization {
     }
 
     /// The next states by rates.
-    fn step(self, rates: &mut FlowFunctions<'_>, h: f64) -> Result<Vec<Affine>, Error> {
-        let (x, y) = (rates.start.clone(), rates.end.clone());
+    pub(super) fn step(self, rates: StepRates<'_>, h: f64) -> Result<Vec<Affine>, Error> {
+        let StepRates { start: x, end: y, at } = rates;
         let moved = |by: &[(f64, &[Affine])]| -> Vec<Affine> {
-            let at = |(i, x): (usize, &Affine)| {
+            let one = |(i, x): (usize, &Affine)| {
                 by.iter().fold(x.clone(), |sum, (factor, rates)| sum + h * *factor * &rates[i])
             };
-            x.iter().enumerate().map(at).collect()
+            x.iter().enumerate().map(one).collect()
         };
         let middle: Vec<Affine> = x.iter().zip(&y).map(|(x, y)| 0.5 * x + 0.5 * y).collect();
         Ok(match self {
-            Discretization::Euler => moved(&[(1.0, &rates.at(&x)?)]),
-            Discretization::ImplicitEuler => moved(&[(1.0, &rates.at(&y)?)]),
-            Discretization::Midpoint => moved(&[(1.0, &rates.at(&middle)?)]),
+            Discretization::Euler => moved(&[(1.0, &at(&x)?)]),
+            Discretization::ImplicitEuler => moved(&[(1.0, &at(&y)?)]),
+            Discretization::Midpoint => moved(&[(1.0, &at(&middle)?)]),
             Discretization::RungeKutta4 => {
-                let first = rates.at(&x)?;
-                let second = rates.at(&moved(&[(0.5, &first)]))?;
-                let third = rates.at(&moved(&[(0.5, &second)]))?;
-                let fourth = rates.at(&moved(&[(1.0, &third)]))?;
+                let first = at(&x)?;
+                let second = at(&moved(&[(0.5, &first)]))?;
+                let third = at(&moved(&[(0.5, &second)]))?;
+                let fourth = at(&moved(&[(1.0, &third)]))?;
                 let (outer, inner) = (1.0 / 6.0, 1.0 / 3.0);
                 moved(&[(outer, &first), (inner, &second), (inner, &third), (outer, &fourth)])
             }
             Discretization::HermiteSimpson => {
-                let (first, last) = (rates.at(&x)?, rates.at(&y)?);
+                let (first, last) = (at(&x)?, at(&y)?);
                 let bent = (0..x.len()).map(|i| &middle[i] + 0.125 * h * (&first[i] - &last[i]));
-                let inner = rates.at(&bent.collect::<Vec<Affine>>())?;
+                let inner = at(&bent.collect::<Vec<Affine>>())?;
                 moved(&[(1.0 / 6.0, &first), (2.0 / 3.0, &inner), (1.0 / 6.0, &last)])
             }
         })
@@ -77,36 +84,5 @@ impl std::fmt::Display for Discretization {
             Discretization::RungeKutta4 => "the method of Runge and Kutta",
             Discretization::HermiteSimpson => "collocation by Hermite and Simpson",
         })
-    }
-}
-
-impl HybridSystem {
-    /// Sets the method that makes steps of nonlinear rates; without it, the
-    /// [midpoint rule](Discretization::Midpoint). An implicit method is for flows that lead to the
-    /// next state: without a reset, and, beside other choices, the common flow.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Misplaced`] after the first nonlinear flow.
-    pub fn discretization(&mut self, method: Discretization) -> Result<(), Error> {
-        if self.is_nonlinear() {
-            let name = "the discretization".to_owned();
-            let place = "a statement after a nonlinear flow".to_owned();
-            let help = "state it before the first flow";
-            return Err(ErrorKind::Misplaced { name, place, help }.into());
-        }
-        self.functions.method = method;
-        Ok(())
-    }
-
-    /// The method that makes steps of the nonlinear rates; `None` if no flow has nonlinear rates.
-    pub fn discretized_by(&self) -> Option<Discretization> {
-        self.functions.has_rates().then_some(self.functions.method)
-    }
-
-    /// The step of nonlinear rates.
-    pub(super) fn discretized(&mut self, rates: &[Nonlinear]) -> Result<LinearSystem, Error> {
-        let (method, h) = (self.functions.method, self.time_step);
-        self.flow_of_functions(rates, true, |own| method.step(own, h))
     }
 }

@@ -9,7 +9,7 @@
 //! | choices: modes, events, switches | `system/modes.rs` |
 //! | a transition that is being stated; what it does after its flow | `system/transition_mut.rs`; `system/reset.rs` |
 //! | nonlinear rows of states | `system/state_row.rs` |
-//! | nonlinear flows: their steps; their functions | `system/discretization.rs`; `system/step_functions.rs` |
+//! | nonlinear flows, their steps; their functions | `system/nonlinear_flow.rs`, `system/discretization.rs`; `system/step_functions.rs` |
 //! | rates and next values | `system/flow.rs`, `system/flow_rows.rs` |
 //! | expressions and rows as coefficients | `system/coefficients.rs` |
 //! | rows of norms and squares | `system/system_row.rs`, `system/norm_rows.rs` |
@@ -54,6 +54,7 @@ mod mixed_logical_dynamical;
 mod mixed_logical_rows;
 mod modes;
 mod named;
+mod nonlinear_flow;
 mod norm_limit;
 mod norm_rows;
 mod piecewise_affine;
@@ -89,7 +90,7 @@ pub use region::Region;
 pub(crate) use region::{check_cut, outside_domain};
 pub use schedule::Schedule;
 pub(crate) use state_row::StateRow;
-pub(crate) use step_functions::{Slot, StepFunctions};
+pub(crate) use step_functions::{StepFunctions, StepSlot};
 pub use system_row::SystemRow;
 pub use transition::Transition;
 pub(crate) use transition::{Reset, Uncertain};
