@@ -14,7 +14,8 @@ pub(super) struct StepRates<'a> {
 }
 
 /// A method that makes steps of nonlinear rates. Plans, refutations and certificates are about
-/// these steps; [`motion`](crate::hybrid::HybridSystem::motion) says how far the motion between them is.
+/// these steps; [`motion`](crate::hybrid::HybridSystem::motion) says how far the motion between
+/// them is.
 ///
 /// Inputs are held over the step. Linear rates need no method: their step is exact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
