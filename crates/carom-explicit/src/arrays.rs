@@ -3,14 +3,13 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupTable};
+use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupProgram, LookupTable};
 use carom_model::Error;
 use carom_model::model::{Affine, Model};
 
-use crate::build::PartitionCell;
+use crate::device_cells::{DeviceCell, DeviceCells};
 use crate::form::ParametricForm;
-use crate::partition::Partition;
-use crate::relaxed::CornerRelaxation;
+use crate::relaxed::{CornerRelaxation, PLAN_TOLERANCE};
 
 /// The arrays of a look-up in `f64` or `f32`, as they are written for devices.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,13 +22,28 @@ pub struct LookupArrays<T> {
     pub(crate) leaves: Vec<LookupLeaf<T>>,
     pub(crate) laws: Vec<u32>,
     pub(crate) values: Vec<T>,
+    pub(crate) programs: Vec<LookupProgram<T>>,
+    pub(crate) numbers: Vec<T>,
     pub(crate) inputs: usize,
     pub(crate) depth: u32,
     pub(crate) remarks: Vec<String>,
     pub(crate) state_rounding: Vec<f64>,
     pub(crate) input_rounding: f64,
+    pub(crate) row_rounding: f64,
     /// The largest sum of magnitudes behind an input, and its number of terms and two more.
     largest: [f64; 2],
+}
+
+/// The operations of a look-up, at most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LookupOperations {
+    /// Comparisons of numbers, whole or not.
+    pub comparisons: usize,
+    /// Multiplications, and as many sums.
+    pub products: usize,
+    /// Divisions.
+    pub divisions: usize,
 }
 
 /// An input of a law, as an affine expression of the columns of a plan.
@@ -87,7 +101,11 @@ impl<K: Hash + Eq> Numbered<K> {
 
 /// The relative error of an operation.
 const DOUBLE_UNIT: f64 = f64::EPSILON / 2.0;
-const SINGLE_UNIT: f64 = f32::EPSILON as f64 / 2.0;
+pub(crate) const SINGLE_UNIT: f64 = f32::EPSILON as f64 / 2.0;
+
+/// A bound of the relative error of a program's numbers, with 64 bits: equations are eliminated and a
+/// Hessian is divided by, which rounds more than an operation.
+pub(crate) const CONDENSED_ROUNDING: f64 = 1e-12;
 
 /// By how much the state of a look-up may differ from the one that was asked for, in units of the
 /// box: rounding to whole units, four roundings of numbers up to all units, and what the lower end
@@ -102,7 +120,11 @@ fn units_off(ends: [f64; 2], device: [f64; 3], units: f64, rounding: f64) -> f64
 }
 
 impl LookupArrays<f64> {
-    pub(crate) fn new(form: &ParametricForm, partition: &Partition, outputs: &[LawOutput]) -> Self {
+    pub(crate) fn new(
+        form: &ParametricForm,
+        device: &DeviceCells<'_>,
+        outputs: &[LawOutput],
+    ) -> Self {
         let side = |of: &[f64]| form.axes.iter().map(|&j| of[j]).collect::<Vec<f64>>();
         let (lower, upper) = (side(&form.lower), side(&form.upper));
         let widths = upper.iter().zip(&lower);
@@ -115,28 +137,34 @@ impl LookupArrays<f64> {
             leaves: Vec::new(),
             laws: Vec::new(),
             values: Vec::new(),
+            programs: Vec::new(),
+            numbers: Vec::new(),
             inputs: outputs.len(),
-            depth: partition.depth as u32,
+            depth: device.depth as u32,
             remarks: Vec::new(),
             state_rounding: Vec::new(),
             input_rounding: 0.0,
+            row_rounding: PLAN_TOLERANCE + device.errors.missed,
             largest: [0.0; 2],
         };
         let mut values = Numbered { known: HashMap::new() };
         let mut laws = Numbered { known: HashMap::new() };
         let mut leaves = Numbered { known: HashMap::new() };
-        let mut codes = Vec::with_capacity(partition.cells.len());
+        let mut codes = Vec::with_capacity(device.cells.len());
         let mut cuts = 0;
-        for cell in &partition.cells {
+        for cell in &device.cells {
             let leaf = match cell {
-                PartitionCell::Cut { .. } => {
+                DeviceCell::Cut { .. } => {
                     codes.push(cuts);
                     cuts += 1;
                     continue;
                 }
-                PartitionCell::Open => LookupLeaf::Open,
-                PartitionCell::NoPlan(_) => LookupLeaf::NoPlan,
-                PartitionCell::Plan(law) => {
+                DeviceCell::Open => LookupLeaf::Open,
+                DeviceCell::NoPlan => LookupLeaf::NoPlan,
+                &DeviceCell::Solve { program, loss } => {
+                    LookupLeaf::Solve { program: program as u32, loss }
+                }
+                DeviceCell::Law(law) => {
                     let mut corners = Vec::with_capacity(law.plans.len());
                     for plan in &law.plans {
                         let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
@@ -158,9 +186,10 @@ impl LookupArrays<f64> {
                 }
             };
             let key = match leaf {
-                LookupLeaf::Plan { law, loss } => (law, loss.to_bits()),
-                LookupLeaf::NoPlan => (u32::MAX, 0),
-                LookupLeaf::Open => (u32::MAX, 1),
+                LookupLeaf::Plan { law, loss } => (0, law, loss.to_bits()),
+                LookupLeaf::Solve { program, loss } => (1, program, loss.to_bits()),
+                LookupLeaf::NoPlan => (2, 0, 0),
+                LookupLeaf::Open => (3, 0, 0),
             };
             let (number, is_new) = leaves.number(key);
             if is_new {
@@ -168,20 +197,30 @@ impl LookupArrays<f64> {
             }
             codes.push(number | LookupTable::<f64>::LEAF);
         }
-        for cell in &partition.cells {
-            if let PartitionCell::Cut { edge, next } = cell {
+        for cell in &device.cells {
+            if let DeviceCell::Cut { edge, next } = cell {
                 let edge = edge.map(|corner| corner as u8);
                 arrays.nodes.push(LookupNode { edge, next: next.map(|number| codes[number]) });
             }
         }
-        arrays.roots = codes[..partition.orders].to_vec();
+        arrays.roots = codes[..device.orders].to_vec();
+        for program in &device.programs {
+            arrays.programs.push(LookupProgram {
+                rows: program.rows as u32,
+                first: arrays.numbers.len() as u32,
+                exchanges: program.exchanges as u32,
+                negative: program.negative,
+                positive: program.positive,
+            });
+            arrays.numbers.extend(&program.numbers);
+        }
         let ends = arrays.lower.iter().zip(&arrays.upper).zip(&arrays.scale);
         let off = ends.map(|((&l, &u), &scale)| {
             let units = f64::from(f64::UNITS);
             units_off([l, u], [l, u, scale], units, DOUBLE_UNIT) * (u - l) / units
         });
         arrays.state_rounding = off.collect();
-        arrays.input_rounding = arrays.largest_sum_error(DOUBLE_UNIT);
+        arrays.input_rounding = arrays.largest_sum_error(DOUBLE_UNIT).max(device.errors.input);
         arrays
     }
 
@@ -194,8 +233,18 @@ impl LookupArrays<f64> {
         };
         let leaf = |leaf: &LookupLeaf<f64>| match *leaf {
             LookupLeaf::Plan { law, loss } => LookupLeaf::Plan { law, loss: loss_above(loss) },
+            LookupLeaf::Solve { program, loss } => {
+                LookupLeaf::Solve { program, loss: loss_above(loss) }
+            }
             LookupLeaf::NoPlan => LookupLeaf::NoPlan,
             LookupLeaf::Open => LookupLeaf::Open,
+        };
+        let program = |program: &LookupProgram<f64>| LookupProgram {
+            rows: program.rows,
+            first: program.first,
+            exchanges: program.exchanges,
+            negative: program.negative as f32,
+            positive: program.positive as f32,
         };
         let (lower, upper) = (narrow(&self.lower), narrow(&self.upper));
         let units = f64::from(f32::UNITS);
@@ -208,7 +257,9 @@ impl LookupArrays<f64> {
         });
         LookupArrays {
             state_rounding: off.collect(),
-            input_rounding: self.largest_sum_error(SINGLE_UNIT),
+            // That of the programs is the larger one, if they were made for 32 bits.
+            input_rounding: self.largest_sum_error(SINGLE_UNIT).max(self.input_rounding),
+            row_rounding: self.row_rounding,
             lower,
             upper,
             scale,
@@ -217,6 +268,8 @@ impl LookupArrays<f64> {
             leaves: self.leaves.iter().map(leaf).collect(),
             laws: self.laws.clone(),
             values: narrow(&self.values),
+            programs: self.programs.iter().map(program).collect(),
+            numbers: narrow(&self.numbers),
             inputs: self.inputs,
             depth: self.depth,
             remarks: self.remarks.clone(),
@@ -253,6 +306,8 @@ impl<T> LookupArrays<T> {
             leaves: &self.leaves,
             laws: &self.laws,
             values: &self.values,
+            programs: &self.programs,
+            numbers: &self.numbers,
             inputs: self.inputs,
             depth: self.depth,
         }
@@ -277,14 +332,52 @@ impl<T> LookupArrays<T> {
         self.input_rounding
     }
 
+    /// By how much the plan of a look-up misses rows, at most, in the unit of each.
+    #[must_use]
+    pub fn row_rounding(&self) -> f64 {
+        self.row_rounding
+    }
+
+    /// The numbers of work space that programs take, see [`LookupTable::work`].
+    #[must_use]
+    pub fn work(&self) -> usize {
+        self.view().work()
+    }
+
+    /// The most operations of a look-up with its law.
+    #[must_use]
+    pub fn operations(&self) -> LookupOperations {
+        let (states, inputs) = (self.lower.len(), self.inputs);
+        let mut most = LookupOperations {
+            comparisons: 0,
+            // Those of an explicit law.
+            products: if self.laws.is_empty() { 0 } else { (states + 1) * (inputs + 1) },
+            divisions: 0,
+        };
+        for program in &self.programs {
+            let (rows, exchanges) = (program.rows as usize, program.exchanges as usize);
+            // An exchange is that of two pairs at most.
+            let products = 2 * exchanges * (rows + inputs) * (rows + 1);
+            let own = states + (rows + inputs) * states + products;
+            most.products = most.products.max(own);
+            let comparisons = (exchanges + 1) * rows + exchanges * (rows + 1);
+            most.comparisons = most.comparisons.max(comparisons);
+            most.divisions = most.divisions.max(2 * exchanges * (2 * rows + inputs + 1));
+        }
+        most.comparisons += self.depth as usize + states * (states - 1) / 2;
+        most.products += states;
+        most
+    }
+
     /// The memory that the arrays take as Rust constants, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let numbers = [&self.lower, &self.upper, &self.scale, &self.values];
+        let numbers = [&self.lower, &self.upper, &self.scale, &self.values, &self.numbers];
         let whole = [&self.roots, &self.laws];
         numbers.map(|of| size_of_val(&of[..])).iter().sum::<usize>()
             + whole.map(|of| size_of_val(&of[..])).iter().sum::<usize>()
             + size_of_val(&self.nodes[..])
             + size_of_val(&self.leaves[..])
+            + size_of_val(&self.programs[..])
     }
 }

@@ -15,6 +15,7 @@ use web_time::{Duration, Instant};
 
 use crate::arrays::{LawOutput, LookupArrays};
 use crate::build::{BuildGoal, CellLaw, PartitionCell};
+use crate::device_cells::DeviceCells;
 use crate::expected_cells::CellCounts;
 use crate::form::{ParametricForm, refused};
 use crate::partition::{Partition, PartitionBuild};
@@ -371,7 +372,7 @@ impl<'a> ExplicitProgram<'a> {
         };
         let partition = build.run(self.begun);
         let relaxations = build.relaxations;
-        let mut arrays = LookupArrays::new(&form, &partition, &outputs);
+        let mut arrays = LookupArrays::new(&form, &DeviceCells::explicit(&partition), &outputs);
         let mut report = report(&partition);
         report.laws = arrays.laws.len() / (arrays.lower.len() + 1);
         (report.relaxations, report.duration) = (relaxations, began.elapsed());

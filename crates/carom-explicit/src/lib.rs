@@ -6,9 +6,12 @@ mod build;
 mod builder;
 mod c_source;
 mod certificate;
+mod condensed;
 mod corner;
+mod device_cells;
 mod edge_choice;
 mod expected_cells;
+mod followed_program;
 mod form;
 mod integer_tree;
 mod partition;
@@ -19,8 +22,11 @@ mod saved_table;
 mod simplex_cell;
 mod source_text;
 mod table;
+mod tableau;
 
-pub use arrays::LookupArrays;
+pub use arrays::{LookupArrays, LookupOperations};
 pub use builder::{ExplicitProgram, TableProgress};
-pub use carom_embedded::{LookupAnswer, LookupLeaf, LookupNode, LookupNumber, LookupTable};
+pub use carom_embedded::{
+    LookupAnswer, LookupLeaf, LookupNode, LookupNumber, LookupProgram, LookupTable,
+};
 pub use table::{ExplicitTable, TableCell, TableReport};

@@ -1,0 +1,293 @@
+//! The exchanges that a device makes over the cells of some integers.
+//!
+//! Only signs decide what a device exchanges, and over a simplex a right side is between its values
+//! at the corners. Where a sign may be either, because the simplex or the rounding leaves that open,
+//! both ways are followed. So the most exchanges on a way are a bound for all states of the simplex,
+//! and at the end of each way all that rounding may do is known.
+
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+use crate::arrays::LawOutput;
+use crate::condensed::CondensedProgram;
+use crate::form::ParametricForm;
+use crate::simplex_cell::halved_shares;
+use crate::tableau::ExchangeTableau;
+
+/// The most exchanges of a program, and the most tableaus that a piece of a cell may lead to.
+const MOST_EXCHANGES: usize = 24;
+const MOST_WAYS: usize = 300;
+
+/// How often a cell is halved to follow its pieces.
+const MOST_HALVINGS: usize = 4;
+
+/// The most rows of a program.
+const MOST_DEVICE_ROWS: usize = 40;
+
+/// By how much a row that the device does not know may be missed, in units of its slack.
+const UNKNOWN_ROW: f64 = 1e-9;
+
+/// By how many bounds of the first right sides' errors an entry is negative.
+const NEGATIVE_ERRORS: f64 = 8.0;
+
+/// Entries above so many roundings are positive; and at least above those of this crate.
+const POSITIVE_UNITS: f64 = 4096.0;
+const LEAST_POSITIVE: f64 = 1e-9;
+
+/// The corners of a simplex, as shares of the sides of the box.
+pub(crate) type ShareCorners = Vec<Vec<f64>>;
+
+/// A program as a device has it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct DeviceProgram {
+    pub(crate) rows: usize,
+    /// `M`, then right sides, see `LookupProgram`.
+    pub(crate) numbers: Vec<f64>,
+    pub(crate) negative: f64,
+    pub(crate) positive: f64,
+    pub(crate) exchanges: usize,
+}
+
+/// What rounding does at the end of a solve, at most.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct SolveErrors {
+    /// By how much a row is missed, in its own unit.
+    pub(crate) missed: f64,
+    /// By how much the cost is above the least one.
+    pub(crate) loss: f64,
+    /// By how much an input is off.
+    pub(crate) input: f64,
+}
+
+/// A program, and the cells whose ways end.
+#[derive(Debug)]
+pub(crate) struct FollowedProgram {
+    pub(crate) program: DeviceProgram,
+    pub(crate) ends: Vec<bool>,
+    pub(crate) errors: SolveErrors,
+}
+
+/// Why a simplex cannot be followed.
+enum Obstacle {
+    /// This function, which is a row that the device does not know, is missed.
+    Row(usize),
+    /// The ways are too long, too many, or signs of entries are not known.
+    Lost,
+}
+
+/// The tableaus that ways lead to.
+struct Follower {
+    known: HashMap<Vec<usize>, Option<Rc<ExchangeTableau>>>,
+    outputs: usize,
+    negative: f64,
+    positive: f64,
+    /// Tableaus that the piece may still lead to.
+    ways: usize,
+    /// The largest right side's error at an end, and that of an input.
+    error: f64,
+    input: f64,
+}
+
+impl Follower {
+    fn tableau(&mut self, path: &[usize]) -> Option<Rc<ExchangeTableau>> {
+        if let Some(known) = self.known.get(path) {
+            return known.clone();
+        }
+        let (last, before) = path.split_last()?;
+        let found = self.tableau(before).and_then(|before| {
+            let mut tableau = (*before).clone();
+            tableau.exchange(*last)?;
+            Some(Rc::new(tableau))
+        });
+        self.known.insert(path.to_vec(), found.clone());
+        found
+    }
+
+    /// The most exchanges from a tableau on, anywhere in a simplex.
+    fn follow(
+        &mut self,
+        path: &mut Vec<usize>,
+        corners: &ShareCorners,
+        left: usize,
+    ) -> Result<usize, Obstacle> {
+        let tableau = self.tableau(path).ok_or(Obstacle::Lost)?;
+        self.ways = self.ways.checked_sub(1).ok_or(Obstacle::Lost)?;
+        let range = |row: usize| {
+            let values = corners.iter().map(|corner| tableau.right_at(row, corner));
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
+                [least.min(value), most.max(value)]
+            })
+        };
+        let (mut next, mut may_end) = (Vec::new(), true);
+        for row in 0..tableau.rows {
+            let ([least, most], error) = (range(row), tableau.right_error[row]);
+            if least - error < self.negative {
+                next.push(row);
+            }
+            if most + error < self.negative {
+                may_end = false;
+                break;
+            }
+        }
+        if may_end {
+            let unknown = tableau.rows + self.outputs..tableau.entries.len();
+            if let Some(row) = unknown.clone().find(|row| range(*row)[0] < -UNKNOWN_ROW) {
+                return Err(Obstacle::Row(row));
+            }
+            let errors = tableau.right_error[..tableau.rows].iter().copied();
+            self.error = errors.fold(self.error, f64::max);
+            let inputs = &tableau.right_error[tableau.rows..tableau.rows + self.outputs];
+            self.input = inputs.iter().copied().fold(self.input, f64::max);
+        }
+        let mut longest = 0;
+        for k in next {
+            if left == 0 {
+                return Err(Obstacle::Lost);
+            }
+            let length = path.len();
+            path.extend(self.pairs(&tableau, k)?);
+            let own = self.follow(path, corners, left - 1);
+            path.truncate(length);
+            longest = longest.max(1 + own?);
+        }
+        Ok(longest)
+    }
+
+    /// The pairs that a device exchanges for a negative entry k.
+    fn pairs(&self, tableau: &ExchangeTableau, k: usize) -> Result<Vec<usize>, Obstacle> {
+        let sign = |j: usize| {
+            let entry = tableau.entries[k][j];
+            match entry.value > self.positive {
+                true if entry.value - entry.error > self.positive => Ok(true),
+                false if entry.value + entry.error <= self.positive => Ok(false),
+                _ => Err(Obstacle::Lost),
+            }
+        };
+        if sign(k)? {
+            return Ok(vec![k]);
+        }
+        for j in 0..tableau.rows {
+            if sign(j)? {
+                return Ok(vec![j, k]);
+            }
+        }
+        Err(Obstacle::Lost)
+    }
+
+    /// The most exchanges in a simplex or in its pieces.
+    fn pieces(&mut self, corners: &ShareCorners, halvings: usize) -> Result<usize, Obstacle> {
+        self.ways = MOST_WAYS;
+        match self.follow(&mut Vec::new(), corners, MOST_EXCHANGES) {
+            Err(_) if halvings > 0 => {
+                let [first, second] = halved_shares(corners);
+                let first = self.pieces(&first, halvings - 1)?;
+                Ok(first.max(self.pieces(&second, halvings - 1)?))
+            }
+            found => found,
+        }
+    }
+}
+
+/// The rows that are active at some corner, those that are so more often first, and the set that is
+/// active most often.
+fn usual_rows(full: &ExchangeTableau, cells: &[ShareCorners]) -> Option<(Vec<usize>, Vec<usize>)> {
+    let mut seen = HashSet::new();
+    let mut sets: HashMap<Vec<usize>, usize> = HashMap::new();
+    let mut counts = vec![0; full.rows];
+    for corner in cells.iter().flatten() {
+        let bits: Vec<u64> = corner.iter().map(|x| x.to_bits()).collect();
+        if !seen.insert(bits) {
+            continue;
+        }
+        let active = full.clone().active_rows(corner)?;
+        let set: Vec<usize> = (0..full.rows).filter(|row| active[*row]).collect();
+        set.iter().for_each(|&row| counts[row] += 1);
+        *sets.entry(set).or_default() += 1;
+    }
+    // The first one in order, of several that are as frequent.
+    let usual = sets.into_iter().max_by(|a, b| a.1.cmp(&b.1).then_with(|| b.0.cmp(&a.0)));
+    let mut rows: Vec<usize> = (0..full.rows).filter(|row| counts[*row] > 0).collect();
+    rows.sort_by_key(|&row| std::cmp::Reverse(counts[row]));
+    Some((rows, usual.map(|(set, _)| set).unwrap_or_default()))
+}
+
+/// The tableau of some rows in which the usual ones are active.
+fn begun(full: &ExchangeTableau, rows: &[usize], usual: &[usize]) -> Option<ExchangeTableau> {
+    let mut tableau = full.with_rows(rows);
+    let mut waiting: Vec<usize> = (0..rows.len()).filter(|k| usual.contains(&rows[*k])).collect();
+    while !waiting.is_empty() {
+        let diagonal = |k: usize| tableau.entries[k][k].value;
+        let best = (0..waiting.len())
+            .max_by(|&a, &b| diagonal(waiting[a]).total_cmp(&diagonal(waiting[b])))?;
+        let k = waiting.swap_remove(best);
+        if diagonal(k) <= LEAST_POSITIVE {
+            return None;
+        }
+        tableau.exchange(k)?;
+    }
+    Some(tableau)
+}
+
+impl FollowedProgram {
+    /// The program of these integers, for these cells, with so large roundings; `None` if there is
+    /// none.
+    pub(crate) fn new(
+        form: &ParametricForm,
+        outputs: &[LawOutput],
+        integers: &[f64],
+        cells: &[ShareCorners],
+        unit: f64,
+    ) -> Option<Self> {
+        let condensed = CondensedProgram::new(form, outputs, integers)?;
+        let (full, scales) = ExchangeTableau::new(&condensed)?;
+        let (mut rows, usual) = usual_rows(&full, cells)?;
+        while rows.len() <= MOST_DEVICE_ROWS {
+            let start = begun(&full, &rows, &usual)?.stored(unit);
+            let largest = start.right_error[..start.rows].iter().copied().fold(0.0, f64::max);
+            let negative = -NEGATIVE_ERRORS * largest.max(1e-12);
+            let positive = (POSITIVE_UNITS * unit).max(LEAST_POSITIVE);
+            let mut follower = Follower {
+                known: HashMap::from([(Vec::new(), Some(Rc::new(start.clone())))]),
+                outputs: outputs.len(),
+                negative,
+                positive,
+                ways: 0,
+                error: 0.0,
+                input: 0.0,
+            };
+            let (mut ends, mut exchanges, mut missing) = (Vec::new(), 0, Vec::new());
+            for cell in cells {
+                let found = follower.pieces(cell, MOST_HALVINGS);
+                ends.push(found.is_ok());
+                match found {
+                    Ok(most) => exchanges = exchanges.max(most),
+                    Err(Obstacle::Row(function)) => missing.push(function),
+                    Err(Obstacle::Lost) => {}
+                }
+            }
+            if let Some(&function) = missing.first() {
+                let mut others = (0..full.rows).filter(|row| !rows.contains(row));
+                rows.push(others.nth(function - rows.len() - outputs.len())?);
+                continue;
+            }
+            let entries = start.entries[..start.rows + outputs.len()].iter().flatten();
+            let matrix = entries.map(|entry| entry.value);
+            let right = start.right[..start.rows + outputs.len()].iter().flatten().copied();
+            let missed = follower.error - negative;
+            let largest = rows.iter().map(|&row| scales[row]).fold(0.0, f64::max);
+            // A multiplier that is negative by so much may save so much for each unit of slack.
+            let slacks: f64 = rows.iter().map(|&row| condensed.most[row] / scales[row]).sum();
+            let program = DeviceProgram {
+                rows: start.rows,
+                numbers: matrix.chain(right).collect(),
+                negative,
+                positive,
+                exchanges,
+            };
+            let (missed, loss) = (missed * largest, missed * slacks);
+            let errors = SolveErrors { missed, loss, input: follower.input };
+            return Some(FollowedProgram { program, ends, errors });
+        }
+        None
+    }
+}
