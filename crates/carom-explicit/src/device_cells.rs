@@ -101,23 +101,19 @@ impl<'a> DeviceCells<'a> {
                     DeviceCell::Solve { program: number, loss: law.loss + errors.loss };
             }
         }
-        own.join(partition);
+        own.join();
         own
     }
 
     /// Joins halves that solve the same program, or have no answer for the same reason. Their losses
-    /// become the largest one of the program: a class for those within what was asked for, and one
-    /// for the others.
-    fn join(&mut self, partition: &Partition) {
-        let is_within = |cell: &PartitionCell| match cell {
-            PartitionCell::Plan(law) => law.loss <= law.allowed,
-            _ => true,
-        };
-        let mut within: Vec<bool> = partition.cells.iter().map(is_within).collect();
-        let mut losses: HashMap<(usize, bool), f64> = HashMap::new();
-        for (cell, &within) in self.cells.iter().zip(&within) {
-            if let &DeviceCell::Solve { program, loss } = cell {
-                let most = losses.entry((program, within)).or_insert(0.0);
+    /// become the largest one of the program, of those that are proved.
+    fn join(&mut self) {
+        let mut losses: HashMap<usize, f64> = HashMap::new();
+        for cell in &self.cells {
+            if let &DeviceCell::Solve { program, loss } = cell
+                && loss.is_finite()
+            {
+                let most = losses.entry(program).or_insert(0.0);
                 *most = most.max(loss);
             }
         }
@@ -126,20 +122,19 @@ impl<'a> DeviceCells<'a> {
                 DeviceCell::Cut { next: [a, b], .. } => {
                     let is_one = match (self.cells[a], self.cells[b]) {
                         (
-                            DeviceCell::Solve { program: a_program, .. },
-                            DeviceCell::Solve { program: b_program, .. },
-                        ) => a_program == b_program && within[a] == within[b],
+                            DeviceCell::Solve { program: a, loss: first },
+                            DeviceCell::Solve { program: b, loss: second },
+                        ) => a == b && first.is_finite() == second.is_finite(),
                         (DeviceCell::NoPlan, DeviceCell::NoPlan)
                         | (DeviceCell::Open, DeviceCell::Open) => true,
                         _ => false,
                     };
                     if is_one {
-                        (self.cells[number], within[number]) = (self.cells[a], within[a]);
+                        self.cells[number] = self.cells[a];
                     }
                 }
-                DeviceCell::Solve { program, .. } => {
-                    let loss = losses.get(&(program, within[number]));
-                    let loss = loss.copied().unwrap_or(f64::INFINITY);
+                DeviceCell::Solve { program, loss } if loss.is_finite() => {
+                    let loss = losses.get(&program).copied().unwrap_or(loss);
                     self.cells[number] = DeviceCell::Solve { program, loss };
                 }
                 _ => {}

@@ -19,7 +19,7 @@ const MOST_EXCHANGES: usize = 24;
 const MOST_WAYS: usize = 300;
 
 /// How often a cell is halved to follow its pieces.
-const MOST_HALVINGS: usize = 4;
+const MOST_HALVINGS: usize = 2;
 
 /// The most rows of a program.
 const MOST_DEVICE_ROWS: usize = 40;
@@ -33,6 +33,17 @@ const NEGATIVE_ERRORS: f64 = 8.0;
 /// Entries above so many roundings are positive; and at least above those of this crate.
 const POSITIVE_UNITS: f64 = 4096.0;
 const LEAST_POSITIVE: f64 = 1e-9;
+
+/// Points that are so near are one, in shares of the sides.
+const SAME_POINT: f64 = 1e-13;
+
+/// The most points of a part of a piece.
+const MOST_POINTS: usize = 120;
+
+/// The largest error at the end of a way, in roundings, or in units of slacks and inputs if that is
+/// more. Cells with larger ones keep their explicit laws.
+const MOST_ERROR_UNITS: f64 = 16384.0;
+const MOST_ERROR: f64 = 1e-6;
 
 /// The corners of a simplex, as shares of the sides of the box.
 pub(crate) type ShareCorners = Vec<Vec<f64>>;
@@ -86,6 +97,33 @@ struct Follower {
     /// The largest right side's error at an end, and that of an input.
     error: f64,
     input: f64,
+    /// Larger ones are no end.
+    most_error: f64,
+}
+
+/// The part of a convex hull in which an affine function is not positive, as the hull of points. Of
+/// two points on both sides, that between them is one, also if they are no ends of an edge.
+fn clipped(points: &[Vec<f64>], of: impl Fn(&[f64]) -> f64) -> Vec<Vec<f64>> {
+    let values: Vec<f64> = points.iter().map(|point| of(point)).collect();
+    let mut part: Vec<Vec<f64>> = Vec::new();
+    for (point, value) in points.iter().zip(&values) {
+        if *value <= 0.0 {
+            part.push(point.clone());
+            continue;
+        }
+        for (other, below) in points.iter().zip(&values).filter(|(_, below)| **below < 0.0) {
+            let share = value / (value - below);
+            let between = point.iter().zip(other).map(|(a, b)| a + share * (b - a));
+            let between: Vec<f64> = between.collect();
+            let is_near = |known: &Vec<f64>| {
+                known.iter().zip(&between).all(|(a, b)| (a - b).abs() < SAME_POINT)
+            };
+            if !part.iter().any(is_near) {
+                part.push(between);
+            }
+        }
+    }
+    part
 }
 
 impl Follower {
@@ -103,50 +141,58 @@ impl Follower {
         found
     }
 
-    /// The most exchanges from a tableau on, anywhere in a simplex.
+    /// Notes what rounding does at the end of a way.
+    fn end(&mut self, tableau: &ExchangeTableau, points: &[Vec<f64>]) -> Result<(), Obstacle> {
+        for row in tableau.rows + self.outputs..tableau.entries.len() {
+            if points.iter().any(|point| tableau.right_at(row, point) < -UNKNOWN_ROW) {
+                return Err(Obstacle::Row(row));
+            }
+        }
+        let errors = tableau.right_error[..tableau.rows].iter().copied();
+        let error = errors.fold(0.0, f64::max);
+        let inputs = &tableau.right_error[tableau.rows..tableau.rows + self.outputs];
+        let input = inputs.iter().copied().fold(0.0, f64::max);
+        if error.max(input) > self.most_error {
+            return Err(Obstacle::Lost);
+        }
+        (self.error, self.input) = (self.error.max(error), self.input.max(input));
+        Ok(())
+    }
+
+    /// The most exchanges from a tableau on, anywhere in the convex hull of points.
     fn follow(
         &mut self,
         path: &mut Vec<usize>,
-        corners: &ShareCorners,
+        points: &[Vec<f64>],
         left: usize,
     ) -> Result<usize, Obstacle> {
         let tableau = self.tableau(path).ok_or(Obstacle::Lost)?;
         self.ways = self.ways.checked_sub(1).ok_or(Obstacle::Lost)?;
-        let range = |row: usize| {
-            let values = corners.iter().map(|corner| tableau.right_at(row, corner));
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
-                [least.min(value), most.max(value)]
-            })
-        };
-        let (mut next, mut may_end) = (Vec::new(), true);
+        let mut rest = points.to_vec();
+        let mut next = Vec::new();
         for row in 0..tableau.rows {
-            let ([least, most], error) = (range(row), tableau.right_error[row]);
-            if least - error < self.negative {
-                next.push(row);
+            let error = tableau.right_error[row];
+            let right = |point: &[f64]| tableau.right_at(row, point);
+            let seen = clipped(&rest, |point| right(point) - self.negative - error);
+            if !seen.is_empty() {
+                next.push((row, seen));
             }
-            if most + error < self.negative {
-                may_end = false;
-                break;
+            rest = clipped(&rest, |point| self.negative - error - right(point));
+            if rest.len() > MOST_POINTS {
+                return Err(Obstacle::Lost);
             }
         }
-        if may_end {
-            let unknown = tableau.rows + self.outputs..tableau.entries.len();
-            if let Some(row) = unknown.clone().find(|row| range(*row)[0] < -UNKNOWN_ROW) {
-                return Err(Obstacle::Row(row));
-            }
-            let errors = tableau.right_error[..tableau.rows].iter().copied();
-            self.error = errors.fold(self.error, f64::max);
-            let inputs = &tableau.right_error[tableau.rows..tableau.rows + self.outputs];
-            self.input = inputs.iter().copied().fold(self.input, f64::max);
+        if !rest.is_empty() {
+            self.end(&tableau, &rest)?;
         }
         let mut longest = 0;
-        for k in next {
+        for (k, points) in next {
             if left == 0 {
                 return Err(Obstacle::Lost);
             }
             let length = path.len();
             path.extend(self.pairs(&tableau, k)?);
-            let own = self.follow(path, corners, left - 1);
+            let own = self.follow(path, &points, left - 1);
             path.truncate(length);
             longest = longest.max(1 + own?);
         }
@@ -186,6 +232,18 @@ impl Follower {
             found => found,
         }
     }
+}
+
+/// The range of each state over cells, as shares of the sides.
+fn reach(cells: &[ShareCorners]) -> Vec<[f64; 2]> {
+    let mut corners = cells.iter().flatten();
+    let first = corners.next().map(|corner| corner.iter().map(|&x| [x, x]).collect());
+    corners.fold(first.unwrap_or_default(), |mut all: Vec<[f64; 2]>, corner| {
+        for ([least, most], &x) in all.iter_mut().zip(corner) {
+            (*least, *most) = (least.min(x), most.max(x));
+        }
+        all
+    })
 }
 
 /// The rows that are active at some corner, those that are so more often first, and the set that is
@@ -242,7 +300,7 @@ impl FollowedProgram {
         let (full, scales) = ExchangeTableau::new(&condensed)?;
         let (mut rows, usual) = usual_rows(&full, cells)?;
         while rows.len() <= MOST_DEVICE_ROWS {
-            let start = begun(&full, &rows, &usual)?.stored(unit);
+            let start = begun(&full, &rows, &usual)?.stored(unit, reach(cells));
             let largest = start.right_error[..start.rows].iter().copied().fold(0.0, f64::max);
             let negative = -NEGATIVE_ERRORS * largest.max(1e-12);
             let positive = (POSITIVE_UNITS * unit).max(LEAST_POSITIVE);
@@ -254,6 +312,7 @@ impl FollowedProgram {
                 ways: 0,
                 error: 0.0,
                 input: 0.0,
+                most_error: (MOST_ERROR_UNITS * unit).max(MOST_ERROR),
             };
             let (mut ends, mut exchanges, mut missing) = (Vec::new(), 0, Vec::new());
             for cell in cells {

@@ -31,15 +31,22 @@ pub(crate) struct ExchangeTableau {
     pub(crate) right_error: Vec<f64>,
     /// The relative error of an operation.
     unit: f64,
+    /// The range of each state, as shares of the sides.
+    reach: Vec<[f64; 2]>,
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The largest magnitude of a function over the box.
-fn size(of: &[f64]) -> f64 {
-    of.iter().map(|value| value.abs()).sum()
+/// The largest magnitude of a function of the states.
+fn size(of: &[f64], reach: &[[f64; 2]]) -> f64 {
+    let (mut middle, mut radius) = (of[0], 0.0);
+    for (factor, [least, most]) in of[1..].iter().zip(reach) {
+        middle += factor * 0.5 * (least + most);
+        radius += factor.abs() * 0.5 * (most - least);
+    }
+    middle.abs() + radius
 }
 
 impl ExchangeTableau {
@@ -70,8 +77,9 @@ impl ExchangeTableau {
             right.push((0..states).map(along).collect());
         }
         let right_error = vec![0.0; right.len()];
+        let reach = vec![[0.0, 1.0]; states - 1];
         let rows = program.rows.len();
-        Some((ExchangeTableau { rows, entries, right, right_error, unit: 0.0 }, scales))
+        Some((ExchangeTableau { rows, entries, right, right_error, unit: 0.0, reach }, scales))
     }
 
     /// The same with some rows alone, in this order, the outputs, and then the other rows as
@@ -87,18 +95,23 @@ impl ExchangeTableau {
             right: order.iter().map(|&row| self.right[row].clone()).collect(),
             right_error: order.iter().map(|&row| self.right_error[row]).collect(),
             unit: self.unit,
+            reach: self.reach.clone(),
         }
     }
 
-    /// The tableau as a device of this precision keeps it, in the beginning.
-    pub(crate) fn stored(mut self, unit: f64) -> Self {
+    /// The tableau as a device of this precision keeps it, in the beginning, for states in these
+    /// ranges.
+    pub(crate) fn stored(mut self, unit: f64, reach: Vec<[f64; 2]>) -> Self {
         self.unit = unit;
         for entry in self.entries.iter_mut().flatten() {
             entry.error = unit * entry.value.abs();
         }
         for (right, error) in self.right.iter().zip(&mut self.right_error) {
-            *error = (right.len() as f64 + 2.0) * unit * size(right) * SECOND_ORDER;
+            let factors = right[1..].iter().zip(&reach).map(|(factor, [_, most])| factor * most);
+            let sum: f64 = right[0].abs() + factors.map(f64::abs).sum::<f64>();
+            *error = (right.len() as f64 + 2.0) * unit * sum * SECOND_ORDER;
         }
+        self.reach = reach;
         self
     }
 
@@ -111,7 +124,7 @@ impl ExchangeTableau {
     pub(crate) fn exchange(&mut self, p: usize) -> Option<()> {
         let own = self.entries[p].clone();
         let (own_right, own_error) = (self.right[p].clone(), self.right_error[p]);
-        let own_size = size(&own_right);
+        let own_size = size(&own_right, &self.reach);
         let RoundedEntry { value: diagonal, error } = own[p];
         if diagonal.is_nan() || error > LARGEST_RELATIVE_ERROR * diagonal.abs() || diagonal == 0.0 {
             return None;
@@ -135,7 +148,7 @@ impl ExchangeTableau {
                 entry.value = value;
             }
             self.entries[i][p] = ratio;
-            let size_here = size(&self.right[i]) + ratio.value.abs() * own_size;
+            let size_here = size(&self.right[i], &self.reach) + ratio.value.abs() * own_size;
             self.right_error[i] = rounded(self.right_error[i], own_size, own_error, size_here);
             for (right, own) in self.right[i].iter_mut().zip(&own_right) {
                 *right -= ratio.value * own;
