@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::process::Command;
 
 use carom::ErrorKind;
-use carom::explicit::{ExplicitProgram, ExplicitTable, LookupAnswer};
+use carom::explicit::{ExplicitProgram, ExplicitTable, LookupAnswer, LookupArrays};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 
@@ -22,6 +22,27 @@ fn tables() -> Vec<ExplicitTable> {
         let finest = if program.axes == 3 { 0.5 } else { 1.0 / 16.0 };
         let table = explicit.with_finest(finest).unwrap().with_cell_limit(300).build();
         if table.report().cells > 20 {
+            tables.push(table);
+        }
+    }
+    tables
+}
+
+/// Tables whose devices exchange pairs.
+fn solving_tables() -> Vec<ExplicitTable> {
+    let mut runner = TestRunner::deterministic();
+    let mut tables = Vec::new();
+    while tables.len() < 4 {
+        let program = programs().new_tree(&mut runner).unwrap().current();
+        if program.squares[0] == 0.0 {
+            continue;
+        }
+        let built = program.build();
+        let explicit = ExplicitProgram::new(&built.model, built.axes, built.outputs).unwrap();
+        let finest = if program.axes == 3 { 0.5 } else { 1.0 / 16.0 };
+        let table = explicit.with_finest(finest).unwrap().with_cell_limit(300).build();
+        let single = table.single_solving();
+        if single.view().programs.iter().any(|own| own.exchanges > 0) {
             tables.push(table);
         }
     }
@@ -89,12 +110,30 @@ fn single_numbers_differ_by_their_rounding() {
     }
 }
 
+/// The answer of a look-up, and the bits of its inputs and its loss.
+fn double_bits(arrays: &LookupArrays<f64>, state: &[f64]) -> String {
+    let (mut inputs, mut work) = (vec![0.0; arrays.inputs()], vec![0.0; arrays.work()]);
+    let answer = arrays.view().solve(state, &mut inputs, &mut work);
+    inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
+    let bits: Vec<String> = inputs.iter().map(|x| format!(" {}", x.to_bits())).collect();
+    format!("{}{}", word(&answer), bits.concat())
+}
+
+fn single_bits(arrays: &LookupArrays<f32>, state: &[f64]) -> String {
+    let state: Vec<f32> = state.iter().map(|&x| x as f32).collect();
+    let (mut inputs, mut work) = (vec![0.0; arrays.inputs()], vec![0.0; arrays.work()]);
+    let answer = arrays.view().solve(&state, &mut inputs, &mut work);
+    inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
+    let bits: Vec<String> = inputs.iter().map(|x| format!(" {}", x.to_bits())).collect();
+    format!("{}{}", word(&answer), bits.concat())
+}
+
 /// Compiles a table in C, and compares it with the look-up.
 fn assert_c_agrees(
     texts: [String; 2],
     is_double: bool,
     states: &[Vec<f64>],
-    table: &ExplicitTable,
+    expected: impl Fn(&[f64]) -> String,
 ) {
     let folder = tempfile::tempdir().unwrap();
     let [header, source] = texts;
@@ -150,24 +189,9 @@ int main(void)
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
     let output = Command::new(path("law")).output().unwrap();
     let output = String::from_utf8(output.stdout).unwrap();
-    let single = table.single();
     let mut lines = output.lines();
     for state in states {
-        let mut expected = String::new();
-        if is_double {
-            let (answer, mut inputs) = table.evaluate(state);
-            inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
-            write!(expected, "{}", word(&answer)).unwrap();
-            inputs.iter().for_each(|x| write!(expected, " {}", x.to_bits()).unwrap());
-        } else {
-            let state: Vec<f32> = state.iter().map(|&x| x as f32).collect();
-            let mut inputs = vec![0.0; single.inputs()];
-            let answer = single.view().evaluate(&state, &mut inputs);
-            inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
-            write!(expected, "{}", word(&answer)).unwrap();
-            inputs.iter().for_each(|x| write!(expected, " {}", x.to_bits()).unwrap());
-        }
-        assert_eq!(lines.next(), Some(&expected[..]), "{state:?}");
+        assert_eq!(lines.next(), Some(&expected(state)[..]), "{state:?}");
     }
     assert_eq!(lines.next(), None);
 }
@@ -177,11 +201,17 @@ fn c_agrees_bit_for_bit() {
     if Command::new("cc").arg("--version").output().is_err() {
         return;
     }
-    for table in tables() {
+    for table in tables().into_iter().take(4).chain(solving_tables()) {
         let axes = table.double().state_rounding().len();
-        let states = states(axes, 2000);
-        assert_c_agrees(table.double().c_source("law").unwrap(), true, &states, &table);
-        assert_c_agrees(table.single().c_source("law").unwrap(), false, &states, &table);
+        let states = states(axes, 1000);
+        for double in [table.double(), &table.double_solving()] {
+            let bits = |state: &[f64]| double_bits(double, state);
+            assert_c_agrees(double.c_source("law").unwrap(), true, &states, bits);
+        }
+        for single in [table.single(), table.single_solving()] {
+            let bits = |state: &[f64]| single_bits(&single, state);
+            assert_c_agrees(single.c_source("law").unwrap(), false, &states, bits);
+        }
     }
 }
 
