@@ -64,7 +64,8 @@ fn exchange<T: LookupNumber>(
     let rows = own.len();
     let first = p.wrapping_mul(rows);
     let row = matrix.get(first..)?.get(..rows)?;
-    own.iter_mut().zip(row).for_each(|(own, &value)| *own = value);
+    // Without zeros of their own sign, as in the C code, which calls no `memcpy` so.
+    own.iter_mut().zip(row).for_each(|(own, &value)| *own = value + T::ZERO);
     let diagonal = *own.get(p)?;
     let at = *right.get(p)?;
     let mut rest = &mut *matrix;
@@ -136,7 +137,7 @@ impl<T: LookupNumber> LookupProgram<T> {
                 break;
             }
             if count == 0 {
-                matrix.iter_mut().zip(stored).for_each(|(own, &value)| *own = value);
+                matrix.iter_mut().zip(stored).for_each(|(own, &value)| *own = value + T::ZERO);
             }
             let row = matrix.get(k.wrapping_mul(rows)..)?.get(..rows)?;
             if *row.get(k)? <= self.positive {

@@ -246,7 +246,7 @@ impl<T: LookupNumber> LookupTable<'_, T> {
     ///
     /// * `state`: an entry for each state of the table, in its unit.
     /// * `inputs`: where the inputs are written, an entry for each input of the table. They stay as
-    ///   they are if the answer has none.
+    ///   they are if the answer has none; if it is [`LookupAnswer::Damaged`], they may be anything.
     ///
     /// # Complexity
     ///

@@ -29,6 +29,7 @@ const UNKNOWN_ROW: f64 = 1e-9;
 
 /// By how many bounds of the first right sides' errors an entry is negative.
 const NEGATIVE_ERRORS: f64 = 8.0;
+const LEAST_ERROR: f64 = 1e-12;
 
 /// Entries above so many roundings are positive; and at least above those of this crate.
 const POSITIVE_UNITS: f64 = 4096.0;
@@ -302,8 +303,10 @@ impl FollowedProgram {
         while rows.len() <= MOST_DEVICE_ROWS {
             let start = begun(&full, &rows, &usual)?.stored(unit, reach(cells));
             let largest = start.right_error[..start.rows].iter().copied().fold(0.0, f64::max);
-            let negative = -NEGATIVE_ERRORS * largest.max(1e-12);
-            let positive = (POSITIVE_UNITS * unit).max(LEAST_POSITIVE);
+            // Numbers of all devices.
+            let narrow = |value: f64| f64::from(value as f32);
+            let negative = narrow(-NEGATIVE_ERRORS * largest.max(LEAST_ERROR));
+            let positive = narrow((POSITIVE_UNITS * unit).max(LEAST_POSITIVE));
             let mut follower = Follower {
                 known: HashMap::from([(Vec::new(), Some(Rc::new(start.clone())))]),
                 outputs: outputs.len(),
@@ -332,9 +335,13 @@ impl FollowedProgram {
             let entries = start.entries[..start.rows + outputs.len()].iter().flatten();
             let matrix = entries.map(|entry| entry.value);
             let right = start.right[..start.rows + outputs.len()].iter().flatten().copied();
-            let missed = follower.error - negative;
-            let largest = rows.iter().map(|&row| scales[row]).fold(0.0, f64::max);
-            // A multiplier that is negative by so much may save so much for each unit of slack.
+            // An entry that counts as 0 is off by so much. A multiplier that is negative by it saves it
+            // for each unit of slack.
+            let off = follower.error - negative;
+            let scale = |all: f64, row: &usize| all.max(scales[*row]);
+            let known = rows.iter().fold(0.0, scale);
+            let missed =
+                (off * known).max(UNKNOWN_ROW * (0..full.rows).fold(0.0, |a, b| scale(a, &b)));
             let slacks: f64 = rows.iter().map(|&row| condensed.most[row] / scales[row]).sum();
             let program = DeviceProgram {
                 rows: start.rows,
@@ -343,8 +350,7 @@ impl FollowedProgram {
                 positive,
                 exchanges,
             };
-            let (missed, loss) = (missed * largest, missed * slacks);
-            let errors = SolveErrors { missed, loss, input: follower.input };
+            let errors = SolveErrors { missed, loss: off * slacks, input: follower.input };
             return Some(FollowedProgram { program, ends, errors });
         }
         None

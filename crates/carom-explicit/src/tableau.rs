@@ -138,7 +138,8 @@ impl ExchangeTableau {
             // Of a difference of an entry and a product.
             let unit = self.unit;
             let rounded = |old_error: f64, factor: f64, factor_error: f64, size: f64| {
-                let product = ratio.value.abs() * factor_error + ratio.error * factor;
+                let product =
+                    ratio.value.abs() * factor_error + ratio.error * (factor + factor_error);
                 SECOND_ORDER * (old_error + product + 2.0 * unit * size)
             };
             for (entry, own) in self.entries[i].iter_mut().zip(&own) {
