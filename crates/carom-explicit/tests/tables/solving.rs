@@ -1,6 +1,9 @@
 //! Tables whose devices solve programs, against solves of single states.
 
-use carom::explicit::{ExplicitProgram, ExplicitTable, LookupAnswer, LookupArrays, LookupLeaf};
+use carom::explicit::{
+    ExplicitProgram, ExplicitTable, LookupAnswer, LookupArrays, LookupLeaf, LookupProgram,
+    LookupTable,
+};
 use carom::prelude::*;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -49,6 +52,7 @@ proptest! {
         prop_assert!(double.view().is_sound() && single.view().is_sound());
         prop_assert!(double.bytes() <= table.double().bytes());
         let mut built = program.build();
+        let is_curved = program.squares[0] > 0.0;
         for state in states {
             let state = &state[..program.axes];
             built.axes.iter().zip(state).for_each(|(&v, &t)| built.model.set_parameter(v, t).unwrap());
@@ -75,6 +79,16 @@ proptest! {
                 }
                 let best = solution.objective().unwrap();
                 prop_assert!(cost <= best + loss + 1e-4, "{cost} {best} {loss}");
+                // Where a program is solved, nothing is lost beside the integers.
+                if is_curved && programs_solved(&double) == double.view().leaves.len() {
+                    let mut fixed = built.model.clone();
+                    for (&v, b) in built.outputs.iter().zip(&plan).skip(program.columns) {
+                        fixed.fix(v, b.round()).unwrap();
+                    }
+                    let own = BranchAndBound::default().solve(&fixed).unwrap();
+                    let own = own.objective().unwrap();
+                    prop_assert!(cost <= own + 1e-3, "{cost} {own}");
+                }
             }
             match answer {
                 LookupAnswer::NoPlan => prop_assert!(solution.is_infeasible()),
@@ -99,4 +113,84 @@ fn many_tables_solve_programs_in_fewer_bytes() {
     }
     println!("{solving} tables, {bytes} of {before} bytes, {exchanges} exchanges");
     assert!(solving > 5 && exchanges > 5 && bytes < before);
+}
+
+/// The damaged slices of a table.
+struct Slices {
+    leaves: Vec<LookupLeaf<f32>>,
+    programs: Vec<LookupProgram<f32>>,
+    numbers: Vec<f32>,
+}
+
+#[test]
+fn damaged_programs_end() {
+    let mut runner = TestRunner::deterministic();
+    let (mut tables, mut unsound) = (0, 0);
+    while tables < 5 {
+        let program = programs().new_tree(&mut runner).unwrap().current();
+        let single = table(&program).single_solving();
+        let view = single.view();
+        if !view.programs.iter().any(|own| own.exchanges > 0) {
+            continue;
+        }
+        tables += 1;
+        for k in 0..400_usize {
+            let mut own = Slices {
+                leaves: view.leaves.to_vec(),
+                programs: view.programs.to_vec(),
+                numbers: view.numbers.to_vec(),
+            };
+            let strange = [f32::NAN, f32::INFINITY, 0.0, -1e30, 1e-30, -1.0];
+            let place = 7919 * k + 13;
+            let number = place % own.numbers.len();
+            let which = place % own.programs.len();
+            match k % 8 {
+                0..3 => own.numbers[number] = strange[k % strange.len()],
+                3 => own.programs[which].rows = [u32::MAX, 0, 7, 4096][k / 8 % 4],
+                4 => own.programs[which].first = [u32::MAX, 1, 50][k / 8 % 3],
+                5 => own.programs[which].exchanges = [0, 1, 1000][k / 8 % 3],
+                6 => own.programs[which].negative = strange[k % strange.len()],
+                _ => own.numbers.truncate(number),
+            }
+            let (leaves, programs, numbers) =
+                (&own.leaves[..], &own.programs[..], &own.numbers[..]);
+            let damaged = LookupTable { leaves, programs, numbers, ..view };
+            unsound += usize::from(!damaged.is_sound());
+            for _ in 0..20 {
+                let state = prop::collection::vec(-1.0..=1.0_f32, program.axes);
+                let state = state.new_tree(&mut runner).unwrap().current();
+                let (mut inputs, mut work) = (vec![0.0; single.inputs()], vec![0.0; single.work()]);
+                let answer = damaged.solve(&state, &mut inputs, &mut work);
+                // Whatever the numbers are, an answer has none that is not finite.
+                assert!(!answer.has_inputs() || inputs.iter().all(|x| x.is_finite()), "{answer:?}");
+            }
+        }
+    }
+    assert!(unsound > 200, "{unsound}");
+}
+
+#[test]
+fn work_space_is_wanted() {
+    let mut runner = TestRunner::deterministic();
+    loop {
+        let program = programs().new_tree(&mut runner).unwrap().current();
+        let double = table(&program).double_solving();
+        if double.work() == 0 {
+            continue;
+        }
+        let wanted = double.work();
+        let states = prop::collection::vec(-1.0..=1.0_f64, program.axes);
+        for _ in 0..50 {
+            let state = states.new_tree(&mut runner).unwrap().current();
+            let mut inputs = vec![0.0; double.inputs()];
+            let (mut enough, mut less) = (vec![0.0; wanted + 3], vec![0.0; wanted - 1]);
+            let answer = double.view().solve(&state, &mut inputs, &mut enough);
+            assert_ne!(answer, LookupAnswer::Damaged);
+            let other = double.view().solve(&state, &mut inputs, &mut less);
+            assert!(other == answer || other == LookupAnswer::Damaged);
+            let wrong = double.view().solve(&state, &mut [], &mut enough);
+            assert!(!wrong.has_inputs());
+        }
+        return;
+    }
 }
