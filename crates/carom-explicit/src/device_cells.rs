@@ -29,6 +29,8 @@ pub(crate) struct DeviceCells<'a> {
     pub(crate) orders: usize,
     pub(crate) depth: usize,
     pub(crate) programs: Vec<DeviceProgram>,
+    /// The cells of the partition that solve each program.
+    pub(crate) solved: Vec<Vec<usize>>,
     /// The largest of all programs.
     pub(crate) errors: SolveErrors,
 }
@@ -51,6 +53,7 @@ impl<'a> DeviceCells<'a> {
             orders: partition.orders,
             depth: partition.depth,
             programs: Vec::new(),
+            solved: Vec::new(),
             errors: SolveErrors::default(),
         }
     }
@@ -92,13 +95,17 @@ impl<'a> DeviceCells<'a> {
             let number = *known.entry(key).or_insert(own.programs.len());
             match own.programs.get_mut(number) {
                 Some(same) => same.exchanges = same.exchanges.max(program.exchanges),
-                None => own.programs.push(program),
+                None => {
+                    own.programs.push(program);
+                    own.solved.push(Vec::new());
+                }
             }
             own.errors = own.errors.largest(errors);
             for (&cell, _) in numbers.iter().zip(ends).filter(|(_, ends)| *ends) {
                 let PartitionCell::Plan(law) = &partition.cells[cell] else { continue };
                 own.cells[cell] =
                     DeviceCell::Solve { program: number, loss: law.loss + errors.loss };
+                own.solved[number].push(cell);
             }
         }
         own.join();
@@ -193,7 +200,7 @@ fn program_bits(program: &DeviceProgram, bytes: usize) -> Vec<u64> {
 }
 
 /// The corners of all cells, as shares of the sides of the box.
-fn corner_shares(form: &ParametricForm, partition: &Partition) -> Vec<ShareCorners> {
+pub(crate) fn corner_shares(form: &ParametricForm, partition: &Partition) -> Vec<ShareCorners> {
     let mut units: Vec<Vec<Vec<i64>>> =
         orders(form.axes.len()).iter().map(|order| kuhn(order)).collect();
     for (number, cell) in partition.cells.iter().enumerate() {

@@ -27,6 +27,10 @@ const MOST_DEVICE_ROWS: usize = 40;
 /// By how much a row that the device does not know may be missed, in units of its slack.
 const UNKNOWN_ROW: f64 = 1e-9;
 
+/// Numbers of a program are 0 or between these, in magnitude.
+const LEAST_NUMBER: f64 = 1e-30;
+const LARGEST_NUMBER: f64 = 1e30;
+
 /// By how many bounds of the first right sides' errors an entry is negative.
 const NEGATIVE_ERRORS: f64 = 8.0;
 const LEAST_ERROR: f64 = 1e-12;
@@ -343,13 +347,14 @@ impl FollowedProgram {
             let missed =
                 (off * known).max(UNKNOWN_ROW * (0..full.rows).fold(0.0, |a, b| scale(a, &b)));
             let slacks: f64 = rows.iter().map(|&row| condensed.most[row] / scales[row]).sum();
-            let program = DeviceProgram {
-                rows: start.rows,
-                numbers: matrix.chain(right).collect(),
-                negative,
-                positive,
-                exchanges,
-            };
+            // What is left of differences that cancel is not a number to keep.
+            let kept = |value: f64| if value.abs() < LEAST_NUMBER { 0.0 } else { value };
+            let numbers: Vec<f64> = matrix.chain(right).map(kept).collect();
+            if !numbers.iter().all(|value| value.abs() < LARGEST_NUMBER) {
+                return None;
+            }
+            let program =
+                DeviceProgram { rows: start.rows, numbers, negative, positive, exchanges };
             let errors = SolveErrors { missed, loss: off * slacks, input: follower.input };
             return Some(FollowedProgram { program, ends, errors });
         }

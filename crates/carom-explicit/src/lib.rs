@@ -15,6 +15,7 @@ mod followed_program;
 mod form;
 mod integer_tree;
 mod partition;
+mod program_text;
 mod proof_of_cell;
 mod relaxed;
 mod rust_source;

@@ -150,6 +150,40 @@ pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) 
         }
         // The text ends.
         10 => lines.truncate(1 + place % (lines.len() - 1)),
+        // An input of a program is another one.
+        11 => {
+            let k = one("m ")?;
+            let at = lines[k].split(' ').count() - program.axes - 1;
+            let constant: f64 = word(k, at).parse().ok()?;
+            lines[k] = with(k, at, &format!("{:?}", constant + 0.5));
+        }
+        // A cell solves its program twice.
+        12 => {
+            let k = one("solves ")?;
+            let (count, first) = (word(k, 1).parse::<u64>().ok()?, word(k, 2));
+            lines[k] = format!("{} {first}", with(k, 1, &(count + 1).to_string()));
+        }
+        // A cell that is cut, or has no plan, solves a program.
+        13 => {
+            let first = one("cells")? + 1;
+            let none = (0..8)
+                .find(|cell| lines.get(first + cell).is_some_and(|line| line.starts_with("cut")))?;
+            let k = one("solves ")?;
+            lines[k] = with(k, 2, &none.to_string());
+        }
+        // A limit of signs is on the other side of 0.
+        14 => {
+            let k = one("q ")?;
+            let at = 3 + place % 2;
+            let limit: f64 = word(k, at).parse().ok()?;
+            lines[k] = with(k, at, &format!("{:?}", -limit));
+        }
+        // A program has more rows.
+        15 => {
+            let k = one("q ")?;
+            let rows: u64 = word(k, 1).parse().ok()?;
+            lines[k] = with(k, 1, &(rows + 1).to_string());
+        }
         // The cost is another one in the corner's evidence: what is saved is worth more.
         _ => {
             let k = one("cost")?;
@@ -162,7 +196,7 @@ pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) 
 #[test]
 fn damaged_certificates_are_rejected() {
     let mut runner = TestRunner::deterministic();
-    let mut counts = [0; 12];
+    let mut counts = [0; 17];
     while counts.iter().sum::<usize>() < 1000 {
         let program = programs().new_tree(&mut runner).unwrap().current();
         let table = table(&program);
