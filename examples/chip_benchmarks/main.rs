@@ -3,12 +3,13 @@
 //! `cargo run --release --example chip_benchmarks -- [STATES] [DAMAGES] [FOLDER] [NAME]`
 //!
 //! At STATES random states (100 by default) of each system, and at as many corners of cells, the
-//! program is solved online, from its last tree. Where the table has an input, the online optimum
+//! program is solved online, from its last tree. Where a table has an input, the online optimum
 //! with that input must be within the loss; where it says that there is no plan, there must be
-//! none. That holds for the table with explicit laws, and for the one with programs, whose line is
-//! the second one. Of a table of at most 300 cells, DAMAGES certificates (10 by default) with something wrong
-//! are made, which the checker must reject. FOLDER gets certificates for `carom-proof table`, and
-//! the states with their optima for `benches/chip_daqp.py`. With NAME, there is one system alone.
+//! none. There are two tables: the first line of a system is that with explicit laws, and the
+//! second one that in which devices solve programs. Of a table of at most 300 cells, DAMAGES
+//! certificates (10 by default) with something wrong are made, which the checker must reject.
+//! FOLDER gets certificates for `carom-proof table`, and the states with their optima for
+//! `benches/chip_daqp.py`. With NAME, there is one system alone.
 
 mod damage;
 mod systems;

@@ -1,20 +1,21 @@
 //! Quadratic programs whose integers the cell gives.
 //!
-//! With the integers fixed, a strictly convex program has slacks `s = M l + b` of its rows, at
-//! multipliers `l`, and its optimum is where `s >= 0`, `l >= 0`, and one of each pair is 0: a linear
-//! complementarity problem, of which only `b` depends on the state. The least-index criss-cross
-//! method solves it (D. den Hertog, C. Roos, T. Terlaky, The linear complementarity problem,
-//! sufficient matrices, and the criss-cross method, Linear Algebra Appl. 187, 1993): the first
-//! negative entry of `b` changes places with its partner, or, if its diagonal is 0, with the first
-//! one that can make up for it. Only signs decide, so that whoever writes the table can follow all
-//! ways that the states of a cell may take, and count them.
+//! With the integers fixed, a strictly convex program has slacks `s = M l + b` of its rows at
+//! multipliers `l`, and its optimum is where `s >= 0`, `l >= 0`, and one of each pair is 0. That
+//! is a linear complementarity problem, of which only `b` depends on the state. The least-index
+//! criss-cross method solves it (D. den Hertog, C. Roos, T. Terlaky, The linear complementarity
+//! problem, sufficient matrices, and the criss-cross method, Linear Algebra Appl. 187, 1993). The
+//! slack of the first row with a negative entry of `b` changes places with its multiplier; if the
+//! diagonal of `M` is 0 there, a pair with a positive entry in that row does so before. Only signs
+//! decide, so that whoever writes the table can follow all ways that the states of a cell may
+//! take, and count them.
 
 use crate::real::LookupNumber;
 
 /// A quadratic program with fixed integers.
 ///
-/// It begins with the active rows that most states of its cells have: the slack of an active row has
-/// changed places with its multiplier.
+/// It begins with the rows active that are so at most corners of its cells: the slack of an active
+/// row has changed places with its multiplier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookupProgram<T> {
     /// The number of rows.
@@ -130,7 +131,7 @@ impl<T: LookupNumber> LookupProgram<T> {
                 )
             };
             let Some(k) = right.iter().position(is_negative) else {
-                let is_finite = |value: &T| *value - *value == T::ZERO;
+                let is_finite = |value: &T| *value * T::ZERO == T::ZERO;
                 return inputs.iter().all(is_finite).then_some(());
             };
             if count == self.exchanges {

@@ -194,7 +194,7 @@ impl<T> LookupTable<'_, T> {
 }
 
 /// Where a state is.
-struct Found<'a, T> {
+struct FoundLeaf<'a, T> {
     leaf: &'a LookupLeaf<T>,
     weights: Weights,
     /// Zero behind the states of the table.
@@ -204,7 +204,7 @@ struct Found<'a, T> {
 impl<T: LookupNumber> LookupTable<'_, T> {
     /// The leaf of a state, the weights of its corners, and the state as shares of the sides of the
     /// box.
-    fn find(&self, state: &[T]) -> Result<Found<'_, T>, LookupAnswer<T>> {
+    fn find(&self, state: &[T]) -> Result<FoundLeaf<'_, T>, LookupAnswer<T>> {
         let states = self.lower.len();
         let fits = state.len() == states && self.upper.len() == states;
         if !fits || self.scale.len() != states || states >= MOST_CORNERS {
@@ -227,7 +227,7 @@ impl<T: LookupNumber> LookupTable<'_, T> {
             if at & Self::LEAF != 0 {
                 let number = (at ^ Self::LEAF) as usize;
                 let leaf = self.leaves.get(number).ok_or(LookupAnswer::Damaged)?;
-                return Ok(Found { leaf, weights, shares: coordinates.map(T::share) });
+                return Ok(FoundLeaf { leaf, weights, shares: coordinates.map(T::share) });
             }
             let node = self.nodes.get(at as usize).ok_or(LookupAnswer::Damaged)?;
             let [first, second] = node.next;
@@ -266,10 +266,10 @@ impl<T: LookupNumber> LookupTable<'_, T> {
     ///
     /// # Complexity
     ///
-    /// As that of `evaluate`, or, for a program of m rows, its exchanges, each of two passes at most
-    /// over a matrix of m columns, and m and as many rows as inputs.
+    /// That of `evaluate`; or, for a program, at most its
+    /// [`exchanges`](LookupProgram::exchanges), each with at most two passes over its matrix.
     pub fn solve(&self, state: &[T], inputs: &mut [T], work: &mut [T]) -> LookupAnswer<T> {
-        let Found { leaf, weights, shares } = match self.find(state) {
+        let FoundLeaf { leaf, weights, shares } = match self.find(state) {
             Ok(found) => found,
             Err(answer) => return answer,
         };

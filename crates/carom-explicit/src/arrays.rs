@@ -7,7 +7,9 @@ use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupProgram, Lookup
 use carom_model::Error;
 use carom_model::model::{Affine, Model};
 
+use crate::build::CellLaw;
 use crate::device_cells::{DeviceCell, DeviceCells};
+use crate::followed_program::DeviceProgram;
 use crate::form::ParametricForm;
 use crate::relaxed::{CornerRelaxation, PLAN_TOLERANCE};
 
@@ -30,20 +32,10 @@ pub struct LookupArrays<T> {
     pub(crate) state_rounding: Vec<f64>,
     pub(crate) input_rounding: f64,
     pub(crate) row_rounding: f64,
+    /// What rounding in a program adds to the loss, at most.
+    pub(crate) loss_rounding: f64,
     /// The largest sum of magnitudes behind an input, and its number of terms and two more.
     largest: [f64; 2],
-}
-
-/// The operations of a look-up, at most.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct LookupOperations {
-    /// Comparisons of numbers, whole or not.
-    pub comparisons: usize,
-    /// Multiplications, and as many sums.
-    pub products: usize,
-    /// Divisions.
-    pub divisions: usize,
 }
 
 /// An input of a law, as an affine expression of the columns of a plan.
@@ -103,8 +95,8 @@ impl<K: Hash + Eq> Numbered<K> {
 const DOUBLE_UNIT: f64 = f64::EPSILON / 2.0;
 pub(crate) const SINGLE_UNIT: f64 = f32::EPSILON as f64 / 2.0;
 
-/// A bound of the relative error of a program's numbers, with 64 bits: equations are eliminated and a
-/// Hessian is divided by, which rounds more than an operation.
+/// The relative error of a program's numbers, with 64 bits: equations are eliminated, and a Hessian
+/// is divided by, which rounds more than one operation.
 pub(crate) const CONDENSED_ROUNDING: f64 = 1e-12;
 
 /// By how much the state of a look-up may differ from the one that was asked for, in units of the
@@ -144,7 +136,8 @@ impl LookupArrays<f64> {
             remarks: Vec::new(),
             state_rounding: Vec::new(),
             input_rounding: 0.0,
-            row_rounding: PLAN_TOLERANCE + device.errors.missed,
+            row_rounding: 0.0,
+            loss_rounding: 0.0,
             largest: [0.0; 2],
         };
         let mut values = Numbered { known: HashMap::new() };
@@ -165,24 +158,8 @@ impl LookupArrays<f64> {
                     LookupLeaf::Solve { program: program as u32, loss }
                 }
                 DeviceCell::Law(law) => {
-                    let mut corners = Vec::with_capacity(law.plans.len());
-                    for plan in &law.plans {
-                        let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
-                        let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
-                        let bits: Vec<u64> = own.iter().map(|value| value.to_bits()).collect();
-                        let (number, is_new) = values.number(bits);
-                        if is_new {
-                            arrays.values.extend(own);
-                        }
-                        // Also of those with the same sum of other terms.
-                        outputs.iter().for_each(|output| arrays.measure(output, x));
-                        corners.push(number);
-                    }
-                    let (number, is_new) = laws.number(corners.clone());
-                    if is_new {
-                        arrays.laws.append(&mut corners);
-                    }
-                    LookupLeaf::Plan { law: number, loss: law.loss }
+                    let law_number = arrays.add_law(law, outputs, &mut values, &mut laws);
+                    LookupLeaf::Plan { law: law_number, loss: law.loss }
                 }
             };
             let key = match leaf {
@@ -204,24 +181,62 @@ impl LookupArrays<f64> {
             }
         }
         arrays.roots = codes[..device.orders].to_vec();
-        for program in &device.programs {
-            arrays.programs.push(LookupProgram {
+        arrays.add_programs(&device.programs);
+        arrays.note_roundings(device);
+        arrays
+    }
+
+    /// The number of a law.
+    fn add_law(
+        &mut self,
+        law: &CellLaw,
+        outputs: &[LawOutput],
+        values: &mut Numbered<Vec<u64>>,
+        laws: &mut Numbered<Vec<u32>>,
+    ) -> u32 {
+        let mut corners = Vec::with_capacity(law.plans.len());
+        for plan in &law.plans {
+            let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
+            let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
+            let bits: Vec<u64> = own.iter().map(|value| value.to_bits()).collect();
+            let (number, is_new) = values.number(bits);
+            if is_new {
+                self.values.extend(own);
+            }
+            // Also of those with the same sum of other terms.
+            outputs.iter().for_each(|output| self.measure(output, x));
+            corners.push(number);
+        }
+        let (number, is_new) = laws.number(corners.clone());
+        if is_new {
+            self.laws.append(&mut corners);
+        }
+        number
+    }
+
+    fn add_programs(&mut self, programs: &[DeviceProgram]) {
+        for program in programs {
+            self.programs.push(LookupProgram {
                 rows: program.rows as u32,
-                first: arrays.numbers.len() as u32,
+                first: self.numbers.len() as u32,
                 exchanges: program.exchanges as u32,
                 negative: program.negative,
                 positive: program.positive,
             });
-            arrays.numbers.extend(&program.numbers);
+            self.numbers.extend(&program.numbers);
         }
-        let ends = arrays.lower.iter().zip(&arrays.upper).zip(&arrays.scale);
+    }
+
+    fn note_roundings(&mut self, device: &DeviceCells<'_>) {
+        let ends = self.lower.iter().zip(&self.upper).zip(&self.scale);
         let off = ends.map(|((&l, &u), &scale)| {
             let units = f64::from(f64::UNITS);
             units_off([l, u], [l, u, scale], units, DOUBLE_UNIT) * (u - l) / units
         });
-        arrays.state_rounding = off.collect();
-        arrays.input_rounding = arrays.largest_sum_error(DOUBLE_UNIT).max(device.errors.input);
-        arrays
+        self.state_rounding = off.collect();
+        self.input_rounding = self.largest_sum_error(DOUBLE_UNIT).max(device.errors.input);
+        self.row_rounding = PLAN_TOLERANCE + device.errors.missed;
+        self.loss_rounding = device.errors.loss;
     }
 
     /// The same in 32 bits.
@@ -260,6 +275,7 @@ impl LookupArrays<f64> {
             // That of the programs is the larger one, if they were made for 32 bits.
             input_rounding: self.largest_sum_error(SINGLE_UNIT).max(self.input_rounding),
             row_rounding: self.row_rounding,
+            loss_rounding: self.loss_rounding,
             lower,
             upper,
             scale,
@@ -342,31 +358,6 @@ impl<T> LookupArrays<T> {
     #[must_use]
     pub fn work(&self) -> usize {
         self.view().work()
-    }
-
-    /// The most operations of a look-up with its law.
-    #[must_use]
-    pub fn operations(&self) -> LookupOperations {
-        let (states, inputs) = (self.lower.len(), self.inputs);
-        let mut most = LookupOperations {
-            comparisons: 0,
-            // Those of an explicit law.
-            products: if self.laws.is_empty() { 0 } else { (states + 1) * (inputs + 1) },
-            divisions: 0,
-        };
-        for program in &self.programs {
-            let (rows, exchanges) = (program.rows as usize, program.exchanges as usize);
-            // An exchange is that of two pairs at most.
-            let products = 2 * exchanges * (rows + inputs) * (rows + 1);
-            let own = states + (rows + inputs) * states + products;
-            most.products = most.products.max(own);
-            let comparisons = (exchanges + 1) * rows + exchanges * (rows + 1);
-            most.comparisons = most.comparisons.max(comparisons);
-            most.divisions = most.divisions.max(2 * exchanges * (2 * rows + inputs + 1));
-        }
-        most.comparisons += self.depth as usize + states * (states - 1) / 2;
-        most.products += states;
-        most
     }
 
     /// The memory that the arrays take as Rust constants, in bytes.

@@ -20,7 +20,7 @@ use crate::expected_cells::CellCounts;
 use crate::form::{ParametricForm, refused};
 use crate::partition::{Partition, PartitionBuild};
 use crate::saved_table::read_partition;
-use crate::table::{ExplicitTable, LoopStatement, TableReport};
+use crate::table::{ExplicitTable, LoopStatement, TableReport, counts_line};
 
 /// How far a build has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -397,8 +397,7 @@ fn remarks(
     for output in outputs {
         remarks.push(format!("input `{}`", output.text(form)));
     }
-    let TableReport { cells, laws, .. } = report;
-    remarks.push(format!("{cells} cells, {laws} laws"));
+    remarks.push(counts_line(report.cells, report.laws));
     remarks.push(format!("loss at most {absolute} + {relative} |least cost|"));
     let percent = |share: f64| 100.0 * share;
     remarks.push(format!(

@@ -131,8 +131,8 @@ fn fixed_rows(form: &ParametricForm, integers: &[f64]) -> (Vec<LimitedRow>, Vec<
     (rows, values)
 }
 
-/// Rows without columns are left out: of a state, the cell knows that they hold. Those with the same
-/// function become one.
+/// Rows of which those with the same function are one. Rows of states alone are left out, because
+/// they hold where the cell has plans.
 fn joined(rows: Vec<LimitedRow>) -> Vec<LimitedRow> {
     let mut all: Vec<LimitedRow> = Vec::with_capacity(rows.len());
     for row in rows.into_iter().filter_map(LimitedRow::normalized) {

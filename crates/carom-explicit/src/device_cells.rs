@@ -35,7 +35,7 @@ pub(crate) struct DeviceCells<'a> {
     pub(crate) errors: SolveErrors,
 }
 
-/// The bytes of a number, of an explicit law's leaf, and of a program beside its numbers.
+/// The bytes of a leaf with an explicit law, and of a program beside its numbers.
 const LEAF_BYTES: usize = 12;
 const PROGRAM_BYTES: usize = 20;
 
@@ -112,7 +112,7 @@ impl<'a> DeviceCells<'a> {
         own
     }
 
-    /// Joins halves that solve the same program, or have no answer for the same reason. Their losses
+    /// Joins halves that solve the same program, or have no answer for the same reason. Losses
     /// become the largest one of the program, of those that are proved.
     fn join(&mut self) {
         let mut losses: HashMap<usize, f64> = HashMap::new();

@@ -1,9 +1,10 @@
 //! The exchanges that a device makes over the cells of some integers.
 //!
-//! Only signs decide what a device exchanges, and over a simplex a right side is between its values
-//! at the corners. Where a sign may be either, because the simplex or the rounding leaves that open,
-//! both ways are followed. So the most exchanges on a way are a bound for all states of the simplex,
-//! and at the end of each way all that rounding may do is known.
+//! Only signs decide what a device exchanges, and right sides are affine in the state. So the
+//! states of a cell that take the same way are a polytope, the convex hull of points, and each sign
+//! cuts it. Where the device's rounding leaves a sign open, a state is on both sides. So the most
+//! exchanges on a way are a bound for all states of the cell, and what rounding may do up to the
+//! end of each way is known.
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -43,7 +44,7 @@ const LEAST_POSITIVE: f64 = 1e-9;
 const SAME_POINT: f64 = 1e-13;
 
 /// The most points of a part of a piece.
-const MOST_POINTS: usize = 120;
+const MOST_WAY_POINTS: usize = 120;
 
 /// The largest error at the end of a way, in roundings, or in units of slacks and inputs if that is
 /// more. Cells with larger ones keep their explicit laws.
@@ -85,7 +86,7 @@ pub(crate) struct FollowedProgram {
 
 /// Why a simplex cannot be followed.
 enum Obstacle {
-    /// This function, which is a row that the device does not know, is missed.
+    /// This function is missed: a row that the device does not know.
     Row(usize),
     /// The ways are too long, too many, or signs of entries are not known.
     Lost,
@@ -183,7 +184,7 @@ impl Follower {
                 next.push((row, seen));
             }
             rest = clipped(&rest, |point| self.negative - error - right(point));
-            if rest.len() > MOST_POINTS {
+            if rest.len() > MOST_WAY_POINTS {
                 return Err(Obstacle::Lost);
             }
         }
@@ -339,8 +340,8 @@ impl FollowedProgram {
             let entries = start.entries[..start.rows + outputs.len()].iter().flatten();
             let matrix = entries.map(|entry| entry.value);
             let right = start.right[..start.rows + outputs.len()].iter().flatten().copied();
-            // An entry that counts as 0 is off by so much. A multiplier that is negative by it saves it
-            // for each unit of slack.
+            // An entry that counts as 0 is off by so much. A multiplier that is negative by that
+            // may save as much for each unit of slack.
             let off = follower.error - negative;
             let scale = |all: f64, row: &usize| all.max(scales[*row]);
             let known = rows.iter().fold(0.0, scale);

@@ -14,6 +14,7 @@ mod expected_cells;
 mod followed_program;
 mod form;
 mod integer_tree;
+mod operations;
 mod partition;
 mod program_text;
 mod proof_of_cell;
@@ -25,9 +26,10 @@ mod source_text;
 mod table;
 mod tableau;
 
-pub use arrays::{LookupArrays, LookupOperations};
+pub use arrays::LookupArrays;
 pub use builder::{ExplicitProgram, TableProgress};
 pub use carom_embedded::{
     LookupAnswer, LookupLeaf, LookupNode, LookupNumber, LookupProgram, LookupTable,
 };
+pub use operations::LookupOperations;
 pub use table::{ExplicitTable, TableCell, TableReport};

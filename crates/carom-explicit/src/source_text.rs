@@ -5,7 +5,8 @@ use std::fmt::{Debug, Write};
 use carom_embedded::LookupNumber;
 use carom_model::{Error, ErrorKind};
 
-use crate::arrays::{LookupArrays, LookupOperations};
+use crate::arrays::LookupArrays;
+use crate::operations::LookupOperations;
 
 /// Columns of a line of numbers.
 const SOURCE_LINE: usize = 96;
@@ -85,7 +86,11 @@ pub(crate) fn said<T>(arrays: &LookupArrays<T>, bytes: usize) -> Vec<String> {
             exchanges.unwrap_or(0),
             arrays.work()
         ));
-        lines.push(format!("rows are missed by at most {:.1e}", arrays.row_rounding));
+        lines.push(format!(
+            "by rounding in programs, rows are missed by at most {:.1e}, and the loss is larger by at \
+             most {:.1e}",
+            arrays.row_rounding, arrays.loss_rounding
+        ));
     }
     let mut off = String::new();
     for (a, state) in arrays.state_rounding.iter().enumerate() {

@@ -80,6 +80,11 @@ pub struct ExplicitTable {
     pub(crate) arrays: LookupArrays<f64>,
 }
 
+/// What sources say of the cells and the laws of a device.
+pub(crate) fn counts_line(cells: usize, laws: usize) -> String {
+    format!("{cells} cells, {laws} laws")
+}
+
 impl ExplicitTable {
     /// The size of the table, and what is proved of it.
     #[must_use]
@@ -106,13 +111,14 @@ impl ExplicitTable {
     /// The table for a device with little memory, in 64 bits: a cell gives the integers, and where
     /// that takes fewer bytes, the device solves a quadratic program for the inputs.
     ///
-    /// Cells with the same program are joined. So the loss that a look-up says is the largest one of
-    /// the program, or of that part of its cells that lose more than was asked for. The law is the
-    /// optimum with the integers of the cell, which costs no more than what
-    /// [`double`](Self::double) interpolates. Its programs are strictly convex in what equations
-    /// leave of the columns, and no cell takes more exchanges than
-    /// [`LookupProgram::exchanges`](carom_embedded::LookupProgram::exchanges): others keep explicit
-    /// laws.
+    /// The law is the optimum with the integers of the cell, which costs no more than what
+    /// [`double`](Self::double) interpolates. Cells with the same program are joined, so that the
+    /// loss of a look-up is the largest one of all cells of the program.
+    ///
+    /// No state takes more exchanges than
+    /// [`LookupProgram::exchanges`](carom_embedded::LookupProgram::exchanges). Cells of which that
+    /// cannot be proved, and those whose program is not strictly convex in the columns that
+    /// equations leave, keep their explicit laws.
     ///
     /// ```
     /// use carom::explicit::{ExplicitProgram, LookupAnswer};
@@ -153,7 +159,11 @@ impl ExplicitTable {
     fn solving(&self, numbers: (usize, f64)) -> LookupArrays<f64> {
         let cells = DeviceCells::solving(&self.form, &self.partition, &self.outputs, numbers);
         let mut arrays = LookupArrays::new(&self.form, &cells, &self.outputs);
-        arrays.remarks.clone_from(&self.arrays.remarks);
+        let before = counts_line(self.report.cells, self.report.laws);
+        let laws = arrays.laws.len() / (arrays.lower.len() + 1);
+        let own = counts_line(arrays.nodes.len() + arrays.roots.len(), laws);
+        let line = |line: &String| if *line == before { own.clone() } else { line.clone() };
+        arrays.remarks = self.arrays.remarks.iter().map(line).collect();
         arrays
     }
 

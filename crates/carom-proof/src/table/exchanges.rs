@@ -1,14 +1,15 @@
 //! The programs that a device solves: how many exchanges that takes.
 //!
-//! With the integers of a cell, a strictly convex program has slacks `s = M l + b` at multipliers l,
-//! of which b depends on the state. The device exchanges the first negative entry of b with its
-//! partner, or, if its diagonal is not positive, with the first one of its row that is. The states of
-//! a cell that take the same way are those that keep some linear inequalities: the convex hull of
-//! points. So all ways from the corners of a cell are followed in exact arithmetic.
+//! With the integers of a cell, a strictly convex program has slacks `s = M l + b` at multipliers
+//! l, where b depends on the state. The device takes the first row with a negative entry of b and
+//! exchanges its slack with its multiplier; if the diagonal of M is not positive there, it
+//! exchanges the first pair with a positive entry in that row before. The states of a cell that
+//! take the same way keep some linear inequalities, so that they are a polytope. All ways
+//! are followed from the whole cell on, in exact arithmetic.
 //!
 //! Entries are `A / D` for whole numbers A and a D in common (E. H. Bareiss, Sylvester's identity
-//! and multistep integer-preserving Gaussian elimination, Math. Comp. 22, 1968). Slacks are counted in
-//! units of `2^-scale`, so that all numbers are whole in the beginning.
+//! and multistep integer-preserving Gaussian elimination, Math. Comp. 22, 1968). Slacks are counted
+//! in units of `2^-scale`, so that all numbers are whole in the beginning.
 
 use crate::text::{Refusal, rejected};
 use num_bigint::{BigInt, Sign};
@@ -86,8 +87,8 @@ fn reduced(point: Point) -> Point {
     point.into_iter().map(|value| value / &divisor).collect()
 }
 
-/// The part of a convex hull at which a function is not positive, as the hull of its corners. That is
-/// the inequality of a number.
+/// The part of a convex hull at which a function is not positive, as the hull of its corners. The
+/// number is that of this inequality.
 ///
 /// An edge joins two corners if no third one is on all inequalities that are tight at both (T. S.
 /// Motzkin and others, The double description method, 1953). Without a bit for the inequality, all

@@ -3,8 +3,8 @@
 //! A table states a program with parameters in a box, cuts the box into simplices, and says of each
 //! simplex which plan holds there and what it loses, or that there is none. `statement` reads what
 //! is said of the program and the device, `evidence` bounds costs over a simplex, `cells` walks the
-//! tree, `leaves` checks plans and proofs, `closed_loop` says where the loop stays. `programs` reads
-//! those that a device solves, and `exchanges` counts what that takes.
+//! tree, `leaves` checks plans and proofs, `closed_loop` says where the loop stays. `programs`
+//! reads what a device solves, and `exchanges` follows it.
 
 mod cells;
 mod closed_loop;
