@@ -152,11 +152,11 @@ fn write_states(file: &Path, states: &[Vec<f64>], online: &Online) -> std::io::R
 }
 
 /// The line of a table with programs.
-fn print_solving(table: &ExplicitTable, single: &LookupArrays<f32>) {
+fn print_solving(table: &ExplicitTable, single: &LookupArrays<f32>, seconds: f64) {
     let ([mean, longest], view) = (look_up(table, single), single.view());
     let most = |of: fn(&LookupProgram<f32>) -> u32| view.programs.iter().map(of).max().unwrap_or(0);
     println!(
-        "  programs   {:5}  {:7}  {:4}  {} programs, {} rows, {} exchanges, {} products, rows missed by \
+        "  programs   {:5}  {:7}  {:4}  {seconds:7.1}  {} programs, {} rows, {} exchanges, {} products, rows missed by \
          {:.1e}, inputs off by {:.1e}  {mean:>13.0?} {longest:>8.0?}",
         view.nodes.len() + view.roots.len(),
         single.bytes(),
@@ -198,7 +198,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let table = system.table(1_000_000)?;
         let (report, single) = (table.report(), table.single());
         let [mean, longest] = look_up(&table, &single);
-        let (solving, double) = (table.single_solving(), table.double_solving());
+        let began = Instant::now();
+        let solving = table.single_solving();
+        let (seconds, double) = (began.elapsed().as_secs_f64(), table.double_solving());
         let laws = [table.double(), &double];
         let mut random = Random::new();
         let states: Vec<Vec<f64>> = (0..count).map(|_| random.state(&table)).collect();
@@ -232,7 +234,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             corners.len(),
             report.most_nodes,
         );
-        print_solving(&table, &solving);
+        print_solving(&table, &solving, seconds);
     }
     Ok(())
 }
