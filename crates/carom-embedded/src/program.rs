@@ -32,8 +32,8 @@ pub struct LookupProgram<T> {
     pub positive: T,
 }
 
-/// The most rows and inputs, so that no length overflows.
-const MOST_PROGRAM_ROWS: u32 = 1 << 12;
+/// The most rows, inputs and exchanges, so that no length overflows and each solve ends.
+const MOST_COUNT: usize = 1 << 12;
 
 impl<T> LookupProgram<T> {
     /// The numbers of work space that a solve takes.
@@ -44,14 +44,18 @@ impl<T> LookupProgram<T> {
 
     /// Whether the table has all of its numbers, with so many states and inputs.
     pub(crate) const fn is_sound(&self, numbers: usize, states: usize, inputs: usize) -> bool {
-        if self.rows > MOST_PROGRAM_ROWS || inputs > MOST_PROGRAM_ROWS as usize {
+        let rows = self.rows as usize;
+        if rows > MOST_COUNT || inputs > MOST_COUNT || self.exchanges as usize > MOST_COUNT {
             return false;
         }
-        let rows = self.rows as usize;
         let own = (rows + inputs) * (rows + states + 1);
         let first = self.first as usize;
         first <= numbers && own <= numbers - first
     }
+}
+
+fn is_at_least<T: PartialOrd>(value: T, limit: T) -> bool {
+    value >= limit
 }
 
 /// Changes the places of the pair p: the slack of a row and its multiplier.
@@ -123,13 +127,8 @@ impl<T: LookupNumber> LookupProgram<T> {
             }
         }
         for count in 0..=self.exchanges {
-            // Also NaN, so that there is no answer with one.
-            let is_negative = |value: &T| {
-                !matches!(
-                    value.partial_cmp(&self.negative),
-                    Some(core::cmp::Ordering::Greater | core::cmp::Ordering::Equal)
-                )
-            };
+            // NaN counts as negative, so that there is no answer with one.
+            let is_negative = |value: &T| !is_at_least(*value, self.negative);
             let Some(k) = right.iter().position(is_negative) else {
                 let is_finite = |value: &T| *value * T::ZERO == T::ZERO;
                 return inputs.iter().all(is_finite).then_some(());
@@ -141,8 +140,9 @@ impl<T: LookupNumber> LookupProgram<T> {
                 matrix.iter_mut().zip(stored).for_each(|(own, &value)| *own = value + T::ZERO);
             }
             let row = matrix.get(k.wrapping_mul(rows)..)?.get(..rows)?;
-            if *row.get(k)? <= self.positive {
-                let other = row.iter().position(|value| *value > self.positive)?;
+            let is_positive = |value: &T| *value > self.positive;
+            if !is_positive(row.get(k)?) {
+                let other = row.iter().position(is_positive)?;
                 exchange(other, matrix, own, right, inputs)?;
             }
             exchange(k, matrix, own, right, inputs)?;

@@ -242,6 +242,9 @@ impl<T: LookupNumber> LookupTable<'_, T> {
 
     /// Looks up the cell of a state and evaluates its law.
     ///
+    /// A program with rows needs the work space of [`solve`](Self::solve): without, the answer is
+    /// [`LookupAnswer::Damaged`].
+    ///
     /// # Arguments
     ///
     /// * `state`: an entry for each state of the table, in its unit.
@@ -252,8 +255,6 @@ impl<T: LookupNumber> LookupTable<'_, T> {
     ///
     /// At most `depth` comparisons of whole numbers; for each input, a product for each state and
     /// one more.
-    ///
-    /// A table with programs needs [`solve`](Self::solve), and is damaged without.
     pub fn evaluate(&self, state: &[T], inputs: &mut [T]) -> LookupAnswer<T> {
         self.solve(state, inputs, &mut [])
     }

@@ -56,6 +56,8 @@ struct LimitedRow {
     of: StateAffine,
     lower: f64,
     upper: f64,
+    /// What 1 of it is in the unit of the row of the form.
+    unit: f64,
 }
 
 impl LimitedRow {
@@ -63,6 +65,7 @@ impl LimitedRow {
     fn normalized(mut self) -> Option<Self> {
         let factor = self.of.columns[self.of.largest()?];
         let constant = std::mem::take(&mut self.of.states[0]);
+        self.unit *= factor.abs();
         let limits = [(self.lower - constant) / factor, (self.upper - constant) / factor];
         (self.lower, self.upper) =
             if factor > 0.0 { (limits[0], limits[1]) } else { (limits[1], limits[0]) };
@@ -99,6 +102,8 @@ pub(crate) struct CondensedProgram {
     pub(crate) rows: Vec<StateAffine>,
     /// The most that a row can be, by the bounds of z, over the box.
     pub(crate) most: Vec<f64>,
+    /// What 1 of a row is in the unit of the row of the form.
+    pub(crate) units: Vec<f64>,
     pub(crate) outputs: Vec<StateAffine>,
 }
 
@@ -122,11 +127,11 @@ fn fixed_rows(form: &ParametricForm, integers: &[f64]) -> (Vec<LimitedRow>, Vec<
     for row in &form.rows {
         let mut of = StateAffine::zero(n, states);
         row.terms.iter().for_each(|&(j, a)| of.add(a, &values[j]));
-        rows.push(LimitedRow { of, lower: row.lower, upper: row.upper });
+        rows.push(LimitedRow { of, lower: row.lower, upper: row.upper, unit: 1.0 });
     }
     for j in (0..n).filter(|&j| !form.integral[j] && !form.is_axis[j]) {
         let (of, lower, upper) = (values[j].clone(), form.lower[j], form.upper[j]);
-        rows.push(LimitedRow { of, lower, upper });
+        rows.push(LimitedRow { of, lower, upper, unit: 1.0 });
     }
     (rows, values)
 }
@@ -140,6 +145,7 @@ fn joined(rows: Vec<LimitedRow>) -> Vec<LimitedRow> {
             Some(other) => {
                 other.lower = other.lower.max(row.lower);
                 other.upper = other.upper.min(row.upper);
+                other.unit = other.unit.max(row.unit);
             }
             None => all.push(row),
         }
@@ -158,7 +164,7 @@ impl CondensedProgram {
         loop {
             rows = joined(rows);
             let Some(at) = rows.iter().position(LimitedRow::is_equation) else { break };
-            let LimitedRow { of: mut expression, lower, upper } = rows.swap_remove(at);
+            let LimitedRow { of: mut expression, lower, upper, .. } = rows.swap_remove(at);
             // Its largest factor is 1.
             let column = expression.largest()?;
             expression.columns[column] = 0.0;
@@ -195,6 +201,7 @@ impl CondensedProgram {
                 let most: f64 = ends.map(|(a, [l, u])| (a * l).max(a * u)).sum();
                 let states: f64 = of.states[1..].iter().map(|a| a.max(0.0)).sum();
                 own.most.push((most + states + of.states[0]).max(0.0));
+                own.units.push(row.unit);
                 own.rows.push(of);
             }
         }
@@ -220,8 +227,8 @@ impl CondensedProgram {
                 tilt[0] += q * x;
             }
         }
-        let (rows, most, outputs) = (Vec::new(), Vec::new(), Vec::new());
-        CondensedProgram { hessian, tilt, rows, most, outputs }
+        let (rows, most, units, outputs) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        CondensedProgram { hessian, tilt, rows, most, units, outputs }
     }
 
     fn is_strictly_convex(&self) -> bool {

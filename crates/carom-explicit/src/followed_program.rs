@@ -343,10 +343,10 @@ impl FollowedProgram {
             // An entry that counts as 0 is off by so much. A multiplier that is negative by that
             // may save as much for each unit of slack.
             let off = follower.error - negative;
-            let scale = |all: f64, row: &usize| all.max(scales[*row]);
-            let known = rows.iter().fold(0.0, scale);
-            let missed =
-                (off * known).max(UNKNOWN_ROW * (0..full.rows).fold(0.0, |a, b| scale(a, &b)));
+            let unit_of = |row: usize| scales[row] * condensed.units[row];
+            let known = rows.iter().map(|&row| unit_of(row)).fold(0.0, f64::max);
+            let all = (0..full.rows).map(unit_of).fold(0.0, f64::max);
+            let missed = (off * known).max(UNKNOWN_ROW * all);
             let slacks: f64 = rows.iter().map(|&row| condensed.most[row] / scales[row]).sum();
             // What is left of differences that cancel is not a number to keep.
             let kept = |value: f64| if value.abs() < LEAST_NUMBER { 0.0 } else { value };
