@@ -20,7 +20,7 @@ pub fn solve_single(
     input: &mut [f32],
     work: &mut [f32],
 ) -> bool {
-    table.solve(state, input, work).has_inputs()
+    table.solve_or(state, &[0.0], input, work).has_inputs()
 }
 
 /// Looks up a state in 64 bits, and solves its program if it has one.
@@ -30,7 +30,7 @@ pub fn solve_double(
     input: &mut [f64],
     work: &mut [f64],
 ) -> bool {
-    table.solve(state, input, work).has_inputs()
+    table.solve_or(state, &[0.0], input, work).has_inputs()
 }
 
 /// Looks up a state in 64 bits, with a fallback.

@@ -319,7 +319,18 @@ impl<T: LookupNumber> LookupTable<'_, T> {
 
     /// As [`evaluate`](Self::evaluate), with other inputs where the answer has none.
     pub fn evaluate_or(&self, state: &[T], fallback: &[T], inputs: &mut [T]) -> LookupAnswer<T> {
-        let answer = self.evaluate(state, inputs);
+        self.solve_or(state, fallback, inputs, &mut [])
+    }
+
+    /// As [`solve`](Self::solve), with other inputs where the answer has none.
+    pub fn solve_or(
+        &self,
+        state: &[T],
+        fallback: &[T],
+        inputs: &mut [T],
+        work: &mut [T],
+    ) -> LookupAnswer<T> {
+        let answer = self.solve(state, inputs, work);
         if !answer.has_inputs() {
             inputs.iter_mut().zip(fallback).for_each(|(input, &other)| *input = other);
         }

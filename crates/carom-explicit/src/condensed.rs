@@ -61,9 +61,13 @@ struct LimitedRow {
 }
 
 impl LimitedRow {
-    /// The same with a largest factor of 1, and a constant 0; `None` without columns.
-    fn normalized(mut self) -> Option<Self> {
+    /// The same with a largest factor of 1, and a constant 0; `None` without columns, or if all of
+    /// their factors are less than this.
+    fn normalized(mut self, least: f64) -> Option<Self> {
         let factor = self.of.columns[self.of.largest()?];
+        if factor.abs() < least {
+            return None;
+        }
         let constant = std::mem::take(&mut self.of.states[0]);
         self.unit *= factor.abs();
         let limits = [(self.lower - constant) / factor, (self.upper - constant) / factor];
@@ -138,9 +142,9 @@ fn fixed_rows(form: &ParametricForm, integers: &[f64]) -> (Vec<LimitedRow>, Vec<
 
 /// Rows of which those with the same function are one. Rows of states alone are left out, because
 /// they hold where the cell has plans.
-fn joined(rows: Vec<LimitedRow>) -> Vec<LimitedRow> {
+fn joined(rows: Vec<LimitedRow>, least: f64) -> Vec<LimitedRow> {
     let mut all: Vec<LimitedRow> = Vec::with_capacity(rows.len());
-    for row in rows.into_iter().filter_map(LimitedRow::normalized) {
+    for row in rows.into_iter().filter_map(|row| row.normalized(least)) {
         match all.iter_mut().find(|other| other.is_like(&row)) {
             Some(other) => {
                 other.lower = other.lower.max(row.lower);
@@ -160,9 +164,9 @@ impl CondensedProgram {
         outputs: &[LawOutput],
         integers: &[f64],
     ) -> Option<Self> {
-        let (mut rows, mut values) = fixed_rows(form, integers);
+        let (rows, mut values) = fixed_rows(form, integers);
+        let mut rows = joined(rows, 0.0);
         loop {
-            rows = joined(rows);
             let Some(at) = rows.iter().position(LimitedRow::is_equation) else { break };
             let LimitedRow { of: mut expression, lower, upper, .. } = rows.swap_remove(at);
             // Its largest factor is 1.
@@ -173,6 +177,8 @@ impl CondensedProgram {
             expression.states[0] += 0.5 * (lower + upper);
             rows.iter_mut().for_each(|row| row.of.replace(column, &expression));
             values.iter_mut().for_each(|value| value.replace(column, &expression));
+            // Rows had a largest factor of 1, so that less than this is what cancelled.
+            rows = joined(rows, NO_COEFFICIENT);
         }
         let is_free = |j: &usize| values.iter().any(|value| value.columns[*j] != 0.0);
         let free: Vec<usize> = (0..form.columns()).filter(is_free).collect();

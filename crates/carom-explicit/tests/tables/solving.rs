@@ -190,7 +190,39 @@ fn work_space_is_wanted() {
             assert!(other == answer || other == LookupAnswer::Damaged);
             let wrong = double.view().solve(&state, &mut [], &mut enough);
             assert!(!wrong.has_inputs());
+            let fallback = vec![7.5; double.inputs()];
+            let other = double.view().solve_or(&state, &fallback, &mut inputs, &mut less);
+            assert!(other.has_inputs() || inputs == fallback);
         }
         return;
+    }
+}
+
+#[test]
+fn equations_are_eliminated() {
+    // x moves to 0 by two pushes of at most 1 in sum; the same is said twice, in other units.
+    let mut model = Model::new("pushes");
+    let x = model.parameter("x", 0.0, -3.0, 3.0).unwrap();
+    let up = model.binary("up").unwrap();
+    let [u, v, sum, rest] =
+        ["u", "v", "sum", "rest"].map(|name| model.continuous(name, -9.0, 9.0).unwrap());
+    model.add("sum", sum.equals(u + v)).unwrap();
+    model.add("again", (300.0 * sum).equals(300.0 * u + 300.0 * v)).unwrap();
+    model.add("tenths", (0.1 * sum - 0.1 * u).equals(0.1 * v)).unwrap();
+    model.add("most", (20.0 * sum).le(20.0 * up)).unwrap();
+    model.add("least", (20.0 * sum).ge(20.0 * up - 20.0)).unwrap();
+    model.add("rest", rest.equals(x + sum)).unwrap();
+    model.minimize(rest.square() + 0.1 * (u - v).square() + 0.01 * v.square()).unwrap();
+    let table = ExplicitProgram::new(&model, [x], [sum]).unwrap().build();
+    let double = table.double_solving();
+    assert_eq!(programs_solved(&double), double.view().leaves.len());
+    assert!(double.view().programs.iter().all(|own| own.rows <= 2));
+    assert!(double.row_rounding() < 1e-6);
+    for k in 0..=60 {
+        let x = f64::from(k) / 10.0 - 3.0;
+        let (answer, inputs) = solve(&double, &[x]);
+        assert!(answer.has_inputs());
+        // With u = v at no cost, all but a little of x is pushed away.
+        assert!((inputs[0] + x.clamp(-1.0, 1.0)).abs() < 0.02, "{x} {inputs:?}");
     }
 }
