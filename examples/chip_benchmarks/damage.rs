@@ -80,8 +80,10 @@ fn damaged(text: &str, random: &mut Random) -> Option<String> {
         // A cell solves its program twice.
         10 => {
             let k = one("solves ")?;
-            let (count, first) = (word(&lines[k], 1).parse::<u64>().ok()?, word(&lines[k], 2));
-            lines[k] = format!("{} {first}", with(&lines[k], 1, &(count + 1).to_string()));
+            let count = word(&lines[k], 1).parse::<u64>().ok()?;
+            let (first, excess) = (word(&lines[k], 2), word(&lines[k], 3));
+            let more = with(&lines[k], 1, &(count + 1).to_string());
+            lines[k] = format!("{more} {first} {excess}");
         }
         // The text ends.
         _ => {

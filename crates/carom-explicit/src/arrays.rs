@@ -55,7 +55,7 @@ impl LawOutput {
     }
 
     /// Its value, without a zero of its own sign.
-    pub(crate) fn value(&self, x: &[f64]) -> f64 {
+    fn value(&self, x: &[f64]) -> f64 {
         let sum = self.terms.iter().fold(self.offset, |sum, &(j, a)| sum + a * x[j]);
         sum + 0.0
     }

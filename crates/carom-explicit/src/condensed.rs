@@ -109,6 +109,8 @@ pub(crate) struct CondensedProgram {
     /// What 1 of a row is in the unit of the row of the form.
     pub(crate) units: Vec<f64>,
     pub(crate) outputs: Vec<StateAffine>,
+    /// All columns of the form.
+    pub(crate) columns: Vec<StateAffine>,
 }
 
 /// The rows of a form with fixed integers, and the bounds of its columns. Also a function for each
@@ -211,6 +213,7 @@ impl CondensedProgram {
                 own.rows.push(of);
             }
         }
+        own.columns = values;
         own.is_strictly_convex().then_some(own)
     }
 
@@ -233,8 +236,9 @@ impl CondensedProgram {
                 tilt[0] += q * x;
             }
         }
-        let (rows, most, units, outputs) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        CondensedProgram { hessian, tilt, rows, most, units, outputs }
+        let (rows, most, units) = (Vec::new(), Vec::new(), Vec::new());
+        let (outputs, columns) = (Vec::new(), Vec::new());
+        CondensedProgram { hessian, tilt, rows, most, units, outputs, columns }
     }
 
     fn is_strictly_convex(&self) -> bool {

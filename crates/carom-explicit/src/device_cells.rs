@@ -5,8 +5,10 @@
 use std::collections::{BTreeMap, HashMap, VecDeque};
 
 use crate::arrays::LawOutput;
-use crate::build::{CellLaw, PartitionCell};
-use crate::followed_program::{DeviceProgram, FollowedProgram, ShareCorners, SolveErrors};
+use crate::build::{CellLaw, PartitionCell, plans_cost};
+use crate::followed_program::{
+    DeviceProgram, FollowedCell, FollowedProgram, ShareCorners, SolveErrors,
+};
 use crate::form::ParametricForm;
 use crate::partition::Partition;
 use crate::relaxed::CornerRelaxation;
@@ -22,6 +24,17 @@ pub(crate) enum DeviceCell<'a> {
     Open,
 }
 
+/// The cells of the partition that solve a program, with the same integers.
+#[derive(Debug)]
+pub(crate) struct SolvedGroup {
+    pub(crate) program: usize,
+    /// Cells, and by how much the cost of the device is above that of their explicit laws, at most.
+    pub(crate) cells: Vec<(usize, f64)>,
+    /// The columns as functions of the program, see `FollowedProgram`.
+    pub(crate) columns: Vec<f64>,
+    pub(crate) errors: SolveErrors,
+}
+
 /// The cells of a device, those of the orders of the axes first, and the programs that they name.
 #[derive(Debug)]
 pub(crate) struct DeviceCells<'a> {
@@ -29,8 +42,7 @@ pub(crate) struct DeviceCells<'a> {
     pub(crate) orders: usize,
     pub(crate) depth: usize,
     pub(crate) programs: Vec<DeviceProgram>,
-    /// The cells of the partition that solve each program.
-    pub(crate) solved: Vec<Vec<usize>>,
+    pub(crate) solved: Vec<SolvedGroup>,
     /// The largest of all programs.
     pub(crate) errors: SolveErrors,
 }
@@ -38,6 +50,10 @@ pub(crate) struct DeviceCells<'a> {
 /// The bytes of a leaf with an explicit law, and of a program beside its numbers.
 const LEAF_BYTES: usize = 12;
 const PROGRAM_BYTES: usize = 20;
+
+/// What is added to the cost of a device, relative to the largest one in a cell, because it is
+/// computed in floats.
+const EXCESS_ROOM: f64 = 1e-7;
 
 impl<'a> DeviceCells<'a> {
     /// Those of a partition.
@@ -81,11 +97,17 @@ impl<'a> DeviceCells<'a> {
             else {
                 continue;
             };
-            let cells: Vec<ShareCorners> =
-                numbers.iter().map(|&number| corners[number].clone()).collect();
+            let followed = |&number: &usize| {
+                let PartitionCell::Plan(law) = &partition.cells[number] else { return None };
+                let cost = plans_cost(form, &law.plans);
+                Some(FollowedCell { corners: corners[number].clone(), cost })
+            };
+            let cells: Vec<FollowedCell> = numbers.iter().filter_map(followed).collect();
             let found = FollowedProgram::new(form, outputs, x, &cells, unit);
-            let Some(FollowedProgram { program, ends, errors }) = found else { continue };
-            let count = ends.iter().filter(|ends| **ends).count();
+            let Some(FollowedProgram { program, columns, excess, errors }) = found else {
+                continue;
+            };
+            let count = excess.iter().flatten().count();
             let size = PROGRAM_BYTES + bytes * program.numbers.len();
             let key = program_bits(&program, bytes);
             let is_new = !known.contains_key(&key);
@@ -95,18 +117,21 @@ impl<'a> DeviceCells<'a> {
             let number = *known.entry(key).or_insert(own.programs.len());
             match own.programs.get_mut(number) {
                 Some(same) => same.exchanges = same.exchanges.max(program.exchanges),
-                None => {
-                    own.programs.push(program);
-                    own.solved.push(Vec::new());
-                }
+                None => own.programs.push(program),
             }
             own.errors = own.errors.largest(errors);
-            for (&cell, _) in numbers.iter().zip(ends).filter(|(_, ends)| *ends) {
+            let mut group = SolvedGroup { program: number, cells: Vec::new(), columns, errors };
+            for ((&cell, excess), FollowedCell { cost: cell_cost, .. }) in
+                numbers.iter().zip(excess).zip(&cells)
+            {
                 let PartitionCell::Plan(law) = &partition.cells[cell] else { continue };
-                own.cells[cell] =
-                    DeviceCell::Solve { program: number, loss: law.loss + errors.loss };
-                own.solved[number].push(cell);
+                let Some(excess) = excess else { continue };
+                let largest = cell_cost.iter().fold(1.0_f64, |most, cost| most.max(cost.abs()));
+                let excess = excess + errors.loss + EXCESS_ROOM * largest;
+                own.cells[cell] = DeviceCell::Solve { program: number, loss: law.loss + excess };
+                group.cells.push((cell, excess));
             }
+            own.solved.push(group);
         }
         own.join();
         own
@@ -200,7 +225,7 @@ fn program_bits(program: &DeviceProgram, bytes: usize) -> Vec<u64> {
 }
 
 /// The corners of all cells, as shares of the sides of the box.
-pub(crate) fn corner_shares(form: &ParametricForm, partition: &Partition) -> Vec<ShareCorners> {
+fn corner_shares(form: &ParametricForm, partition: &Partition) -> Vec<ShareCorners> {
     let mut units: Vec<Vec<Vec<i64>>> =
         orders(form.axes.len()).iter().map(|order| kuhn(order)).collect();
     for (number, cell) in partition.cells.iter().enumerate() {

@@ -10,6 +10,7 @@ use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use crate::arrays::LawOutput;
+use crate::bounds::{self, Coefficients};
 use crate::condensed::CondensedProgram;
 use crate::form::ParametricForm;
 use crate::simplex_cell::halved_shares;
@@ -70,7 +71,7 @@ pub(crate) struct DeviceProgram {
 pub(crate) struct SolveErrors {
     /// By how much a row is missed, in its own unit.
     pub(crate) missed: f64,
-    /// By how much the cost is above the least one.
+    /// By how much the cost may be above that of the optimum with the same integers.
     pub(crate) loss: f64,
     /// By how much an input is off.
     pub(crate) input: f64,
@@ -80,8 +81,20 @@ pub(crate) struct SolveErrors {
 #[derive(Debug)]
 pub(crate) struct FollowedProgram {
     pub(crate) program: DeviceProgram,
-    pub(crate) ends: Vec<bool>,
+    /// The functions of the program that are the columns, as numbers of a program are.
+    pub(crate) columns: Vec<f64>,
+    /// By how much coefficients of the cost are above those of the explicit law, a cell; `None` if
+    /// its ways do not end.
+    pub(crate) excess: Vec<Option<f64>>,
     pub(crate) errors: SolveErrors,
+}
+
+/// A cell whose ways are followed.
+#[derive(Debug)]
+pub(crate) struct FollowedCell {
+    pub(crate) corners: ShareCorners,
+    /// The cost of its explicit law.
+    pub(crate) cost: Coefficients,
 }
 
 /// Why a simplex cannot be followed.
@@ -93,9 +106,9 @@ enum Obstacle {
 }
 
 /// The tableaus that ways lead to.
-struct Follower {
+struct Follower<'a> {
+    form: &'a ParametricForm,
     known: HashMap<Vec<usize>, Option<Rc<ExchangeTableau>>>,
-    outputs: usize,
     negative: f64,
     positive: f64,
     /// Tableaus that the piece may still lead to.
@@ -105,6 +118,8 @@ struct Follower {
     input: f64,
     /// Larger ones are no end.
     most_error: f64,
+    /// The largest excess of the cell's cost.
+    excess: f64,
 }
 
 /// The part of a convex hull in which an affine function is not positive, as the hull of points. Of
@@ -132,7 +147,7 @@ fn clipped(points: &[Vec<f64>], of: impl Fn(&[f64]) -> f64) -> Vec<Vec<f64>> {
     part
 }
 
-impl Follower {
+impl Follower<'_> {
     fn tableau(&mut self, path: &[usize]) -> Option<Rc<ExchangeTableau>> {
         if let Some(known) = self.known.get(path) {
             return known.clone();
@@ -147,21 +162,39 @@ impl Follower {
         found
     }
 
-    /// Notes what rounding does at the end of a way.
-    fn end(&mut self, tableau: &ExchangeTableau, points: &[Vec<f64>]) -> Result<(), Obstacle> {
-        for row in tableau.rows + self.outputs..tableau.entries.len() {
+    /// Notes what rounding does at the end of a way, and the cost.
+    fn end(
+        &mut self,
+        tableau: &ExchangeTableau,
+        points: &[Vec<f64>],
+        cost: &Coefficients,
+    ) -> Result<(), Obstacle> {
+        let unknown = tableau.rows + tableau.outputs;
+        for row in unknown..unknown + tableau.unknown {
             if points.iter().any(|point| tableau.right_at(row, point) < -UNKNOWN_ROW) {
                 return Err(Obstacle::Row(row));
             }
         }
         let errors = tableau.right_error[..tableau.rows].iter().copied();
         let error = errors.fold(0.0, f64::max);
-        let inputs = &tableau.right_error[tableau.rows..tableau.rows + self.outputs];
+        let inputs = &tableau.right_error[tableau.rows..unknown];
         let input = inputs.iter().copied().fold(0.0, f64::max);
         if error.max(input) > self.most_error {
             return Err(Obstacle::Lost);
         }
         (self.error, self.input) = (self.error.max(error), self.input.max(input));
+        // Points end with the weights of the cell's corners.
+        let (axes, first) = (self.form.axes.len(), unknown + tableau.unknown);
+        let column = |j: usize, point: &[f64]| tableau.right_at(first + j, point);
+        let plan = |point: &Vec<f64>| (0..self.form.columns()).map(|j| column(j, point)).collect();
+        let plans: Vec<Vec<f64>> = points.iter().map(plan).collect();
+        let plans: Vec<&[f64]> = plans.iter().map(Vec::as_slice).collect();
+        let own = bounds::cost(self.form, &plans);
+        let pairs = (0..points.len()).flat_map(|v| (0..=v).map(move |w| (v, w)));
+        for ((v, w), own) in pairs.zip(own) {
+            let law = between(cost, &points[v][axes..], &points[w][axes..]);
+            self.excess = self.excess.max(own - law);
+        }
         Ok(())
     }
 
@@ -170,6 +203,7 @@ impl Follower {
         &mut self,
         path: &mut Vec<usize>,
         points: &[Vec<f64>],
+        cost: &Coefficients,
         left: usize,
     ) -> Result<usize, Obstacle> {
         let tableau = self.tableau(path).ok_or(Obstacle::Lost)?;
@@ -189,7 +223,7 @@ impl Follower {
             }
         }
         if !rest.is_empty() {
-            self.end(&tableau, &rest)?;
+            self.end(&tableau, &rest, cost)?;
         }
         let mut longest = 0;
         for (k, points) in next {
@@ -198,7 +232,7 @@ impl Follower {
             }
             let length = path.len();
             path.extend(self.pairs(&tableau, k)?);
-            let own = self.follow(path, &points, left - 1);
+            let own = self.follow(path, &points, cost, left - 1);
             path.truncate(length);
             longest = longest.max(1 + own?);
         }
@@ -227,22 +261,46 @@ impl Follower {
     }
 
     /// The most exchanges in a simplex or in its pieces.
-    fn pieces(&mut self, corners: &ShareCorners, halvings: usize) -> Result<usize, Obstacle> {
+    fn pieces(
+        &mut self,
+        corners: &ShareCorners,
+        cost: &Coefficients,
+        halvings: usize,
+    ) -> Result<usize, Obstacle> {
         self.ways = MOST_WAYS;
-        match self.follow(&mut Vec::new(), corners, MOST_EXCHANGES) {
+        match self.follow(&mut Vec::new(), corners, cost, MOST_EXCHANGES) {
             Err(_) if halvings > 0 => {
                 let [first, second] = halved_shares(corners);
-                let first = self.pieces(&first, halvings - 1)?;
-                Ok(first.max(self.pieces(&second, halvings - 1)?))
+                let first = self.pieces(&first, cost, halvings - 1)?;
+                Ok(first.max(self.pieces(&second, cost, halvings - 1)?))
             }
             found => found,
         }
     }
 }
 
+/// A quadratic form over the corners of a cell, between two points.
+fn between(cost: &Coefficients, first: &[f64], second: &[f64]) -> f64 {
+    let pairs = (0..first.len()).flat_map(|v| (0..=v).map(move |w| (v, w)));
+    let weight = |(v, w): (usize, usize)| match v == w {
+        true => first[v] * second[v],
+        false => first[v] * second[w] + first[w] * second[v],
+    };
+    pairs.zip(cost).map(|(pair, cost)| weight(pair) * cost).sum()
+}
+
+/// The corners of a cell, each with its weights behind.
+fn weighted(corners: &ShareCorners) -> ShareCorners {
+    let with = |(v, corner): (usize, &Vec<f64>)| {
+        let weights = (0..corners.len()).map(|w| f64::from(u8::from(v == w)));
+        corner.iter().copied().chain(weights).collect()
+    };
+    corners.iter().enumerate().map(with).collect()
+}
+
 /// The range of each state over cells, as shares of the sides.
-fn reach(cells: &[ShareCorners]) -> Vec<[f64; 2]> {
-    let mut corners = cells.iter().flatten();
+fn reach(cells: &[FollowedCell]) -> Vec<[f64; 2]> {
+    let mut corners = cells.iter().flat_map(|cell| &cell.corners);
     let first = corners.next().map(|corner| corner.iter().map(|&x| [x, x]).collect());
     corners.fold(first.unwrap_or_default(), |mut all: Vec<[f64; 2]>, corner| {
         for ([least, most], &x) in all.iter_mut().zip(corner) {
@@ -254,11 +312,11 @@ fn reach(cells: &[ShareCorners]) -> Vec<[f64; 2]> {
 
 /// The rows that are active at some corner, those that are so more often first, and the set that is
 /// active most often.
-fn usual_rows(full: &ExchangeTableau, cells: &[ShareCorners]) -> Option<(Vec<usize>, Vec<usize>)> {
+fn usual_rows(full: &ExchangeTableau, cells: &[FollowedCell]) -> Option<(Vec<usize>, Vec<usize>)> {
     let mut seen = HashSet::new();
     let mut sets: HashMap<Vec<usize>, usize> = HashMap::new();
     let mut counts = vec![0; full.rows];
-    for corner in cells.iter().flatten() {
+    for corner in cells.iter().flat_map(|cell| &cell.corners) {
         let bits: Vec<u64> = corner.iter().map(|x| x.to_bits()).collect();
         if !seen.insert(bits) {
             continue;
@@ -299,7 +357,7 @@ impl FollowedProgram {
         form: &ParametricForm,
         outputs: &[LawOutput],
         integers: &[f64],
-        cells: &[ShareCorners],
+        cells: &[FollowedCell],
         unit: f64,
     ) -> Option<Self> {
         let condensed = CondensedProgram::new(form, outputs, integers)?;
@@ -313,19 +371,21 @@ impl FollowedProgram {
             let negative = narrow(-NEGATIVE_ERRORS * largest.max(LEAST_ERROR));
             let positive = narrow((POSITIVE_UNITS * unit).max(LEAST_POSITIVE));
             let mut follower = Follower {
+                form,
                 known: HashMap::from([(Vec::new(), Some(Rc::new(start.clone())))]),
-                outputs: outputs.len(),
                 negative,
                 positive,
                 ways: 0,
                 error: 0.0,
                 input: 0.0,
                 most_error: (MOST_ERROR_UNITS * unit).max(MOST_ERROR),
+                excess: 0.0,
             };
-            let (mut ends, mut exchanges, mut missing) = (Vec::new(), 0, Vec::new());
+            let (mut excess, mut exchanges, mut missing) = (Vec::new(), 0, Vec::new());
             for cell in cells {
-                let found = follower.pieces(cell, MOST_HALVINGS);
-                ends.push(found.is_ok());
+                follower.excess = 0.0;
+                let found = follower.pieces(&weighted(&cell.corners), &cell.cost, MOST_HALVINGS);
+                excess.push(found.is_ok().then_some(follower.excess));
                 match found {
                     Ok(most) => exchanges = exchanges.max(most),
                     Err(Obstacle::Row(function)) => missing.push(function),
@@ -357,7 +417,11 @@ impl FollowedProgram {
             let program =
                 DeviceProgram { rows: start.rows, numbers, negative, positive, exchanges };
             let errors = SolveErrors { missed, loss: off * slacks, input: follower.input };
-            return Some(FollowedProgram { program, ends, errors });
+            let columns = start.rows + start.outputs + start.unknown..start.entries.len();
+            let matrix = start.entries[columns.clone()].iter().flatten().map(|entry| entry.value);
+            let columns = matrix.chain(start.right[columns].iter().flatten().copied());
+            let columns = columns.map(kept).collect();
+            return Some(FollowedProgram { program, columns, excess, errors });
         }
         None
     }

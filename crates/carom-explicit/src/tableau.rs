@@ -24,6 +24,9 @@ pub(crate) struct RoundedEntry {
 #[derive(Debug, Clone)]
 pub(crate) struct ExchangeTableau {
     pub(crate) rows: usize,
+    /// Functions behind the rows: inputs, then rows that are not among them, then columns.
+    pub(crate) outputs: usize,
+    pub(crate) unknown: usize,
     pub(crate) entries: Vec<Vec<RoundedEntry>>,
     /// A constant, and factors of states as shares.
     pub(crate) right: Vec<Vec<f64>>,
@@ -63,9 +66,9 @@ impl ExchangeTableau {
         let states = program.outputs.first()?.states.len();
         let of_state = |a: usize| program.tilt.iter().map(|tilt| tilt[a]).collect::<Vec<f64>>();
         let pulls = program.solved(&(0..states).map(of_state).collect::<Vec<_>>())?;
-        let ones = program.outputs.iter().map(|_| 1.0);
         let functions = program.rows.iter().zip(scales.iter().copied());
-        let functions = functions.chain(program.outputs.iter().zip(ones));
+        let plain = program.outputs.iter().chain(&program.columns).map(|of| (of, 1.0));
+        let functions = functions.chain(plain);
         let (mut entries, mut right) = (Vec::new(), Vec::new());
         for (of, own) in functions {
             let entry = |(m, scale): (&Vec<f64>, &f64)| RoundedEntry {
@@ -78,19 +81,34 @@ impl ExchangeTableau {
         }
         let right_error = vec![0.0; right.len()];
         let reach = vec![[0.0, 1.0]; states - 1];
-        let rows = program.rows.len();
-        Some((ExchangeTableau { rows, entries, right, right_error, unit: 0.0, reach }, scales))
+        let (rows, outputs, unknown) = (program.rows.len(), program.outputs.len(), 0);
+        Some((
+            ExchangeTableau {
+                rows,
+                outputs,
+                unknown,
+                entries,
+                right,
+                right_error,
+                unit: 0.0,
+                reach,
+            },
+            scales,
+        ))
     }
 
     /// The same with some rows alone, in this order, the outputs, and then the other rows as
     /// functions.
     pub(crate) fn with_rows(&self, chosen: &[usize]) -> Self {
         let others = (0..self.rows).filter(|row| !chosen.contains(row));
-        let outputs = self.rows..self.entries.len();
-        let order: Vec<usize> = chosen.iter().copied().chain(outputs).chain(others).collect();
+        let columns = self.rows + self.outputs..self.entries.len();
+        let order = chosen.iter().copied().chain(self.rows..columns.start);
+        let order: Vec<usize> = order.chain(others).chain(columns).collect();
         let of = |&row: &usize| chosen.iter().map(|&j| self.entries[row][j]).collect();
         ExchangeTableau {
             rows: chosen.len(),
+            outputs: self.outputs,
+            unknown: self.rows - chosen.len(),
             entries: order.iter().map(of).collect(),
             right: order.iter().map(|&row| self.right[row].clone()).collect(),
             right_error: order.iter().map(|&row| self.right_error[row]).collect(),

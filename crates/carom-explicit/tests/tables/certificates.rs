@@ -74,7 +74,7 @@ fn damage_program(
     place: usize,
     program: &Program,
 ) -> Option<()> {
-    let begin = ["m ", "solves ", "solves ", "q ", "q "][kind - 11];
+    let begin = ["m ", "solves ", "solves ", "q ", "q ", "solves ", "v "][kind - 11];
     let cells = lines.iter().position(|line| line.starts_with("cells"))? + 1;
     let cut = (0..8).find(|k| lines.get(cells + k).is_some_and(|line| line.starts_with("cut")));
     let all = lines.iter_mut().filter(|line| line.starts_with(begin));
@@ -92,12 +92,18 @@ fn damage_program(
         // A cell solves its program twice.
         12 => {
             words[1] = (number(1)? + 1.0).to_string();
-            words.push(words[2].clone());
+            words.extend([words[2].clone(), words[3].clone()]);
         }
         // A cell that is cut solves a program.
         13 => words[2] = cut?.to_string(),
         // A limit of signs is on the other side of 0.
         14 => words[3 + place % 2] = format!("{:?}", -number(3 + place % 2)?),
+        // A plan costs less.
+        16 => words[3] = "-1.0".to_owned(),
+        // The columns are others.
+        17 => {
+            words[1..].fill("1e3".to_owned());
+        }
         // A program has more rows.
         _ => words[1] = (number(1)? + 1.0).to_string(),
     }
@@ -188,7 +194,7 @@ pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) 
         }
         // The text ends.
         10 => lines.truncate(1 + place % (lines.len() - 1)),
-        11..16 => damage_program(&mut lines, kind, place, program)?,
+        11..18 => damage_program(&mut lines, kind, place, program)?,
         // The cost is another one in the corner's evidence: what is saved is worth more.
         _ => {
             let k = one("cost")?;
@@ -201,7 +207,7 @@ pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) 
 #[test]
 fn damaged_certificates_are_rejected() {
     let mut runner = TestRunner::deterministic();
-    let mut counts = [0; 17];
+    let mut counts = [0; 19];
     while counts.iter().sum::<usize>() < 1000 {
         let program = programs().new_tree(&mut runner).unwrap().current();
         let table = table(&program);

@@ -22,21 +22,21 @@ const MOST_WAYS: usize = 20_000;
 /// A point in homogeneous coordinates: a positive number, and the states multiplied by it.
 pub(super) type Point = Vec<BigInt>;
 
-/// A corner of a convex hull, and which of the inequalities so far are tight there, by bits.
+/// A corner of a convex hull as weights of the corners of a cell, in homogeneous coordinates, and which of the inequalities so far are tight there, by bits.
 #[derive(Debug, Clone)]
-struct HullCorner {
-    at: Point,
+pub(super) struct HullCorner {
+    pub(super) at: Vec<BigInt>,
     tight: u128,
 }
 
 /// A program at some active rows.
 #[derive(Debug)]
-struct Tableau {
-    /// Of rows and inputs.
+pub(super) struct Tableau {
+    /// Of rows, inputs and columns.
     entries: Vec<Vec<BigInt>>,
     /// By row: a constant, and factors of states.
-    right: Vec<Vec<BigInt>>,
-    common: BigInt,
+    pub(super) right: Vec<Vec<BigInt>>,
+    pub(super) common: BigInt,
     /// Whether the row has changed places.
     exchanged: Vec<bool>,
 }
@@ -68,7 +68,7 @@ fn common_scale(values: &[f64]) -> u64 {
     values.iter().filter(|value| **value != 0.0).map(exponent).max().unwrap_or(0).max(0) as u64
 }
 
-fn dot(a: &[BigInt], b: &[BigInt]) -> BigInt {
+pub(super) fn dot(a: &[BigInt], b: &[BigInt]) -> BigInt {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -146,29 +146,29 @@ impl Tableau {
 }
 
 impl Program {
-    /// A program of so many rows and inputs, and states: `M` and what follows for the inputs, then
-    /// right sides.
+    /// A program of so many rows and states: `M` with functions behind it, then right sides.
     pub(super) fn new(
-        rows: usize,
-        (inputs, states): (usize, usize),
-        numbers: &[f64],
+        (rows, states): (usize, usize),
+        matrix: &[f64],
+        right: &[f64],
         [negative, positive]: [f64; 2],
     ) -> Result<Self, Refusal> {
         if negative >= 0.0 || positive <= 0.0 {
             return rejected("the limits of signs are on the wrong sides of 0");
         }
-        let scale = common_scale(&[numbers, &[negative, positive]].concat());
+        let scale = common_scale(&[matrix, right, &[negative, positive]].concat());
         if scale > 2000 {
             return rejected("a number of a program is too small");
         }
-        let all: Vec<BigInt> = numbers.iter().map(|&value| whole(value, scale)).collect();
-        let (matrix, right) = all.split_at((rows + inputs) * rows);
-        let entry = |i: usize| matrix[i * rows..(i + 1) * rows].to_vec();
+        let whole_row = |row: &[f64]| row.iter().map(|&value| whole(value, scale)).collect();
+        let right: Vec<Vec<BigInt>> = right.chunks(states + 1).map(whole_row).collect();
         let start = Tableau {
-            entries: (0..rows + inputs).map(entry).collect(),
-            right: right.chunks(states + 1).map(<[BigInt]>::to_vec).collect(),
+            entries: (0..right.len())
+                .map(|i| whole_row(&matrix[i * rows..(i + 1) * rows]))
+                .collect(),
             common: BigInt::from(1),
-            exchanged: vec![false; rows + inputs],
+            exchanged: vec![false; right.len()],
+            right,
         };
         let [negative, positive] = [negative, positive].map(|value| whole(value, scale));
         let known = HashMap::from([(Vec::new(), Rc::new(start))]);
@@ -210,40 +210,31 @@ impl Program {
         }
     }
 
-    /// The most exchanges at states of a convex hull, of at most so many.
-    pub(super) fn follow(&mut self, points: Vec<Point>, most: usize) -> Result<usize, Refusal> {
+    /// The most exchanges at states of a simplex with these corners, of at most so many. The last
+    /// function is called at the end of each way.
+    pub(super) fn follow(
+        &mut self,
+        corners: &[Point],
+        most: usize,
+        end: &mut impl FnMut(&Tableau, &[HullCorner]) -> Result<(), Refusal>,
+    ) -> Result<usize, Refusal> {
         self.ways = MOST_WAYS;
         // Each corner of a simplex is on all sides but one.
-        let sides = points.len() as u32;
-        let corner = |(k, at)| HullCorner { at, tight: ((1_u128 << sides) - 1) ^ (1_u128 << k) };
-        let corners = points.into_iter().enumerate().map(corner).collect();
-        self.walk(&mut Vec::new(), (corners, sides), most, &mut |_| Ok(()))
-    }
-
-    /// Solves at a point: for each input, the sum of its right side, and what it is a multiple of.
-    pub(super) fn inputs_at(
-        &mut self,
-        point: &Point,
-        most: usize,
-    ) -> Result<Vec<(BigInt, BigInt)>, Refusal> {
-        self.ways = MOST_WAYS;
-        let (rows, mut found) = (self.rows, Vec::new());
-        let corners = vec![HullCorner { at: point.clone(), tight: 0 }];
-        self.walk(&mut Vec::new(), (corners, 0), most, &mut |tableau| {
-            let unit = &tableau.common * &point[0];
-            let inputs = tableau.right[rows..].iter();
-            found = inputs.map(|right| (dot(right, point), unit.clone())).collect();
-            Ok(())
-        })?;
-        Ok(found)
+        let sides = corners.len() as u32;
+        let corner = |k: u32| HullCorner {
+            at: (0..sides).map(|l| BigInt::from(u8::from(k == l))).collect(),
+            tight: ((1_u128 << sides) - 1) ^ (1_u128 << k),
+        };
+        let whole = (0..sides).map(corner).collect();
+        self.walk(&mut Vec::new(), (whole, sides), (corners, most), end)
     }
 
     fn walk(
         &mut self,
         path: &mut Vec<usize>,
         (mut rest, mut number): (Vec<HullCorner>, u32),
-        left: usize,
-        end: &mut impl FnMut(&Tableau) -> Result<(), Refusal>,
+        (corners, left): (&[Point], usize),
+        end: &mut impl FnMut(&Tableau, &[HullCorner]) -> Result<(), Refusal>,
     ) -> Result<usize, Refusal> {
         self.ways -= 1;
         if self.ways == 0 {
@@ -253,6 +244,7 @@ impl Program {
         let mut next = Vec::new();
         for row in 0..self.rows {
             let above = self.above_negative(&tableau, row);
+            let above: Vec<BigInt> = corners.iter().map(|corner| dot(&above, corner)).collect();
             let seen = clipped(&rest, &above, number);
             if !seen.is_empty() {
                 next.push((row, (seen, number + 1)));
@@ -262,7 +254,7 @@ impl Program {
             number += 1;
         }
         if !rest.is_empty() {
-            end(&tableau)?;
+            end(&tableau, &rest)?;
         }
         let mut longest = 0;
         for (k, part) in next {
@@ -271,7 +263,7 @@ impl Program {
             }
             let length = path.len();
             path.extend(self.pairs(&tableau, k)?);
-            longest = longest.max(1 + self.walk(path, part, left - 1, end)?);
+            longest = longest.max(1 + self.walk(path, part, (corners, left - 1), end)?);
             path.truncate(length);
         }
         Ok(longest)
