@@ -168,8 +168,7 @@ impl CondensedProgram {
     ) -> Option<Self> {
         let (rows, mut values) = fixed_rows(form, integers);
         let mut rows = joined(rows, 0.0);
-        loop {
-            let Some(at) = rows.iter().position(LimitedRow::is_equation) else { break };
+        while let Some(at) = rows.iter().position(LimitedRow::is_equation) {
             let LimitedRow { of: mut expression, lower, upper, .. } = rows.swap_remove(at);
             // Its largest factor is 1.
             let column = expression.largest()?;

@@ -381,18 +381,21 @@ impl FollowedProgram {
                 most_error: (MOST_ERROR_UNITS * unit).max(MOST_ERROR),
                 excess: 0.0,
             };
-            let (mut excess, mut exchanges, mut missing) = (Vec::new(), 0, Vec::new());
+            let (mut excess, mut exchanges, mut missing) = (Vec::new(), 0, None);
             for cell in cells {
                 follower.excess = 0.0;
                 let found = follower.pieces(&weighted(&cell.corners), &cell.cost, MOST_HALVINGS);
                 excess.push(found.is_ok().then_some(follower.excess));
                 match found {
                     Ok(most) => exchanges = exchanges.max(most),
-                    Err(Obstacle::Row(function)) => missing.push(function),
+                    Err(Obstacle::Row(function)) => {
+                        missing = Some(function);
+                        break;
+                    }
                     Err(Obstacle::Lost) => {}
                 }
             }
-            if let Some(&function) = missing.first() {
+            if let Some(function) = missing {
                 let mut others = (0..full.rows).filter(|row| !rows.contains(row));
                 rows.push(others.nth(function - rows.len() - outputs.len())?);
                 continue;

@@ -8,7 +8,7 @@ use crate::table::ExplicitTable;
 
 /// What is added to the most by which an input is off, relative and absolute, because the checker
 /// does not round.
-const INPUT_ROOM: f64 = 1e-9;
+const INPUT_OFF_ROOM: f64 = 1e-9;
 
 impl ExplicitTable {
     /// Writes the programs of a device with numbers of so many bits, those of each integers.
@@ -27,7 +27,7 @@ impl ExplicitTable {
         for group in &cells.solved {
             let DeviceProgram { rows, exchanges, negative, positive, numbers } =
                 &cells.programs[group.program];
-            let (missed, off) = (group.errors.missed, group.errors.input + INPUT_ROOM);
+            let (missed, off) = (group.errors.missed, group.errors.input + INPUT_OFF_ROOM);
             writeln!(out, "q {rows} {exchanges} {negative:?} {positive:?} {missed:?} {off:?}")?;
             for (word, numbers) in [("m", numbers), ("v", &group.columns)] {
                 write!(out, "{word}")?;

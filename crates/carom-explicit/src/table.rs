@@ -118,7 +118,8 @@ impl ExplicitTable {
     /// No state takes more exchanges than
     /// [`LookupProgram::exchanges`](carom_embedded::LookupProgram::exchanges). Cells of which that
     /// cannot be proved, and those whose program is not strictly convex in the columns that
-    /// equations leave, keep their explicit laws. The programs are made at each call, on one thread.
+    /// equations leave, keep their explicit laws. The programs are made at each call, on one
+    /// thread.
     ///
     /// ```
     /// use carom::explicit::{ExplicitProgram, LookupAnswer};

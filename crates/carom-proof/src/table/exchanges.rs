@@ -22,7 +22,8 @@ const MOST_WAYS: usize = 20_000;
 /// A point in homogeneous coordinates: a positive number, and the states multiplied by it.
 pub(super) type Point = Vec<BigInt>;
 
-/// A corner of a convex hull as weights of the corners of a cell, in homogeneous coordinates, and which of the inequalities so far are tight there, by bits.
+/// A corner of a convex hull: weights of the corners of a cell, up to a positive factor, and which
+/// of the inequalities so far are tight there, by bits.
 #[derive(Debug, Clone)]
 pub(super) struct HullCorner {
     pub(super) at: Vec<BigInt>,

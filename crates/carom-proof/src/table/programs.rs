@@ -1,7 +1,7 @@
 //! The programs of a table: the cells that solve them, their plans, and what they cost.
 //!
-//! At the end of a way, inputs and columns are affine in the state, so that they interpolate those at
-//! the corners of the part of the cell that takes the way. So rows that hold at its corners hold
+//! At the end of a way, inputs and columns are affine in the state, so that they interpolate those
+//! at the corners of the part of the cell that takes the way. So rows that hold at its corners hold
 //! in it, and the cost is a quadratic form of the weights of its corners. So is the cost of the
 //! explicit law of the cell, whose loss is proved: the cost is higher by at most the largest
 //! difference of coefficients.
