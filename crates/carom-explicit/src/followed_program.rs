@@ -13,15 +13,11 @@ use crate::arrays::LawOutput;
 use crate::bounds::{self, Coefficients};
 use crate::condensed::CondensedProgram;
 use crate::form::ParametricForm;
-use crate::simplex_cell::halved_shares;
 use crate::tableau::ExchangeTableau;
 
-/// The most exchanges of a program, and the most tableaus that a piece of a cell may lead to.
+/// The most exchanges of a program, and the most tableaus that a cell may lead to.
 const MOST_EXCHANGES: usize = 24;
 const MOST_WAYS: usize = 300;
-
-/// How often a cell is halved to follow its pieces.
-const MOST_HALVINGS: usize = 2;
 
 /// The most rows of a program.
 const MOST_DEVICE_ROWS: usize = 40;
@@ -44,7 +40,7 @@ const LEAST_POSITIVE: f64 = 1e-9;
 /// Points that are so near are one, in shares of the sides.
 const SAME_POINT: f64 = 1e-13;
 
-/// The most points of a part of a piece.
+/// The most points of a part of a cell.
 const MOST_WAY_POINTS: usize = 120;
 
 /// The largest error at the end of a way, in roundings, or in units of slacks and inputs if that is
@@ -111,7 +107,7 @@ struct Follower<'a> {
     known: HashMap<Vec<usize>, Option<Rc<ExchangeTableau>>>,
     negative: f64,
     positive: f64,
-    /// Tableaus that the piece may still lead to.
+    /// Tableaus that the cell may still lead to.
     ways: usize,
     /// The largest right side's error at an end, and that of an input.
     error: f64,
@@ -259,24 +255,6 @@ impl Follower<'_> {
         }
         Err(Obstacle::Lost)
     }
-
-    /// The most exchanges in a simplex or in its pieces.
-    fn pieces(
-        &mut self,
-        corners: &ShareCorners,
-        cost: &Coefficients,
-        halvings: usize,
-    ) -> Result<usize, Obstacle> {
-        self.ways = MOST_WAYS;
-        match self.follow(&mut Vec::new(), corners, cost, MOST_EXCHANGES) {
-            Err(_) if halvings > 0 => {
-                let [first, second] = halved_shares(corners);
-                let first = self.pieces(&first, cost, halvings - 1)?;
-                Ok(first.max(self.pieces(&second, cost, halvings - 1)?))
-            }
-            found => found,
-        }
-    }
 }
 
 /// A quadratic form over the corners of a cell, between two points.
@@ -384,7 +362,9 @@ impl FollowedProgram {
             let (mut excess, mut exchanges, mut missing) = (Vec::new(), 0, None);
             for cell in cells {
                 follower.excess = 0.0;
-                let found = follower.pieces(&weighted(&cell.corners), &cell.cost, MOST_HALVINGS);
+                follower.ways = MOST_WAYS;
+                let corners = weighted(&cell.corners);
+                let found = follower.follow(&mut Vec::new(), &corners, &cell.cost, MOST_EXCHANGES);
                 excess.push(found.is_ok().then_some(follower.excess));
                 match found {
                     Ok(most) => exchanges = exchanges.max(most),

@@ -41,23 +41,3 @@ pub(crate) fn orders(n: usize) -> Vec<Vec<usize>> {
     }
     all
 }
-
-/// The halves of a simplex whose corners are shares of the sides, through its longest edge.
-pub(crate) fn halved_shares(corners: &[Vec<f64>]) -> [Vec<Vec<f64>>; 2] {
-    let mut longest = (0.0, [0, 0]);
-    for (j, b) in corners.iter().enumerate() {
-        for (i, a) in corners[..j].iter().enumerate() {
-            let own: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-            if own > longest.0 {
-                longest = (own, [i, j]);
-            }
-        }
-    }
-    let (_, [i, j]) = longest;
-    let middle: Vec<f64> = corners[i].iter().zip(&corners[j]).map(|(a, b)| 0.5 * (a + b)).collect();
-    [j, i].map(|replaced| {
-        let mut half = corners.to_vec();
-        half[replaced].clone_from(&middle);
-        half
-    })
-}
