@@ -186,7 +186,7 @@ impl Checked {
             stays: None,
             reaches: None,
             depth: 0,
-            programs: [ProvedPrograms { share: 0.0, exchanges: 0, missed: 0.0, excess: 0.0 }; 2],
+            programs: [ProvedPrograms::NONE; 2],
         };
         let (mut loop_cells, mut planned) = (Vec::new(), Vec::new());
         for number in 0..count {

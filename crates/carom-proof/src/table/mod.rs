@@ -76,14 +76,16 @@ impl fmt::Display for ProvedTable {
             write!(f, ", {share:.3} % from which it is in the goal after at most {steps} steps")?;
         }
         for (bits, programs) in [64, 32].into_iter().zip(&self.programs) {
-            let ProvedPrograms { share, exchanges, missed, excess } = *programs;
+            let ProvedPrograms { share, exchanges, missed, off, excess } = *programs;
             if share > 0.0 {
                 write!(
                     f,
                     "; with {bits} bits, {:.3} % whose cells solve programs: at most {exchanges} \
-                     exchanges, rows missed by at most {}, cost above that of the plan by at most {}",
+                     exchanges, rows missed by at most {}, inputs off by at most {}, cost above that of \
+                     the plan by at most {}",
                     percent(share),
                     Plain(missed),
+                    Plain(off),
                     Plain(excess)
                 )?;
             }

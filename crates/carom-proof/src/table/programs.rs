@@ -18,8 +18,9 @@ use std::cmp::Ordering;
 use std::io::BufRead;
 use std::rc::Rc;
 
-/// The most rows of a program.
-const MOST_ROWS: usize = 64;
+/// The most rows of a program, and the most exchanges.
+const MOST_STATED_ROWS: usize = 64;
+const MOST_STATED_EXCHANGES: usize = 1000;
 
 /// A cell with plans at its corners.
 #[derive(Debug)]
@@ -38,8 +39,15 @@ pub struct ProvedPrograms {
     pub exchanges: u64,
     /// By how much rows are missed, at most, beside the tolerance of the table.
     pub missed: f64,
+    /// By how much inputs differ from those of the plan, at most.
+    pub off: f64,
     /// By how much the plan of a program costs more than that of the cell's explicit law, at most.
     pub excess: f64,
+}
+
+impl ProvedPrograms {
+    pub(super) const NONE: Self =
+        ProvedPrograms { share: 0.0, exchanges: 0, missed: 0.0, off: 0.0, excess: 0.0 };
 }
 
 /// A plan at a corner of a hull, multiplied by a positive number.
@@ -76,12 +84,12 @@ pub(super) fn read_programs<R: BufRead>(
     }
     let count = words.count("the number of programs")?;
     words.end()?;
-    let mut proved = ProvedPrograms { share: 0.0, exchanges: 0, missed: 0.0, excess: 0.0 };
+    let mut proved = ProvedPrograms::NONE;
     let mut solved = vec![false; cells.len()];
     for _ in 0..count {
         let mut words = lines.expect("q")?;
-        let rows = words.index("the number of rows", MOST_ROWS + 1)?;
-        let exchanges = words.count("the number of exchanges")?;
+        let rows = words.index("the number of rows", MOST_STATED_ROWS + 1)?;
+        let exchanges = words.index("the number of exchanges", MOST_STATED_EXCHANGES + 1)?;
         let limits = [words.number("a limit")?, words.number("a limit")?];
         let (missed, off) = (words.number("a tolerance")?, words.number("a tolerance")?);
         words.end()?;
@@ -122,7 +130,7 @@ pub(super) fn read_programs<R: BufRead>(
             proved.share += cell.share;
         }
         words.end()?;
-        proved.missed = proved.missed.max(missed);
+        (proved.missed, proved.off) = (proved.missed.max(missed), proved.off.max(off));
     }
     Ok(proved)
 }
@@ -228,7 +236,7 @@ impl SolvedCell<'_> {
         let mut sum = Sum::default();
         let is_kept = |value: &Dyadic, [lower, upper]: [f64; 2], sum: &mut Sum| {
             for (limit, sign) in [(lower, -1.0), (upper, 1.0)] {
-                if limit.is_infinite() {
+                if limit.is_infinite() && (limit > 0.0) == (sign > 0.0) {
                     continue;
                 }
                 sum.add(value, sign);
