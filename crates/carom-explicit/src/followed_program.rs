@@ -17,7 +17,7 @@ use crate::tableau::ExchangeTableau;
 
 /// The most exchanges of a program, and the most tableaus that a cell may lead to.
 const MOST_EXCHANGES: usize = 24;
-const MOST_WAYS: usize = 300;
+const MOST_WAYS: usize = 100;
 
 /// The most rows of a program.
 const MOST_DEVICE_ROWS: usize = 40;
@@ -41,7 +41,7 @@ const LEAST_POSITIVE: f64 = 1e-9;
 const SAME_POINT: f64 = 1e-13;
 
 /// The most points of a part of a cell.
-const MOST_WAY_POINTS: usize = 120;
+const MOST_WAY_POINTS: usize = 40;
 
 /// The largest error at the end of a way, in roundings, or in units of slacks and inputs if that is
 /// more. Cells with larger ones keep their explicit laws.
