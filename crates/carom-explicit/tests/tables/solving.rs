@@ -198,9 +198,8 @@ fn work_space_is_wanted() {
     }
 }
 
-#[test]
-fn equations_are_eliminated() {
-    // x moves to 0 by two pushes of at most 1 in sum; the same is said twice, in other units.
+/// x moves to 0 by two pushes of at most 1 in sum; the same is said twice, in other units.
+pub(crate) fn pushes() -> (Model, Variable, Variable) {
     let mut model = Model::new("pushes");
     let x = model.parameter("x", 0.0, -3.0, 3.0).unwrap();
     let up = model.binary("up").unwrap();
@@ -213,6 +212,12 @@ fn equations_are_eliminated() {
     model.add("least", (20.0 * sum).ge(20.0 * up - 20.0)).unwrap();
     model.add("rest", rest.equals(x + sum)).unwrap();
     model.minimize(rest.square() + 0.1 * (u - v).square() + 0.01 * v.square()).unwrap();
+    (model, x, sum)
+}
+
+#[test]
+fn equations_are_eliminated() {
+    let (model, x, sum) = pushes();
     let table = ExplicitProgram::new(&model, [x], [sum]).unwrap().build();
     let double = table.double_solving();
     assert_eq!(programs_solved(&double), double.view().leaves.len());
