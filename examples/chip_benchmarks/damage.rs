@@ -7,7 +7,7 @@ use carom_proof::check_table;
 use crate::Random;
 
 /// The number of kinds of damages.
-const KINDS: u64 = 10;
+const KINDS: u64 = 12;
 
 /// The certificate with something wrong; `None` if there is nothing of that kind.
 fn damaged(text: &str, random: &mut Random) -> Option<String> {
@@ -70,6 +70,21 @@ fn damaged(text: &str, random: &mut Random) -> Option<String> {
             let corner = word(&lines[k], 1);
             lines[k] = with(&lines[k], 2, &corner);
         }
+        // The constant of an input of a program is another one.
+        9 => {
+            let k = one("m ")?;
+            let at = lines[k].split(' ').count() - program_states(&lines)? - 1;
+            let constant: f64 = word(&lines[k], at).parse().ok()?;
+            lines[k] = with(&lines[k], at, &format!("{:?}", constant + 0.5));
+        }
+        // A cell solves its program twice.
+        10 => {
+            let k = one("solves ")?;
+            let count = word(&lines[k], 1).parse::<u64>().ok()?;
+            let (first, excess) = (word(&lines[k], 2), word(&lines[k], 3));
+            let more = with(&lines[k], 1, &(count + 1).to_string());
+            lines[k] = format!("{more} {first} {excess}");
+        }
         // The text ends.
         _ => {
             let length = 1 + random.below(lines.len() as u64 - 1);
@@ -77,6 +92,12 @@ fn damaged(text: &str, random: &mut Random) -> Option<String> {
         }
     }
     Some(lines.join("\n"))
+}
+
+/// The number of axes.
+fn program_states(lines: &[String]) -> Option<usize> {
+    let axes = lines.iter().find(|line| line.starts_with("axes "))?;
+    axes.split(' ').nth(1)?.parse().ok()
 }
 
 /// Damages a certificate so many times; each must be rejected.

@@ -3,11 +3,13 @@
 //! `cargo run --release --example chip_benchmarks -- [STATES] [DAMAGES] [FOLDER] [NAME]`
 //!
 //! At STATES random states (100 by default) of each system, and at as many corners of cells, the
-//! program is solved online, from its last tree. Where the table has an input, the online optimum
+//! program is solved online, from its last tree. Where a table has an input, the online optimum
 //! with that input must be within the loss; where it says that there is no plan, there must be
-//! none. Of a table of at most 300 cells, DAMAGES certificates (10 by default) with something wrong
-//! are made, which the checker must reject. FOLDER gets certificates for `carom-proof table`, and
-//! the states with their optima for `benches/chip_daqp.py`. With NAME, there is one system alone.
+//! none. There are two tables: the first line of a system is that with explicit laws, and the
+//! second one that in which devices solve programs. Of a table of at most 300 cells, DAMAGES
+//! certificates (10 by default) with something wrong are made, which the checker must reject.
+//! FOLDER gets certificates for `carom-proof table`, and the states with their optima for
+//! `benches/chip_daqp.py`. With NAME, there is one system alone.
 
 mod damage;
 mod systems;
@@ -19,7 +21,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use carom::explicit::{ExplicitTable, LookupAnswer};
+use carom::explicit::{ExplicitTable, LookupAnswer, LookupArrays, LookupProgram};
 use carom::prelude::*;
 use systems::System;
 
@@ -75,7 +77,7 @@ struct Online {
 /// Solves at states; errors if the table is wrong.
 fn compare(
     system: &System,
-    table: &ExplicitTable,
+    laws: &[&LookupArrays<f64>],
     states: &[Vec<f64>],
 ) -> Result<Online, Box<dyn Error>> {
     let System { program, axes, input, .. } = system;
@@ -93,38 +95,42 @@ fn compare(
         let best = online.solve(&values, &mut Control::default())?;
         found.times.push(began.elapsed());
         found.costs.push(best.objective());
-        match table.evaluate(state) {
-            (LookupAnswer::Plan { loss }, inputs) => {
-                values.push((given, inputs[0]));
-                let own = held.solve(&values, &mut Control::default())?;
-                let (own, best) = (own.objective(), best.objective());
-                let Some(costs) = own.zip(best) else {
-                    return Err(format!("{state:?}: a law is infeasible online").into());
-                };
-                if costs.0 > costs.1 + loss + 1e-4 * (1.0 + costs.1.abs()) {
-                    return Err(format!("{state:?}: {costs:?}, and a loss of {loss}").into());
+        for law in laws {
+            let (mut inputs, mut work) = (vec![0.0; law.inputs()], vec![0.0; law.work()]);
+            match law.view().solve(state, &mut inputs, &mut work) {
+                LookupAnswer::Plan { loss } => {
+                    values.push((given, inputs[0]));
+                    let own = held.solve(&values, &mut Control::default())?;
+                    values.pop();
+                    let Some(costs) = own.objective().zip(best.objective()) else {
+                        return Err(format!("{state:?}: a law is infeasible online").into());
+                    };
+                    if costs.0 > costs.1 + loss + 1e-4 * (1.0 + costs.1.abs()) {
+                        return Err(format!("{state:?}: {costs:?}, and a loss of {loss}").into());
+                    }
                 }
+                LookupAnswer::NoPlan if !best.is_infeasible() => {
+                    return Err(format!("{state:?} has a plan").into());
+                }
+                LookupAnswer::Damaged => return Err(format!("{state:?}: damaged").into()),
+                _ => {}
             }
-            (LookupAnswer::NoPlan, _) if !best.is_infeasible() => {
-                return Err(format!("{state:?} has a plan").into());
-            }
-            _ => {}
         }
     }
     Ok(found)
 }
 
 /// The mean time of a look-up in 32 bits at random states, and the longest of a thousand means.
-fn look_up(table: &ExplicitTable) -> [Duration; 2] {
-    let single = table.single();
+fn look_up(table: &ExplicitTable, single: &LookupArrays<f32>) -> [Duration; 2] {
     let (view, mut input) = (single.view(), vec![0.0; single.inputs()]);
+    let mut work = vec![0.0; single.work()];
     let mut random = Random::new();
     let (mut sum, mut longest, mut total) = (Duration::ZERO, Duration::ZERO, 0.0);
     for _ in 0..1000 {
         let state: Vec<f32> = random.state(table).iter().map(|x| *x as f32).collect();
         let began = Instant::now();
         for _ in 0..100 {
-            let answer = view.evaluate(std::hint::black_box(&state), &mut input);
+            let answer = view.solve(std::hint::black_box(&state), &mut input, &mut work);
             total += f32::from(u8::from(answer.has_inputs()));
         }
         let time = began.elapsed() / 100;
@@ -143,6 +149,25 @@ fn write_states(file: &Path, states: &[Vec<f64>], online: &Online) -> std::io::R
         writeln!(out, "{} {cost}", words.join(" "))?;
     }
     out.flush()
+}
+
+/// The line of a table with programs.
+fn print_solving(table: &ExplicitTable, single: &LookupArrays<f32>, seconds: f64) {
+    let ([mean, longest], view) = (look_up(table, single), single.view());
+    let most = |of: fn(&LookupProgram<f32>) -> u32| view.programs.iter().map(of).max().unwrap_or(0);
+    println!(
+        "  programs   {:5}  {:7}  {:4}  {seconds:7.1}  {} programs, {} rows, {} exchanges, {} products, rows missed by \
+         {:.1e}, inputs off by {:.1e}  {mean:>13.0?} {longest:>8.0?}",
+        view.nodes.len() + view.roots.len(),
+        single.bytes(),
+        view.depth,
+        view.programs.len(),
+        most(|program| program.rows),
+        most(|program| program.exchanges),
+        single.operations().products,
+        single.row_rounding(),
+        single.input_rounding(),
+    );
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -172,12 +197,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         let system = build()?;
         let table = system.table(1_000_000)?;
         let (report, single) = (table.report(), table.single());
-        let [mean, longest] = look_up(&table);
+        let [mean, longest] = look_up(&table, &single);
+        let began = Instant::now();
+        let solving = table.single_solving();
+        let (seconds, double) = (began.elapsed().as_secs_f64(), table.double_solving());
+        let laws = [table.double(), &double];
         let mut random = Random::new();
         let states: Vec<Vec<f64>> = (0..count).map(|_| random.state(&table)).collect();
-        let mut online = compare(&system, &table, &states)?;
+        let mut online = compare(&system, &laws, &states)?;
         let corners = corners(&table, count);
-        compare(&system, &table, &corners)?;
+        compare(&system, &laws, &corners)?;
         if let Some(folder) = &folder {
             let folder = Path::new(folder);
             let file = BufWriter::new(File::create(folder.join(format!("{name}.table")))?);
@@ -205,6 +234,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             corners.len(),
             report.most_nodes,
         );
+        print_solving(&table, &solving, seconds);
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The numbers of a table.
 
-use core::ops::{Add, Mul, Sub};
+use core::ops::{Add, Div, Mul, Sub};
 
 mod sealed {
     pub trait Sealed {}
@@ -13,12 +13,20 @@ mod sealed {
 /// A look-up rounds a state to whole units, of which each side of the box has
 /// [`UNITS`](Self::UNITS), and from there on only adds and compares whole numbers.
 pub trait LookupNumber:
-    sealed::Sealed + Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+    sealed::Sealed
+    + Copy
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
 {
     /// The units along a side of the box: 2^30, or 2^24 for `f32`, which holds no more digits.
     const UNITS: u32;
     /// The number 0.
     const ZERO: Self;
+    /// The number 1.
+    const ONE: Self;
 
     /// The nearest whole number between 0 and [`UNITS`](Self::UNITS); 0 for NaN.
     #[must_use]
@@ -32,6 +40,7 @@ pub trait LookupNumber:
 impl LookupNumber for f32 {
     const UNITS: u32 = 1 << 24;
     const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
 
     fn to_units(self) -> u32 {
         // A cast saturates, and cuts off what is behind the point.
@@ -47,6 +56,7 @@ impl LookupNumber for f32 {
 impl LookupNumber for f64 {
     const UNITS: u32 = 1 << 30;
     const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
 
     fn to_units(self) -> u32 {
         ((self + 0.5) as u32).min(Self::UNITS)

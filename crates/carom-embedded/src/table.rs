@@ -1,6 +1,7 @@
 //! The table and its look-up.
 
 use crate::answer::LookupAnswer;
+use crate::program::LookupProgram;
 use crate::real::LookupNumber;
 use crate::simplex::{MOST_CORNERS, Weights};
 
@@ -25,13 +26,21 @@ pub enum LookupLeaf<T> {
         /// proved.
         loss: T,
     },
+    /// The cell gives the integers; a quadratic program is solved for the inputs.
+    Solve {
+        /// The number of its program among those of the table.
+        program: u32,
+        /// The most that its optimum loses, in the unit of the objective; infinite if nothing is
+        /// proved.
+        loss: T,
+    },
     /// Proved to have no plan.
     NoPlan,
     /// Not decided.
     Open,
 }
 
-/// A table of explicit laws over a box of states, borrowed from constants.
+/// A table of laws over a box of states, borrowed from constants.
 ///
 /// Tables are written by `carom::explicit`. The fields are public so that a table can be a `const`;
 /// [`is_sound`](Self::is_sound) checks at compile time that they fit together.
@@ -53,6 +62,10 @@ pub struct LookupTable<'a, T> {
     pub laws: &'a [u32],
     /// Inputs at corners, one after the other.
     pub values: &'a [T],
+    /// The quadratic programs of the leaves that solve one.
+    pub programs: &'a [LookupProgram<T>],
+    /// The numbers of the programs, one after the other.
+    pub numbers: &'a [T],
     /// The number of inputs of a corner.
     pub inputs: usize,
     /// The most cuts on a way to a leaf.
@@ -79,6 +92,8 @@ impl<T> LookupTable<'_, T> {
     ///     leaves: &[LookupLeaf::Plan { law: 0, loss: 0.0 }],
     ///     laws: &[0, 1],
     ///     values: &[0.5, -2.0],
+    ///     programs: &[],
+    ///     numbers: &[],
     ///     inputs: 1,
     ///     depth: 0,
     /// };
@@ -128,9 +143,19 @@ impl<T> LookupTable<'_, T> {
         let (corners, values) = (states + 1, self.values.len() / self.inputs);
         let mut rest = self.leaves;
         while let [leaf, others @ ..] = rest {
-            if let LookupLeaf::Plan { law, .. } = leaf
-                && *law as usize >= self.laws.len() / corners
-            {
+            let exists = match leaf {
+                LookupLeaf::Plan { law, .. } => (*law as usize) < self.laws.len() / corners,
+                LookupLeaf::Solve { program, .. } => (*program as usize) < self.programs.len(),
+                LookupLeaf::NoPlan | LookupLeaf::Open => true,
+            };
+            if !exists {
+                return false;
+            }
+            rest = others;
+        }
+        let mut rest = self.programs;
+        while let [program, others @ ..] = rest {
+            if !program.is_sound(self.numbers.len(), states, self.inputs) {
                 return false;
             }
             rest = others;
@@ -145,6 +170,20 @@ impl<T> LookupTable<'_, T> {
         true
     }
 
+    /// The numbers of work space that [`solve`](Self::solve) takes; 0 without programs.
+    #[must_use]
+    pub const fn work(&self) -> usize {
+        let mut most = 0;
+        let mut rest = self.programs;
+        while let [program, others @ ..] = rest {
+            if program.work(self.inputs) > most {
+                most = program.work(self.inputs);
+            }
+            rest = others;
+        }
+        most
+    }
+
     /// Whether there is a leaf of this code, or a node that is not before `first`.
     const fn exists(&self, code: u32, first: usize) -> bool {
         match code & Self::LEAF {
@@ -154,9 +193,18 @@ impl<T> LookupTable<'_, T> {
     }
 }
 
+/// Where a state is.
+struct FoundLeaf<'a, T> {
+    leaf: &'a LookupLeaf<T>,
+    weights: Weights,
+    /// Zero behind the states of the table.
+    shares: [T; MOST_CORNERS - 1],
+}
+
 impl<T: LookupNumber> LookupTable<'_, T> {
-    /// The leaf of a state, and the weights of its corners.
-    fn find(&self, state: &[T]) -> Result<(&LookupLeaf<T>, Weights), LookupAnswer<T>> {
+    /// The leaf of a state, the weights of its corners, and the state as shares of the sides of the
+    /// box.
+    fn find(&self, state: &[T]) -> Result<FoundLeaf<'_, T>, LookupAnswer<T>> {
         let states = self.lower.len();
         let fits = state.len() == states && self.upper.len() == states;
         if !fits || self.scale.len() != states || states >= MOST_CORNERS {
@@ -167,15 +215,19 @@ impl<T: LookupNumber> LookupTable<'_, T> {
         if !state.iter().zip(bounds).all(|(x, (lower, upper))| lower <= x && x <= upper) {
             return Err(LookupAnswer::Outside);
         }
+        let mut coordinates = [0; MOST_CORNERS - 1];
         let scaled = state.iter().zip(self.lower).zip(self.scale);
-        let coordinates = scaled.map(|((&x, &lower), &scale)| ((x - lower) * scale).to_units());
-        let (mut weights, order) = Weights::locate(T::UNITS, coordinates);
+        for (coordinate, ((&x, &lower), &scale)) in coordinates.iter_mut().zip(scaled) {
+            *coordinate = ((x - lower) * scale).to_units();
+        }
+        let (mut weights, order) =
+            Weights::locate(T::UNITS, coordinates.iter().copied().take(states));
         let mut at = *self.roots.get(order as usize).ok_or(LookupAnswer::Damaged)?;
         for _ in 0..=self.depth {
             if at & Self::LEAF != 0 {
                 let number = (at ^ Self::LEAF) as usize;
                 let leaf = self.leaves.get(number).ok_or(LookupAnswer::Damaged)?;
-                return Ok((leaf, weights));
+                return Ok(FoundLeaf { leaf, weights, shares: coordinates.map(T::share) });
             }
             let node = self.nodes.get(at as usize).ok_or(LookupAnswer::Damaged)?;
             let [first, second] = node.next;
@@ -190,31 +242,60 @@ impl<T: LookupNumber> LookupTable<'_, T> {
 
     /// Looks up the cell of a state and evaluates its law.
     ///
+    /// A program with rows needs the work space of [`solve`](Self::solve): without, the answer is
+    /// [`LookupAnswer::Damaged`].
+    ///
     /// # Arguments
     ///
     /// * `state`: an entry for each state of the table, in its unit.
     /// * `inputs`: where the inputs are written, an entry for each input of the table. They stay as
-    ///   they are if the answer has none.
+    ///   they are if the answer has none; if it is [`LookupAnswer::Damaged`], they may be anything.
     ///
     /// # Complexity
     ///
     /// At most `depth` comparisons of whole numbers; for each input, a product for each state and
     /// one more.
     pub fn evaluate(&self, state: &[T], inputs: &mut [T]) -> LookupAnswer<T> {
-        let (leaf, weights) = match self.find(state) {
+        self.solve(state, inputs, &mut [])
+    }
+
+    /// As [`evaluate`](Self::evaluate), with work space for programs.
+    ///
+    /// # Arguments
+    ///
+    /// * `work`: at least [`work`](Self::work) numbers, whose values do not matter.
+    ///
+    /// # Complexity
+    ///
+    /// That of `evaluate`; or, for a program, at most its
+    /// [`exchanges`](LookupProgram::exchanges), each with at most two passes over its matrix.
+    pub fn solve(&self, state: &[T], inputs: &mut [T], work: &mut [T]) -> LookupAnswer<T> {
+        let FoundLeaf { leaf, weights, shares } = match self.find(state) {
             Ok(found) => found,
             Err(answer) => return answer,
         };
+        if inputs.len() != self.inputs {
+            return LookupAnswer::Damaged;
+        }
         let (law, loss) = match *leaf {
             LookupLeaf::NoPlan => return LookupAnswer::NoPlan,
             LookupLeaf::Open => return LookupAnswer::Open,
+            LookupLeaf::Solve { program, loss } => {
+                let program = self.programs.get(program as usize);
+                let solved =
+                    program.zip(shares.get(..state.len())).and_then(|(program, shares)| {
+                        program.solve(self.numbers, shares, inputs, work)
+                    });
+                return match solved {
+                    Some(()) => LookupAnswer::Plan { loss },
+                    None => LookupAnswer::Damaged,
+                };
+            }
             LookupLeaf::Plan { law, loss } => (law as usize, loss),
         };
         let corners = state.len() + 1;
         let law = self.laws.get(law.wrapping_mul(corners)..).and_then(|rest| rest.get(..corners));
-        let Some(law) = law.filter(|_| inputs.len() == self.inputs) else {
-            return LookupAnswer::Damaged;
-        };
+        let Some(law) = law else { return LookupAnswer::Damaged };
         let exists = |value: &u32| self.value(*value).is_some();
         if !law.iter().all(exists) {
             return LookupAnswer::Damaged;
@@ -238,7 +319,18 @@ impl<T: LookupNumber> LookupTable<'_, T> {
 
     /// As [`evaluate`](Self::evaluate), with other inputs where the answer has none.
     pub fn evaluate_or(&self, state: &[T], fallback: &[T], inputs: &mut [T]) -> LookupAnswer<T> {
-        let answer = self.evaluate(state, inputs);
+        self.solve_or(state, fallback, inputs, &mut [])
+    }
+
+    /// As [`solve`](Self::solve), with other inputs where the answer has none.
+    pub fn solve_or(
+        &self,
+        state: &[T],
+        fallback: &[T],
+        inputs: &mut [T],
+        work: &mut [T],
+    ) -> LookupAnswer<T> {
+        let answer = self.solve(state, inputs, work);
         if !answer.has_inputs() {
             inputs.iter_mut().zip(fallback).for_each(|(input, &other)| *input = other);
         }

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupTable};
+use carom_embedded::{LookupLeaf, LookupNode, LookupNumber, LookupProgram, LookupTable};
 use carom_model::Error;
 use carom_model::model::{Affine, Model};
 
-use crate::build::PartitionCell;
+use crate::build::CellLaw;
+use crate::device_cells::{DeviceCell, DeviceCells};
+use crate::followed_program::DeviceProgram;
 use crate::form::ParametricForm;
-use crate::partition::Partition;
-use crate::relaxed::CornerRelaxation;
+use crate::relaxed::{CornerRelaxation, PLAN_TOLERANCE};
 
 /// The arrays of a look-up in `f64` or `f32`, as they are written for devices.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,11 +24,16 @@ pub struct LookupArrays<T> {
     pub(crate) leaves: Vec<LookupLeaf<T>>,
     pub(crate) laws: Vec<u32>,
     pub(crate) values: Vec<T>,
+    pub(crate) programs: Vec<LookupProgram<T>>,
+    pub(crate) numbers: Vec<T>,
     pub(crate) inputs: usize,
     pub(crate) depth: u32,
     pub(crate) remarks: Vec<String>,
     pub(crate) state_rounding: Vec<f64>,
     pub(crate) input_rounding: f64,
+    pub(crate) row_rounding: f64,
+    /// What rounding in a program adds to the loss, at most.
+    pub(crate) loss_rounding: f64,
     /// The largest sum of magnitudes behind an input, and its number of terms and two more.
     largest: [f64; 2],
 }
@@ -87,7 +93,11 @@ impl<K: Hash + Eq> Numbered<K> {
 
 /// The relative error of an operation.
 const DOUBLE_UNIT: f64 = f64::EPSILON / 2.0;
-const SINGLE_UNIT: f64 = f32::EPSILON as f64 / 2.0;
+pub(crate) const SINGLE_UNIT: f64 = f32::EPSILON as f64 / 2.0;
+
+/// The relative error of a program's numbers, with 64 bits: equations are eliminated, and a Hessian
+/// is divided by, which rounds more than one operation.
+pub(crate) const CONDENSED_ROUNDING: f64 = 1e-12;
 
 /// By how much the state of a look-up may differ from the one that was asked for, in units of the
 /// box: rounding to whole units, four roundings of numbers up to all units, and what the lower end
@@ -102,7 +112,11 @@ fn units_off(ends: [f64; 2], device: [f64; 3], units: f64, rounding: f64) -> f64
 }
 
 impl LookupArrays<f64> {
-    pub(crate) fn new(form: &ParametricForm, partition: &Partition, outputs: &[LawOutput]) -> Self {
+    pub(crate) fn new(
+        form: &ParametricForm,
+        device: &DeviceCells<'_>,
+        outputs: &[LawOutput],
+    ) -> Self {
         let side = |of: &[f64]| form.axes.iter().map(|&j| of[j]).collect::<Vec<f64>>();
         let (lower, upper) = (side(&form.lower), side(&form.upper));
         let widths = upper.iter().zip(&lower);
@@ -115,52 +129,44 @@ impl LookupArrays<f64> {
             leaves: Vec::new(),
             laws: Vec::new(),
             values: Vec::new(),
+            programs: Vec::new(),
+            numbers: Vec::new(),
             inputs: outputs.len(),
-            depth: partition.depth as u32,
+            depth: device.depth as u32,
             remarks: Vec::new(),
             state_rounding: Vec::new(),
             input_rounding: 0.0,
+            row_rounding: 0.0,
+            loss_rounding: 0.0,
             largest: [0.0; 2],
         };
         let mut values = Numbered { known: HashMap::new() };
         let mut laws = Numbered { known: HashMap::new() };
         let mut leaves = Numbered { known: HashMap::new() };
-        let mut codes = Vec::with_capacity(partition.cells.len());
+        let mut codes = Vec::with_capacity(device.cells.len());
         let mut cuts = 0;
-        for cell in &partition.cells {
+        for cell in &device.cells {
             let leaf = match cell {
-                PartitionCell::Cut { .. } => {
+                DeviceCell::Cut { .. } => {
                     codes.push(cuts);
                     cuts += 1;
                     continue;
                 }
-                PartitionCell::Open => LookupLeaf::Open,
-                PartitionCell::NoPlan(_) => LookupLeaf::NoPlan,
-                PartitionCell::Plan(law) => {
-                    let mut corners = Vec::with_capacity(law.plans.len());
-                    for plan in &law.plans {
-                        let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
-                        let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
-                        let bits: Vec<u64> = own.iter().map(|value| value.to_bits()).collect();
-                        let (number, is_new) = values.number(bits);
-                        if is_new {
-                            arrays.values.extend(own);
-                        }
-                        // Also of those with the same sum of other terms.
-                        outputs.iter().for_each(|output| arrays.measure(output, x));
-                        corners.push(number);
-                    }
-                    let (number, is_new) = laws.number(corners.clone());
-                    if is_new {
-                        arrays.laws.append(&mut corners);
-                    }
-                    LookupLeaf::Plan { law: number, loss: law.loss }
+                DeviceCell::Open => LookupLeaf::Open,
+                DeviceCell::NoPlan => LookupLeaf::NoPlan,
+                &DeviceCell::Solve { program, loss } => {
+                    LookupLeaf::Solve { program: program as u32, loss }
+                }
+                DeviceCell::Law(law) => {
+                    let law_number = arrays.add_law(law, outputs, &mut values, &mut laws);
+                    LookupLeaf::Plan { law: law_number, loss: law.loss }
                 }
             };
             let key = match leaf {
-                LookupLeaf::Plan { law, loss } => (law, loss.to_bits()),
-                LookupLeaf::NoPlan => (u32::MAX, 0),
-                LookupLeaf::Open => (u32::MAX, 1),
+                LookupLeaf::Plan { law, loss } => (0, law, loss.to_bits()),
+                LookupLeaf::Solve { program, loss } => (1, program, loss.to_bits()),
+                LookupLeaf::NoPlan => (2, 0, 0),
+                LookupLeaf::Open => (3, 0, 0),
             };
             let (number, is_new) = leaves.number(key);
             if is_new {
@@ -168,21 +174,69 @@ impl LookupArrays<f64> {
             }
             codes.push(number | LookupTable::<f64>::LEAF);
         }
-        for cell in &partition.cells {
-            if let PartitionCell::Cut { edge, next } = cell {
+        for cell in &device.cells {
+            if let DeviceCell::Cut { edge, next } = cell {
                 let edge = edge.map(|corner| corner as u8);
                 arrays.nodes.push(LookupNode { edge, next: next.map(|number| codes[number]) });
             }
         }
-        arrays.roots = codes[..partition.orders].to_vec();
-        let ends = arrays.lower.iter().zip(&arrays.upper).zip(&arrays.scale);
+        arrays.roots = codes[..device.orders].to_vec();
+        arrays.add_programs(&device.programs);
+        arrays.note_roundings(device);
+        arrays
+    }
+
+    /// The number of a law.
+    fn add_law(
+        &mut self,
+        law: &CellLaw,
+        outputs: &[LawOutput],
+        values: &mut Numbered<Vec<u64>>,
+        laws: &mut Numbered<Vec<u32>>,
+    ) -> u32 {
+        let mut corners = Vec::with_capacity(law.plans.len());
+        for plan in &law.plans {
+            let CornerRelaxation::Solved { x, .. } = &**plan else { continue };
+            let own: Vec<f64> = outputs.iter().map(|out| out.value(x)).collect();
+            let bits: Vec<u64> = own.iter().map(|value| value.to_bits()).collect();
+            let (number, is_new) = values.number(bits);
+            if is_new {
+                self.values.extend(own);
+            }
+            // Also of those with the same sum of other terms.
+            outputs.iter().for_each(|output| self.measure(output, x));
+            corners.push(number);
+        }
+        let (number, is_new) = laws.number(corners.clone());
+        if is_new {
+            self.laws.append(&mut corners);
+        }
+        number
+    }
+
+    fn add_programs(&mut self, programs: &[DeviceProgram]) {
+        for program in programs {
+            self.programs.push(LookupProgram {
+                rows: program.rows as u32,
+                first: self.numbers.len() as u32,
+                exchanges: program.exchanges as u32,
+                negative: program.negative,
+                positive: program.positive,
+            });
+            self.numbers.extend(&program.numbers);
+        }
+    }
+
+    fn note_roundings(&mut self, device: &DeviceCells<'_>) {
+        let ends = self.lower.iter().zip(&self.upper).zip(&self.scale);
         let off = ends.map(|((&l, &u), &scale)| {
             let units = f64::from(f64::UNITS);
             units_off([l, u], [l, u, scale], units, DOUBLE_UNIT) * (u - l) / units
         });
-        arrays.state_rounding = off.collect();
-        arrays.input_rounding = arrays.largest_sum_error(DOUBLE_UNIT);
-        arrays
+        self.state_rounding = off.collect();
+        self.input_rounding = self.largest_sum_error(DOUBLE_UNIT).max(device.errors.input);
+        self.row_rounding = PLAN_TOLERANCE + device.errors.missed;
+        self.loss_rounding = device.errors.loss;
     }
 
     /// The same in 32 bits.
@@ -194,8 +248,18 @@ impl LookupArrays<f64> {
         };
         let leaf = |leaf: &LookupLeaf<f64>| match *leaf {
             LookupLeaf::Plan { law, loss } => LookupLeaf::Plan { law, loss: loss_above(loss) },
+            LookupLeaf::Solve { program, loss } => {
+                LookupLeaf::Solve { program, loss: loss_above(loss) }
+            }
             LookupLeaf::NoPlan => LookupLeaf::NoPlan,
             LookupLeaf::Open => LookupLeaf::Open,
+        };
+        let program = |program: &LookupProgram<f64>| LookupProgram {
+            rows: program.rows,
+            first: program.first,
+            exchanges: program.exchanges,
+            negative: program.negative as f32,
+            positive: program.positive as f32,
         };
         let (lower, upper) = (narrow(&self.lower), narrow(&self.upper));
         let units = f64::from(f32::UNITS);
@@ -208,7 +272,10 @@ impl LookupArrays<f64> {
         });
         LookupArrays {
             state_rounding: off.collect(),
-            input_rounding: self.largest_sum_error(SINGLE_UNIT),
+            // That of the programs is the larger one, if they were made for 32 bits.
+            input_rounding: self.largest_sum_error(SINGLE_UNIT).max(self.input_rounding),
+            row_rounding: self.row_rounding,
+            loss_rounding: self.loss_rounding,
             lower,
             upper,
             scale,
@@ -217,6 +284,8 @@ impl LookupArrays<f64> {
             leaves: self.leaves.iter().map(leaf).collect(),
             laws: self.laws.clone(),
             values: narrow(&self.values),
+            programs: self.programs.iter().map(program).collect(),
+            numbers: narrow(&self.numbers),
             inputs: self.inputs,
             depth: self.depth,
             remarks: self.remarks.clone(),
@@ -253,6 +322,8 @@ impl<T> LookupArrays<T> {
             leaves: &self.leaves,
             laws: &self.laws,
             values: &self.values,
+            programs: &self.programs,
+            numbers: &self.numbers,
             inputs: self.inputs,
             depth: self.depth,
         }
@@ -277,14 +348,27 @@ impl<T> LookupArrays<T> {
         self.input_rounding
     }
 
+    /// By how much the plan of a look-up misses rows, at most, in the unit of each.
+    #[must_use]
+    pub fn row_rounding(&self) -> f64 {
+        self.row_rounding
+    }
+
+    /// The numbers of work space that programs take, see [`LookupTable::work`].
+    #[must_use]
+    pub fn work(&self) -> usize {
+        self.view().work()
+    }
+
     /// The memory that the arrays take as Rust constants, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let numbers = [&self.lower, &self.upper, &self.scale, &self.values];
+        let numbers = [&self.lower, &self.upper, &self.scale, &self.values, &self.numbers];
         let whole = [&self.roots, &self.laws];
         numbers.map(|of| size_of_val(&of[..])).iter().sum::<usize>()
             + whole.map(|of| size_of_val(&of[..])).iter().sum::<usize>()
             + size_of_val(&self.nodes[..])
             + size_of_val(&self.leaves[..])
+            + size_of_val(&self.programs[..])
     }
 }

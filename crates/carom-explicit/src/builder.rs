@@ -15,11 +15,12 @@ use web_time::{Duration, Instant};
 
 use crate::arrays::{LawOutput, LookupArrays};
 use crate::build::{BuildGoal, CellLaw, PartitionCell};
+use crate::device_cells::DeviceCells;
 use crate::expected_cells::CellCounts;
 use crate::form::{ParametricForm, refused};
 use crate::partition::{Partition, PartitionBuild};
 use crate::saved_table::read_partition;
-use crate::table::{ExplicitTable, LoopStatement, TableReport};
+use crate::table::{ExplicitTable, LoopStatement, TableReport, counts_line};
 
 /// How far a build has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -371,7 +372,7 @@ impl<'a> ExplicitProgram<'a> {
         };
         let partition = build.run(self.begun);
         let relaxations = build.relaxations;
-        let mut arrays = LookupArrays::new(&form, &partition, &outputs);
+        let mut arrays = LookupArrays::new(&form, &DeviceCells::explicit(&partition), &outputs);
         let mut report = report(&partition);
         report.laws = arrays.laws.len() / (arrays.lower.len() + 1);
         (report.relaxations, report.duration) = (relaxations, began.elapsed());
@@ -396,8 +397,7 @@ fn remarks(
     for output in outputs {
         remarks.push(format!("input `{}`", output.text(form)));
     }
-    let TableReport { cells, laws, .. } = report;
-    remarks.push(format!("{cells} cells, {laws} laws"));
+    remarks.push(counts_line(report.cells, report.laws));
     remarks.push(format!("loss at most {absolute} + {relative} |least cost|"));
     let percent = |share: f64| 100.0 * share;
     remarks.push(format!(

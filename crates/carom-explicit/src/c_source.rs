@@ -1,6 +1,6 @@
 //! A table as C99, with a look-up that does what `carom-embedded` does, operation by operation.
 
-use carom_embedded::{LookupLeaf, LookupTable};
+use carom_embedded::{LookupLeaf, LookupProgram, LookupTable};
 use carom_model::Error;
 
 use crate::arrays::LookupArrays;
@@ -46,9 +46,19 @@ fn number<T: SourceNumber>(value: T) -> String {
 const NO_PLAN: u32 = u32::MAX;
 const OPEN: u32 = u32::MAX - 1;
 
+/// Added to the numbers of programs.
+const SOLVE: u32 = 1 << 31;
+
 fn header<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str, bytes: usize) -> String {
     let (upper, [_, number]) = (name.to_ascii_uppercase(), T::TYPES);
     let (states, inputs) = (arrays.lower.len(), arrays.inputs);
+    let damaged = match arrays.programs.is_empty() {
+        true => String::new(),
+        false => format!(
+            ",\n    /* A program takes more exchanges than were proved: the table is not as it was \
+             written. */\n    {upper}_DAMAGED"
+        ),
+    };
     let mut text = "/*\n".to_owned();
     said(arrays, bytes).iter().for_each(|line| text += &format!(" * {line}.\n"));
     text += &format!(
@@ -71,7 +81,7 @@ enum {name}_answer {{
     /* The build of the table has ended before this part of the set was decided. */
     {upper}_OPEN,
     /* The state is not in the set of the table, or is no number. */
-    {upper}_OUTSIDE
+    {upper}_OUTSIDE{damaged}
 }};
 
 /*
@@ -94,8 +104,28 @@ enum {name}_answer {name}_evaluate(
 /// The look-up in C, with words between `@` for what differs between tables.
 const LOOK_UP: &str = include_str!("look_up_c.txt");
 
+/// The solve of a program in C, the lines where coordinates are kept for it, and its call.
+const SOLVE_PROGRAM: &str = include_str!("solve_program_c.txt");
+const SOLVE_LINES: [(&str, &str); 3] = [
+    ("kept", "    uint32_t coordinates[@upper@_STATES];\n"),
+    ("keep", "        coordinates[a] = moving;\n"),
+    (
+        "solve",
+        "    if (law >= @SOLVE@U) {
+        if (!@name@_solve(law - @SOLVE@U, coordinates, inputs)) {
+            return @upper@_DAMAGED;
+        }
+        *loss = leaf_loss[at];
+        return @upper@_PLAN;
+    }
+",
+    ),
+];
+
 fn look_up<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> String {
     let [_, number_type] = T::TYPES;
+    let has_programs = !arrays.programs.is_empty();
+    let rows = arrays.programs.iter().map(|program| program.rows as usize).max().unwrap_or(0);
     let words = [
         ("name", name.to_owned()),
         ("upper", name.to_ascii_uppercase()),
@@ -109,10 +139,18 @@ fn look_up<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> String {
         ("inputs", arrays.inputs.to_string()),
         ("NO_PLAN", NO_PLAN.to_string()),
         ("OPEN", OPEN.to_string()),
+        ("SOLVE", SOLVE.to_string()),
+        ("rows", rows.max(1).to_string()),
+        ("matrix", (rows * (rows + arrays.inputs)).max(1).to_string()),
     ];
     let set =
         |text: String, (word, value): &(&str, String)| text.replace(&format!("@{word}@"), value);
-    words.iter().fold(LOOK_UP.to_owned(), set)
+    let mut text = if has_programs { SOLVE_PROGRAM.to_owned() } else { String::new() };
+    text += LOOK_UP;
+    for (word, lines) in SOLVE_LINES {
+        text = text.replace(&format!("@{word}@\n"), if has_programs { lines } else { "" });
+    }
+    words.iter().fold(text, set)
 }
 
 fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<[String; 2], Error> {
@@ -120,11 +158,12 @@ fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<[Stri
     let [_, number_type] = T::TYPES;
     let law = |leaf: &LookupLeaf<T>| match leaf {
         LookupLeaf::Plan { law, .. } => *law,
+        LookupLeaf::Solve { program, .. } => SOLVE + program,
         LookupLeaf::NoPlan => NO_PLAN,
         LookupLeaf::Open => OPEN,
     };
     let loss = |leaf: &LookupLeaf<T>| match leaf {
-        LookupLeaf::Plan { loss, .. } => number(*loss),
+        LookupLeaf::Plan { loss, .. } | LookupLeaf::Solve { loss, .. } => number(*loss),
         _ => number(T::ZERO),
     };
     let whole = |value: &u32| format!("{value}U");
@@ -153,6 +192,18 @@ fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<[Stri
     let (laws, values) = (&arrays.laws, &arrays.values);
     array("uint32_t", 4, "laws", laws.len(), list(laws, whole));
     array(number_type, real, "values", values.len(), list(values.iter().copied(), number));
+    let (programs, count) = (&arrays.programs, arrays.programs.len());
+    if count > 0 {
+        let whole = |of: fn(&LookupProgram<T>) -> u32| list(programs.iter().map(of), code);
+        let real_numbers = |of: fn(&LookupProgram<T>) -> T| list(programs.iter().map(of), number);
+        array("uint32_t", 4, "program_rows", count, whole(|program| program.rows));
+        array("uint32_t", 4, "program_first", count, whole(|program| program.first));
+        array("uint32_t", 4, "program_exchanges", count, whole(|program| program.exchanges));
+        array(number_type, real, "program_negative", count, real_numbers(|own| own.negative));
+        array(number_type, real, "program_positive", count, real_numbers(|own| own.positive));
+        let numbers = list(arrays.numbers.iter().copied(), number);
+        array(number_type, real, "numbers", arrays.numbers.len(), numbers);
+    }
     text += &look_up(arrays, name);
     Ok([header(arrays, name, bytes), text])
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use carom_embedded::LookupNumber;
 
-use crate::arrays::LookupArrays;
+use crate::arrays::{CONDENSED_ROUNDING, LookupArrays, SINGLE_UNIT};
 use crate::bounds::Evidence;
 use crate::build::PartitionCell;
 use crate::form::ParametricForm;
@@ -169,6 +169,8 @@ impl ExplicitTable {
                 }
             }
         }
+        self.write_programs(out, 53, (size_of::<f64>(), CONDENSED_ROUNDING))?;
+        self.write_programs(out, 24, (size_of::<f32>(), SINGLE_UNIT))?;
         writeln!(out, "end")
     }
 

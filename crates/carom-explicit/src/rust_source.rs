@@ -1,6 +1,6 @@
 //! A table as a constant in Rust.
 
-use carom_embedded::{LookupLeaf, LookupTable};
+use carom_embedded::{LookupLeaf, LookupProgram, LookupTable};
 use carom_model::Error;
 
 use crate::arrays::LookupArrays;
@@ -55,13 +55,18 @@ fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<Strin
     text += &format!(
         "#[rustfmt::skip]\n#[allow(clippy::all, dead_code)]\npub const {name}: carom_embedded::LookupTable<{number_type}> = {{\n"
     );
-    text += "use carom_embedded::{LookupLeaf, LookupNode, LookupTable};\n";
+    let program = if arrays.programs.is_empty() { "" } else { "LookupProgram, " };
+    text += &format!("use carom_embedded::{{LookupLeaf, LookupNode, {program}LookupTable}};\n");
     text += "const LEAF: u32 = LookupTable::<f32>::LEAF;\n";
     text += "const fn n(i: u8, j: u8, first: u32, second: u32) -> LookupNode {\n    \
              LookupNode { edge: [i, j], next: [first, second] }\n}\n";
     text += &format!(
         "const fn p(law: u32, loss: {number_type}) -> LookupLeaf<{number_type}> {{\n    \
-         LookupLeaf::Plan {{ law, loss }}\n}}\nLookupTable {{\n"
+         LookupLeaf::Plan {{ law, loss }}\n}}\n"
+    );
+    text += &format!(
+        "const fn s(program: u32, loss: {number_type}) -> LookupLeaf<{number_type}> {{\n    \
+         LookupLeaf::Solve {{ program, loss }}\n}}\nLookupTable {{\n"
     );
     let mut array = |field: &str, entries: String| {
         text += &format!("{field}: &[{entries}\n],\n");
@@ -77,12 +82,24 @@ fn source<T: SourceNumber>(arrays: &LookupArrays<T>, name: &str) -> Result<Strin
     array("nodes", nodes);
     let leaves = list(&arrays.leaves, |leaf| match *leaf {
         LookupLeaf::Plan { law, loss } => format!("p({law}, {})", number(loss)),
+        LookupLeaf::Solve { program, loss } => format!("s({program}, {})", number(loss)),
         LookupLeaf::NoPlan => "LookupLeaf::NoPlan".to_owned(),
         LookupLeaf::Open => "LookupLeaf::Open".to_owned(),
     });
     array("leaves", leaves);
     array("laws", list(&arrays.laws, u32::to_string));
     array("values", list(arrays.values.iter().copied(), number));
+    let programs = list(&arrays.programs, |program| {
+        let LookupProgram { rows, first, exchanges, negative, positive } = program;
+        format!(
+            "LookupProgram {{ rows: {rows}, first: {first}, exchanges: {exchanges}, \
+             negative: {}, positive: {} }}",
+            number(*negative),
+            number(*positive)
+        )
+    });
+    array("programs", programs);
+    array("numbers", list(arrays.numbers.iter().copied(), number));
     text += &format!("inputs: {},\ndepth: {},\n}}\n}};\n", arrays.inputs, arrays.depth);
     text += &format!("const _: () = assert!({name}.is_sound());\n");
     Ok(text)

@@ -6,6 +6,7 @@ use carom_embedded::LookupNumber;
 use carom_model::{Error, ErrorKind};
 
 use crate::arrays::LookupArrays;
+use crate::operations::LookupOperations;
 
 /// Columns of a line of numbers.
 const SOURCE_LINE: usize = 96;
@@ -68,13 +69,29 @@ pub(crate) fn check_name(name: &str) -> Result<(), Error> {
 /// Lines that a source says of its table.
 pub(crate) fn said<T>(arrays: &LookupArrays<T>, bytes: usize) -> Vec<String> {
     let mut lines = arrays.remarks.clone();
-    let (states, depth) = (arrays.lower.len(), arrays.depth);
     lines.push(format!("{bytes} bytes of constants"));
+    let LookupOperations { comparisons, products, divisions } = arrays.operations();
+    let divided = match divisions {
+        0 => String::new(),
+        _ => format!(", {divisions} divisions"),
+    };
     lines.push(format!(
-        "at most {} comparisons of whole numbers, {} multiplications and as many sums",
-        depth as usize + states * (states - 1) / 2,
-        states + (states + 1) * (arrays.inputs + 1),
+        "at most {comparisons} comparisons, {products} multiplications and as many sums{divided}"
     ));
+    if !arrays.programs.is_empty() {
+        let exchanges = arrays.programs.iter().map(|program| program.exchanges).max();
+        lines.push(format!(
+            "{} programs, with at most {} exchanges, in {} numbers of work space",
+            arrays.programs.len(),
+            exchanges.unwrap_or(0),
+            arrays.work()
+        ));
+        lines.push(format!(
+            "by rounding in programs, rows are missed by at most {:.1e}, and the loss is larger by at \
+             most {:.1e}",
+            arrays.row_rounding, arrays.loss_rounding
+        ));
+    }
     let mut off = String::new();
     for (a, state) in arrays.state_rounding.iter().enumerate() {
         let _ = write!(off, "{}{state:.1e}", if a == 0 { "" } else { ", " });

@@ -3,8 +3,9 @@
 use carom_embedded::LookupAnswer;
 use web_time::Duration;
 
-use crate::arrays::{LawOutput, LookupArrays};
+use crate::arrays::{CONDENSED_ROUNDING, LawOutput, LookupArrays, SINGLE_UNIT};
 use crate::build::PartitionCell;
+use crate::device_cells::DeviceCells;
 use crate::form::ParametricForm;
 use crate::partition::Partition;
 use crate::relaxed::CornerRelaxation;
@@ -79,6 +80,11 @@ pub struct ExplicitTable {
     pub(crate) arrays: LookupArrays<f64>,
 }
 
+/// What sources say of the cells and the laws of a device.
+pub(crate) fn counts_line(cells: usize, laws: usize) -> String {
+    format!("{cells} cells, {laws} laws")
+}
+
 impl ExplicitTable {
     /// The size of the table, and what is proved of it.
     #[must_use]
@@ -100,6 +106,66 @@ impl ExplicitTable {
     #[must_use]
     pub fn single(&self) -> LookupArrays<f32> {
         self.arrays.single()
+    }
+
+    /// The table for a device with little memory, in 64 bits: a cell gives the integers, and where
+    /// that takes fewer bytes, the device solves a quadratic program for the inputs.
+    ///
+    /// The law is the optimum with the integers of the cell, which costs no more than what
+    /// [`double`](Self::double) interpolates. Cells with the same program are joined, so that the
+    /// loss of a look-up is the largest one of all cells of the program.
+    ///
+    /// No state takes more exchanges than
+    /// [`LookupProgram::exchanges`](carom_embedded::LookupProgram::exchanges). Cells of which that
+    /// cannot be proved, and those whose program is not strictly convex in the columns that
+    /// equations leave, keep their explicit laws. The programs are made at each call, on one
+    /// thread.
+    ///
+    /// ```
+    /// use carom::explicit::{ExplicitProgram, LookupAnswer};
+    /// use carom::prelude::*;
+    ///
+    /// let mut cart = HybridSystem::new(0.5);
+    /// let x = cart.state("x", -4.0, 4.0)?; // m
+    /// let v = cart.state("v", -2.0, 2.0)?; // m/s
+    /// let u = cart.input("u", -1.0, 1.0)?; // m/s²
+    /// cart.mode("roll")?.next([(x, x + 0.5 * v), (v, v + 0.5 * u)])?;
+    /// let mut program = cart.program(3)?;
+    /// program.minimize(program.sum(x.square() + v.square() + u.square())?)?;
+    /// let start = program.open_start([(x, -2.0..=2.0), (v, -0.5..=0.5)])?;
+    /// let input = program.at(u, 0)?;
+    /// let explicit = ExplicitProgram::new(program.model(), start, [input])?;
+    /// let table = explicit.with_loss(0.01, 0.01)?.build();
+    ///
+    /// let (time, memory) = (table.single(), table.single_solving());
+    /// assert!(memory.bytes() < time.bytes());
+    /// let mut work = vec![0.0; memory.view().work()];
+    /// let (mut first, mut second) = ([0.0], [0.0]);
+    /// assert!(time.view().evaluate(&[1.5, -0.2], &mut first).has_inputs());
+    /// assert!(memory.view().solve(&[1.5, -0.2], &mut second, &mut work).has_inputs());
+    /// assert!((first[0] - second[0]).abs() < 0.2);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    #[must_use]
+    pub fn double_solving(&self) -> LookupArrays<f64> {
+        self.solving((size_of::<f64>(), CONDENSED_ROUNDING))
+    }
+
+    /// As [`double_solving`](Self::double_solving), in 32 bits.
+    #[must_use]
+    pub fn single_solving(&self) -> LookupArrays<f32> {
+        self.solving((size_of::<f32>(), SINGLE_UNIT)).single()
+    }
+
+    fn solving(&self, numbers: (usize, f64)) -> LookupArrays<f64> {
+        let cells = DeviceCells::solving(&self.form, &self.partition, &self.outputs, numbers);
+        let mut arrays = LookupArrays::new(&self.form, &cells, &self.outputs);
+        let before = counts_line(self.report.cells, self.report.laws);
+        let laws = arrays.laws.len() / (arrays.lower.len() + 1);
+        let own = counts_line(arrays.nodes.len() + arrays.roots.len(), laws);
+        let line = |line: &String| if *line == before { own.clone() } else { line.clone() };
+        arrays.remarks = self.arrays.remarks.iter().map(line).collect();
+        arrays
     }
 
     /// Looks up the inputs of a state.

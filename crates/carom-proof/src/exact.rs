@@ -75,6 +75,11 @@ impl Dyadic {
         Dyadic { mantissa: if negative { -mantissa } else { mantissa }, exponent }
     }
 
+    /// A whole number times `2^-scale`.
+    pub(crate) fn scaled(mantissa: BigInt, scale: u64) -> Self {
+        Dyadic { mantissa, exponent: -i32::try_from(scale).unwrap_or(i32::MAX) }
+    }
+
     /// Its sign: `Less` for negative numbers.
     #[must_use]
     pub fn sign(&self) -> Ordering {

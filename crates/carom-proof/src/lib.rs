@@ -25,7 +25,7 @@ mod text;
 
 pub use point::Point;
 pub use program::Claim;
-pub use table::{ProvedTable, check_table};
+pub use table::{ProvedPrograms, ProvedTable, check_table};
 pub use text::Failure;
 
 use checker::Checker;

@@ -67,6 +67,50 @@ fn turned(line: &str) -> String {
     line.split(' ').enumerate().map(turn).collect::<Vec<_>>().join(" ")
 }
 
+/// A damage of the programs of devices, by its kind; `None` if there is nothing to damage.
+fn damage_program(
+    lines: &mut [String],
+    kind: usize,
+    place: usize,
+    program: &Program,
+) -> Option<()> {
+    let begin = ["m ", "solves ", "solves ", "q ", "q ", "solves ", "v "][kind - 11];
+    let cells = lines.iter().position(|line| line.starts_with("cells"))? + 1;
+    let cut = (0..8).find(|k| lines.get(cells + k).is_some_and(|line| line.starts_with("cut")));
+    let all = lines.iter_mut().filter(|line| line.starts_with(begin));
+    let mut all: Vec<&mut String> = all.collect();
+    let which = place % all.len().max(1);
+    let line = all.get_mut(which)?;
+    let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+    let number = |at: usize| words[at].parse::<f64>().ok();
+    match kind {
+        // An input is another one.
+        11 => {
+            let at = words.len() - program.axes - 1;
+            words[at] = format!("{:?}", number(at)? + 0.5);
+        }
+        // A cell solves its program twice.
+        12 => {
+            words[1] = (number(1)? + 1.0).to_string();
+            words.extend([words[2].clone(), words[3].clone()]);
+        }
+        // A cell that is cut solves a program.
+        13 => words[2] = cut?.to_string(),
+        // A limit of signs is on the other side of 0.
+        14 => words[3 + place % 2] = format!("{:?}", -number(3 + place % 2)?),
+        // A plan costs less.
+        16 => words[3] = "-1.0".to_owned(),
+        // The columns are others.
+        17 => {
+            words[1..].fill("1e3".to_owned());
+        }
+        // A program has more rows.
+        _ => words[1] = (number(1)? + 1.0).to_string(),
+    }
+    **line = words.join(" ");
+    Some(())
+}
+
 /// A damage that makes a certificate wrong, by its kind; `None` if there is nothing to damage.
 pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) -> Option<String> {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -150,6 +194,7 @@ pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) 
         }
         // The text ends.
         10 => lines.truncate(1 + place % (lines.len() - 1)),
+        11..18 => damage_program(&mut lines, kind, place, program)?,
         // The cost is another one in the corner's evidence: what is saved is worth more.
         _ => {
             let k = one("cost")?;
@@ -162,7 +207,7 @@ pub(crate) fn damaged(text: &str, kind: usize, place: usize, program: &Program) 
 #[test]
 fn damaged_certificates_are_rejected() {
     let mut runner = TestRunner::deterministic();
-    let mut counts = [0; 12];
+    let mut counts = [0; 19];
     while counts.iter().sum::<usize>() < 1000 {
         let program = programs().new_tree(&mut runner).unwrap().current();
         let table = table(&program);

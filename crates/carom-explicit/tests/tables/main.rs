@@ -6,4 +6,5 @@ mod laws;
 mod limits;
 mod loops;
 mod programs;
+mod solving;
 mod sources;

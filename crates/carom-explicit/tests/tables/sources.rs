@@ -4,12 +4,13 @@ use std::fmt::Write;
 use std::process::Command;
 
 use carom::ErrorKind;
-use carom::explicit::{ExplicitProgram, ExplicitTable, LookupAnswer};
+use carom::explicit::{ExplicitProgram, ExplicitTable, LookupAnswer, LookupArrays};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 
 use crate::limits::steps;
 use crate::programs::programs;
+use crate::solving::pushes;
 
 /// Tables that have plans, states without a plan, and open ones.
 fn tables() -> Vec<ExplicitTable> {
@@ -22,6 +23,27 @@ fn tables() -> Vec<ExplicitTable> {
         let finest = if program.axes == 3 { 0.5 } else { 1.0 / 16.0 };
         let table = explicit.with_finest(finest).unwrap().with_cell_limit(300).build();
         if table.report().cells > 20 {
+            tables.push(table);
+        }
+    }
+    tables
+}
+
+/// Tables whose devices exchange pairs.
+fn solving_tables() -> Vec<ExplicitTable> {
+    let mut runner = TestRunner::deterministic();
+    let mut tables = Vec::new();
+    while tables.len() < 2 {
+        let program = programs().new_tree(&mut runner).unwrap().current();
+        if program.squares[0] == 0.0 {
+            continue;
+        }
+        let built = program.build();
+        let explicit = ExplicitProgram::new(&built.model, built.axes, built.outputs).unwrap();
+        let finest = if program.axes == 3 { 0.5 } else { 1.0 / 16.0 };
+        let table = explicit.with_finest(finest).unwrap().with_cell_limit(300).build();
+        let single = table.single_solving();
+        if single.view().programs.iter().any(|own| own.exchanges > 0) {
             tables.push(table);
         }
     }
@@ -89,12 +111,30 @@ fn single_numbers_differ_by_their_rounding() {
     }
 }
 
+/// The answer of a look-up, and the bits of its inputs and its loss.
+fn double_bits(arrays: &LookupArrays<f64>, state: &[f64]) -> String {
+    let (mut inputs, mut work) = (vec![0.0; arrays.inputs()], vec![0.0; arrays.work()]);
+    let answer = arrays.view().solve(state, &mut inputs, &mut work);
+    inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
+    let bits: Vec<String> = inputs.iter().map(|x| format!(" {}", x.to_bits())).collect();
+    format!("{}{}", word(&answer), bits.concat())
+}
+
+fn single_bits(arrays: &LookupArrays<f32>, state: &[f64]) -> String {
+    let state: Vec<f32> = state.iter().map(|&x| x as f32).collect();
+    let (mut inputs, mut work) = (vec![0.0; arrays.inputs()], vec![0.0; arrays.work()]);
+    let answer = arrays.view().solve(&state, &mut inputs, &mut work);
+    inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
+    let bits: Vec<String> = inputs.iter().map(|x| format!(" {}", x.to_bits())).collect();
+    format!("{}{}", word(&answer), bits.concat())
+}
+
 /// Compiles a table in C, and compares it with the look-up.
 fn assert_c_agrees(
     texts: [String; 2],
     is_double: bool,
     states: &[Vec<f64>],
-    table: &ExplicitTable,
+    expected: impl Fn(&[f64]) -> String,
 ) {
     let folder = tempfile::tempdir().unwrap();
     let [header, source] = texts;
@@ -141,33 +181,23 @@ int main(void)
     std::fs::write(path("law.c"), source).unwrap();
     std::fs::write(path("main.c"), main).unwrap();
     let strict = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-O2", "-pedantic"];
-    let compiled = Command::new("cc")
-        .current_dir(&folder)
-        .args(strict)
-        .args(["law.c", "main.c", "-o", "law"])
-        .output()
-        .unwrap();
-    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let compile = |words: &[&str]| {
+        let compiled =
+            Command::new("cc").current_dir(&folder).args(strict).args(words).output().unwrap();
+        assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    };
+    compile(&["-c", "law.c"]);
+    // Nothing is called to copy or clear numbers; what guards a stack is the compiler's own.
+    if let Ok(symbols) = Command::new("nm").current_dir(&folder).args(["-u", "law.o"]).output() {
+        let symbols = String::from_utf8_lossy(&symbols.stdout);
+        assert!(!symbols.contains("mem") && !symbols.contains("printf"), "{symbols}");
+    }
+    compile(&["law.o", "main.c", "-o", "law"]);
     let output = Command::new(path("law")).output().unwrap();
     let output = String::from_utf8(output.stdout).unwrap();
-    let single = table.single();
     let mut lines = output.lines();
     for state in states {
-        let mut expected = String::new();
-        if is_double {
-            let (answer, mut inputs) = table.evaluate(state);
-            inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
-            write!(expected, "{}", word(&answer)).unwrap();
-            inputs.iter().for_each(|x| write!(expected, " {}", x.to_bits()).unwrap());
-        } else {
-            let state: Vec<f32> = state.iter().map(|&x| x as f32).collect();
-            let mut inputs = vec![0.0; single.inputs()];
-            let answer = single.view().evaluate(&state, &mut inputs);
-            inputs.push(if let LookupAnswer::Plan { loss } = answer { loss } else { 0.0 });
-            write!(expected, "{}", word(&answer)).unwrap();
-            inputs.iter().for_each(|x| write!(expected, " {}", x.to_bits()).unwrap());
-        }
-        assert_eq!(lines.next(), Some(&expected[..]), "{state:?}");
+        assert_eq!(lines.next(), Some(&expected(state)[..]), "{state:?}");
     }
     assert_eq!(lines.next(), None);
 }
@@ -177,11 +207,18 @@ fn c_agrees_bit_for_bit() {
     if Command::new("cc").arg("--version").output().is_err() {
         return;
     }
-    for table in tables() {
-        let axes = table.double().state_rounding().len();
-        let states = states(axes, 2000);
-        assert_c_agrees(table.double().c_source("law").unwrap(), true, &states, &table);
-        assert_c_agrees(table.single().c_source("law").unwrap(), false, &states, &table);
+    let agree = |double: &LookupArrays<f64>, single: &LookupArrays<f32>| {
+        let states = states(double.state_rounding().len(), 1000);
+        let bits = |state: &[f64]| double_bits(double, state);
+        assert_c_agrees(double.c_source("law").unwrap(), true, &states, bits);
+        let bits = |state: &[f64]| single_bits(single, state);
+        assert_c_agrees(single.c_source("law").unwrap(), false, &states, bits);
+    };
+    for table in tables().iter().take(3) {
+        agree(table.double(), &table.single());
+    }
+    for table in solving_tables() {
+        agree(&table.double_solving(), &table.single_solving());
     }
 }
 
@@ -202,6 +239,7 @@ fn rust_sources_hold_the_numbers_of_the_table() {
 #[allow(unreachable_pub)]
 mod written {
     include!("steps_law.rs");
+    include!("pushes_law.rs");
 }
 
 #[test]
@@ -209,9 +247,13 @@ fn written_tables_are_constants() {
     let (model, x, u) = steps();
     let table = ExplicitProgram::new(&model, [x], [u]).unwrap().build().single();
     let text = table.rust_source("STEPS").unwrap();
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tables/steps_law.rs");
+    let (model, x, sum) = pushes();
+    let solving = ExplicitProgram::new(&model, [x], [sum]).unwrap().build().single_solving();
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tables");
     if std::env::var_os("CAROM_WRITE_TABLES").is_some() {
-        std::fs::write(path, text).unwrap();
+        std::fs::write(folder.join("steps_law.rs"), text).unwrap();
+        std::fs::write(folder.join("pushes_law.rs"), solving.rust_source("PUSHES").unwrap())
+            .unwrap();
         return;
     }
     for k in 0..=60 {
@@ -220,7 +262,13 @@ fn written_tables_are_constants() {
         let answer = table.view().evaluate(&state, &mut own);
         assert_eq!(word(&answer), word(&written::STEPS.evaluate(&state, &mut other)));
         assert!((own[0] - other[0]).abs() < 1e-5, "{state:?} {own:?} {other:?}");
+        let (mut work, mut other_work) = (vec![0.0; solving.work()], [0.0; 100]);
+        let answer = solving.view().solve(&state, &mut own, &mut work);
+        let written = written::PUSHES.solve(&state, &mut other, &mut other_work);
+        assert_eq!(word(&answer), word(&written));
+        assert!((own[0] - other[0]).abs() < 1e-5, "{state:?} {own:?} {other:?}");
     }
+    assert!(written::PUSHES.programs.iter().any(|own| own.exchanges > 0));
 }
 
 #[test]

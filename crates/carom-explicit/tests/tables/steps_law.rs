@@ -10,7 +10,7 @@
 ///
 /// 512 bytes of constants.
 ///
-/// at most 8 comparisons of whole numbers, 5 multiplications and as many sums.
+/// at most 8 comparisons, 5 multiplications and as many sums.
 ///
 /// a state is rounded by at most 1.8e-6.
 ///
@@ -25,6 +25,9 @@ const fn n(i: u8, j: u8, first: u32, second: u32) -> LookupNode {
 }
 const fn p(law: u32, loss: f32) -> LookupLeaf<f32> {
     LookupLeaf::Plan { law, loss }
+}
+const fn s(program: u32, loss: f32) -> LookupLeaf<f32> {
+    LookupLeaf::Solve { program, loss }
 }
 LookupTable {
 lower: &[
@@ -56,6 +59,10 @@ laws: &[
 ],
 values: &[
     1.0, -1.0, 0.0, 0.0, -0.0, 0.0, -0.0, 0.0, -0.0, 0.0, -0.0,
+],
+programs: &[
+],
+numbers: &[
 ],
 inputs: 1,
 depth: 8,

@@ -12,6 +12,7 @@
 use super::ProvedTable;
 use super::closed_loop::{Image, LoopCell, LoopPiece, ProvedLoop, prove};
 use super::evidence::Evidence;
+use super::programs::{PlannedCell, ProvedPrograms, read_programs};
 use super::statement::Statement;
 use crate::exact::{Dyadic, Sum};
 use crate::text::{Lines, Refusal, Words, rejected};
@@ -185,8 +186,9 @@ impl Checked {
             stays: None,
             reaches: None,
             depth: 0,
+            programs: [ProvedPrograms::NONE; 2],
         };
-        let mut loop_cells = Vec::new();
+        let (mut loop_cells, mut planned) = (Vec::new(), Vec::new());
         for number in 0..count {
             let (mut words, keyword) = lines.expect_any(&["cut", "plan", "none", "open"])?;
             let Some(cell) = waiting.get_mut(number).and_then(Option::take) else {
@@ -198,6 +200,7 @@ impl Checked {
                 words.end()?;
                 let halves = [waiting.len() - 2, waiting.len() - 1];
                 loop_cells.push(LoopCell::Cut { edge, halves });
+                planned.push(None);
                 continue;
             }
             proved.cells += 1;
@@ -206,6 +209,8 @@ impl Checked {
                     let head = self.head(&mut words, cell.corners.len())?;
                     let plans = self.check_plan(head, lines, statement, &cell, &mut proved)?;
                     loop_cells.push(LoopCell::Plan(LoopPiece::new(&cell, &plans)));
+                    let Waiting { share, corners, .. } = cell;
+                    planned.push(Some(PlannedCell { share, corners, plans }));
                     continue;
                 }
                 "none" => {
@@ -220,9 +225,13 @@ impl Checked {
                 }
             }
             loop_cells.push(LoopCell::NoPlan);
+            planned.push(None);
         }
         if waiting.iter().any(Option::is_some) {
             return rejected("a half of a cell is not there");
+        }
+        for (programs, bits) in proved.programs.iter_mut().zip([53, 24]) {
+            *programs = read_programs(lines, statement, &planned, bits)?;
         }
         if !statement.next.is_empty() {
             let ProvedLoop { stays, reaches } = prove(loop_cells, statement)?;

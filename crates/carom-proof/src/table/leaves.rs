@@ -120,17 +120,7 @@ impl Checked {
             proved.unproved += cell.share;
             return Ok(plans);
         }
-        let mut twice_cost = Vec::new();
-        let mut sum = Sum::default();
-        for (v, plan) in plans.iter().enumerate() {
-            for other in &plans[..=v] {
-                plan.x.iter().zip(&other.px).for_each(|(x, p)| sum.add(x, p));
-                sum.add(&plan.linear, 1.0);
-                sum.add(&other.linear, 1.0);
-                sum.add(statement.offset, 2.0);
-                twice_cost.push(sum.take()?);
-            }
-        }
+        let twice_cost = twice_costs(statement, &plans)?;
         let is_within = is_within(statement, &twice_cost, loss)?;
         let claimed = Claimed { twice_cost, loss };
         self.steps(lines, statement, cell, steps, Some(&claimed))?;
@@ -211,6 +201,26 @@ impl Checked {
         words.end()?;
         Ok((loss, numbers, steps))
     }
+}
+
+/// Twice the coefficients of the cost of interpolated plans, by pairs of corners, in the order
+/// (0, 0), (1, 0), (1, 1), ...
+pub(super) fn twice_costs(
+    statement: &Statement,
+    plans: &[Rc<Used>],
+) -> Result<Vec<Dyadic>, Refusal> {
+    let mut twice_cost = Vec::new();
+    let mut sum = Sum::default();
+    for (v, plan) in plans.iter().enumerate() {
+        for other in &plans[..=v] {
+            plan.x.iter().zip(&other.px).for_each(|(x, p)| sum.add(x, p));
+            sum.add(&plan.linear, 1.0);
+            sum.add(&other.linear, 1.0);
+            sum.add(statement.offset, 2.0);
+            twice_cost.push(sum.take()?);
+        }
+    }
+    Ok(twice_cost)
 }
 
 /// Whether a loss is at most `absolute + relative |f|` for the least cost f at each state of a

@@ -3,16 +3,20 @@
 //! A table states a program with parameters in a box, cuts the box into simplices, and says of each
 //! simplex which plan holds there and what it loses, or that there is none. `statement` reads what
 //! is said of the program and the device, `evidence` bounds costs over a simplex, `cells` walks the
-//! tree, `leaves` checks plans and proofs, `closed_loop` says where the loop stays.
+//! tree, `leaves` checks plans and proofs, `closed_loop` says where the loop stays. `programs`
+//! reads what a device solves, and `exchanges` follows it.
 
 mod cells;
 mod closed_loop;
 mod convexity;
 mod device;
 mod evidence;
+mod exchanges;
 mod leaves;
+mod programs;
 mod statement;
 
+pub use self::programs::ProvedPrograms;
 use crate::exact::Plain;
 use crate::text::{Failure, Lines, Refusal, unreadable};
 use std::fmt;
@@ -43,6 +47,8 @@ pub struct ProvedTable {
     pub reaches: Option<(f64, u64)>,
     /// The most cuts on a way to a cell.
     pub depth: u64,
+    /// The programs of the devices with 64 bits and with 32.
+    pub programs: [ProvedPrograms; 2],
 }
 
 impl fmt::Display for ProvedTable {
@@ -68,6 +74,21 @@ impl fmt::Display for ProvedTable {
         if let Some((share, steps)) = self.reaches {
             let share = percent(share);
             write!(f, ", {share:.3} % from which it is in the goal after at most {steps} steps")?;
+        }
+        for (bits, programs) in [64, 32].into_iter().zip(&self.programs) {
+            let ProvedPrograms { share, exchanges, missed, off, excess } = *programs;
+            if share > 0.0 {
+                write!(
+                    f,
+                    "; with {bits} bits, {:.3} % whose cells solve programs: at most {exchanges} \
+                     exchanges, rows missed by at most {}, inputs off by at most {}, cost above that of \
+                     the plan by at most {}",
+                    percent(share),
+                    Plain(missed),
+                    Plain(off),
+                    Plain(excess)
+                )?;
+            }
         }
         Ok(())
     }
