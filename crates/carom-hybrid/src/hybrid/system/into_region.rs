@@ -14,8 +14,8 @@ pub enum StatedRegion {
 }
 
 /// A statement of where a run must be: rows such as `[x.equals(0.0), v.within(-1.0, 1.0)]`, a disc
-/// such as `norm([x - 4.0, y - 1.0]).le(0.5)`, nonlinear rows, rows and discs as a pair of lists, or
-/// a [`Region`].
+/// such as `norm([x - 4.0, y - 1.0]).le(0.5)`, nonlinear rows, rows and discs as a pair of lists,
+/// or a [`Region`].
 ///
 /// ```
 /// use carom::model::norm;
