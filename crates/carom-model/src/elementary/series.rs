@@ -92,15 +92,15 @@ impl IntervalSeries {
                 }
                 Some(IntervalSeries(own))
             }
-            Elementary::Ln => self.from_slope(value, &one.quotient(self)?),
+            Elementary::Ln => self.by_slope(value, &one.quotient(self)?),
             Elementary::Atan => {
                 let slope = one.quotient(&(one.clone() + self.clone() * self.clone()))?;
-                self.from_slope(value, &slope)
+                self.by_slope(value, &slope)
             }
             Elementary::Asin | Elementary::Acos => {
                 let root = (one.clone() + negative_square()).of(&Elementary::Power(0.5))?;
                 let sign = if *function == Elementary::Asin { 1.0 } else { -1.0 };
-                self.from_slope(value, &one.quotient(&root)?.scaled(sign))
+                self.by_slope(value, &one.quotient(&root)?.scaled(sign))
             }
             Elementary::Power(p) => self.power(*p, value),
             Elementary::Own(own) => {
@@ -120,7 +120,7 @@ impl IntervalSeries {
     }
 
     /// The series with a first coefficient and the derivative `slope a'`.
-    fn from_slope(&self, first: Interval, slope: &IntervalSeries) -> Option<Self> {
+    fn by_slope(&self, first: Interval, slope: &IntervalSeries) -> Option<Self> {
         let mut own = vec![first];
         for k in 1..self.count() {
             own.push(self.integral(&slope.0, k));
