@@ -4,6 +4,7 @@
 mod blocks;
 mod deterministic;
 mod events;
+mod facets;
 mod heuristics;
 mod limits;
 mod pool;

@@ -4,6 +4,8 @@
 //! the work of the search, so they stop and go on in its pauses. They pay once the root is above
 //! the bound that all nodes of the search have come to.
 
+use std::collections::BTreeSet;
+
 use super::facets::{FacetPool, FacetTools};
 use super::parameters::CUTS;
 use super::{Cut, select, with_cuts};
@@ -12,6 +14,7 @@ use crate::relaxation::MethodCascade;
 use crate::search::root::Root;
 use crate::search::root_point::{RootPoint, Strengthened};
 use crate::search::trace::event;
+use crate::solution::FacetCounts;
 use crate::solver::{Options, StopToken};
 
 /// The state of the rounds between pauses.
@@ -159,13 +162,19 @@ impl<'a> FacetRounds<'a> {
         (!is_last).then_some(())
     }
 
-    /// The program with the facets that bind its relaxed root, and its root, which knows a bound.
-    pub(crate) fn strengthened(self, bound: f64) -> Option<(Strengthened, Root)> {
+    /// The program with the facets that bind its relaxed root, its root, which knows a bound, and
+    /// what is told of the facets.
+    pub(crate) fn strengthened(self, bound: f64) -> Option<(Strengthened, Root, FacetCounts)> {
         let [first, last] = self.points?;
         let mut cuts = self.cuts;
         cuts.retain(|cut| cut.room(&last.x) <= CUTS.binding * cut.scale(&last.x));
         let program = with_cuts(self.program, &cuts)?;
         let values = [first.value, last.value];
+        let unions: BTreeSet<&Vec<usize>> = cuts.iter().map(|cut| &cut.cases).collect();
+        let mut counts = FacetCounts::default();
+        (counts.facets, counts.unions) = (cuts.len() as u64, unions.len() as u64);
+        counts.all_unions = self.pool.as_ref().map_or(0, FacetPool::union_count) as u64;
+        [counts.root_before, counts.root_after] = values.map(|value| program.sign * value);
         event!(
             INFO,
             facets = cuts.len(),
@@ -176,6 +185,6 @@ impl<'a> FacetRounds<'a> {
         );
         let mut root = Root { point: Some(last.with_bound(bound)), ..self.root.clone() };
         root.carry_over(&program, self.token);
-        Some((Strengthened { program, values, cuts }, root))
+        Some((Strengthened { program, values, cuts }, root, counts))
     }
 }

@@ -71,6 +71,11 @@ impl FacetPool {
         self.unions.all.is_empty()
     }
 
+    /// The number of unions.
+    pub(super) fn union_count(&self) -> usize {
+        self.unions.all.len()
+    }
+
     /// The number of shapes that have facets.
     #[cfg(feature = "tracing")]
     pub(super) fn shape_count(&self) -> usize {
