@@ -6,8 +6,9 @@ use carom::prelude::*;
 use carom::reformulate::compare_methods;
 use carom::solution::FacetCounts;
 
-/// The fuel of a car whose engine is off, on or starting, stated with one M for each row.
-fn car(steps: usize) -> Result<HybridProgram, Error> {
+/// The fuel of a car whose engine is off, on or starting, stated with one M for each row, and its
+/// energy at the start.
+pub(crate) fn car(steps: usize) -> Result<(HybridProgram, Affine), Error> {
     let mut car = HybridSystem::new(1.0); // s
     let energy = car.state("energy", 0.0, 20.0)?; // kJ
     let power = car.input("power", 0.0, 10.0)?; // kW
@@ -22,9 +23,17 @@ fn car(steps: usize) -> Result<HybridProgram, Error> {
     car.switch(off, on)?.guard(power.ge(3.0))?.output(fuel, 5.0 + power)?;
     car.switch(on, off)?.guard(power.le(0.0))?;
     let mut program = car.program_with(steps, Method::BigM)?;
-    program.start([energy.equals(8.0), off.equals(1.0)])?;
+    program.start([off.equals(1.0)])?;
     program.goal([energy.ge(8.0)])?;
     program.minimize(program.sum(fuel)?)?;
+    let first = program.at(energy, 0)?;
+    Ok((program, first))
+}
+
+/// The car, with some energy at the start.
+fn started(steps: usize) -> Result<HybridProgram, Error> {
+    let (mut program, first) = car(steps)?;
+    program.add("begin", first.equals(8.0))?;
     Ok(program)
 }
 
@@ -44,7 +53,7 @@ fn solve(model: &Model, options: Options) -> Result<(Solution, Vec<Event>, Strin
 
 #[test]
 fn a_search_tells_of_its_facets() -> Result<(), Error> {
-    let program = car(26)?;
+    let program = started(26)?;
     let few = Options::default().with_node_limit(510);
     let (with, told, log) = solve(program.model(), few.clone())?;
     let counts = with.statistics().facets;
@@ -79,7 +88,7 @@ fn a_search_tells_of_its_facets() -> Result<(), Error> {
 
 #[test]
 fn methods_are_compared_with_facets() -> Result<(), Error> {
-    let program = car(6)?;
+    let program = started(6)?;
     let mut solver = BranchAndBound::new(Options::default().with_threads(2));
     let table = compare_methods(program.model(), &mut solver)?;
     assert_eq!(solver.options(), &Options::default().with_threads(2));

@@ -4,7 +4,7 @@
 mod blocks;
 mod deterministic;
 mod events;
-mod facets;
+pub(crate) mod facets;
 mod heuristics;
 mod limits;
 mod pool;

@@ -70,7 +70,7 @@ pub struct Statistics {
     ///
     /// [`Options::memory_limit`]: crate::solver::Options::memory_limit
     pub tree_bytes: u64,
-    /// Facets of unions that the search began again with; all 0 if it did not.
+    /// Facets of unions among the rows of the search; all 0 if it has none.
     pub facets: FacetCounts,
     /// Independent blocks that were searched one after the other; 0 if the program was searched as
     /// a whole.
@@ -86,15 +86,15 @@ pub struct Statistics {
 }
 
 /// Facets of unions, such as the modes of a step, that a search has begun again with because its
-/// first nodes had closed little of the gap; see [`Options::with_facets`]. Of several blocks, the
-/// sums of those that have some.
+/// first nodes had closed little of the gap, or that such a search of a prepared model has left for
+/// this one; see [`Options::with_facets`]. Of several blocks, the sums of those that have some.
 ///
 /// [`Options::with_facets`]: crate::solver::Options::with_facets
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct FacetCounts {
-    /// Facets among the rows of the new search.
+    /// Facets among the rows of the search.
     pub facets: u64,
     /// Unions that have such facets.
     pub unions: u64,
@@ -114,7 +114,20 @@ impl FacetCounts {
         (self.root_after - self.root_before).abs()
     }
 
+    /// These and further ones of the same program, which were found with these among its rows.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with(mut self, further: &FacetCounts) -> FacetCounts {
+        if further.facets > 0 {
+            self.facets += further.facets;
+            self.unions = self.unions.max(further.unions);
+            self.root_after = further.root_after;
+        }
+        self
+    }
+
     /// Adds those of another block.
+    #[doc(hidden)]
     pub fn add(&mut self, other: &FacetCounts) {
         self.facets += other.facets;
         self.unions += other.unions;

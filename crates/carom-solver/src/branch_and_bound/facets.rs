@@ -7,7 +7,7 @@
 use super::cut::CutOutcome;
 use super::events::{PartOfSolve, Told};
 use crate::program::Program;
-use crate::search::cuts::FacetRounds;
+use crate::search::cuts::{FacetRounds, LiftedRoot};
 use crate::search::{
     Pauses, Root, RootCuts, SearchResult, SolveTask, Start, StartPoint, search, search_with_pauses,
 };
@@ -15,17 +15,14 @@ use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Event, Progress};
 
 /// Whether a search of a task may begin again.
-pub(super) fn may_begin_again(
-    task: SolveTask<'_>,
-    start: Option<&Start>,
-    control: &Control<'_>,
-) -> bool {
-    task.options.parts().facet_nodes < u64::MAX
+pub(super) fn may_begin_again(task: SolveTask<'_>, control: &Control<'_>) -> bool {
+    task.options.cuts
+        && !task.options.parts().keep_leaves
+        && task.options.parts().facet_nodes < u64::MAX
         && task.options.pool == 1
         && !task.judge.finds_rows()
         && !task.program.is_feasibility_problem()
         && !control.has_exchange()
-        && start.is_none_or(|start| start.saved_tree.is_none())
 }
 
 /// Searches the tree of a task, and begins again with facets if they are better than its nodes.
@@ -65,7 +62,8 @@ pub(super) fn search_with_facets(
     // The proof of the new tree does not have the old one's.
     let has_proof = options.proof_path().is_some();
     let bound = if has_proof { f64::NEG_INFINITY } else { before.bound };
-    let Some((lifted, root, counts)) = rounds.strengthened(bound) else {
+    let Some(LiftedRoot { strengthened: lifted, root, counts, kept }) = rounds.strengthened(bound)
+    else {
         return search(task, control, start.as_ref());
     };
     if let Some(mut progress) = paused {
@@ -104,6 +102,7 @@ pub(super) fn search_with_facets(
     let mut found = part.run(control, |control| search(own, control, Some(&start)));
     found.statistics.add(&before.statistics);
     found.statistics.facets.add(&counts);
+    found.facets = Some(kept);
     found.completion = before.completion;
     if found.contradiction.is_none() {
         found.bound = found.bound.max(bound);

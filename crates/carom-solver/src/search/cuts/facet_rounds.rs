@@ -7,6 +7,7 @@
 use std::collections::BTreeSet;
 
 use super::facets::{FacetPool, FacetTools};
+use super::kept_facets::KeptFacets;
 use super::parameters::CUTS;
 use super::{Cut, select, with_cuts};
 use crate::program::Program;
@@ -16,6 +17,16 @@ use crate::search::root_point::{RootPoint, Strengthened};
 use crate::search::trace::event;
 use crate::solution::FacetCounts;
 use crate::solver::{Options, StopToken};
+
+/// A program with facets.
+pub(crate) struct LiftedRoot {
+    pub(crate) strengthened: Strengthened,
+    /// Its root.
+    pub(crate) root: Root,
+    pub(crate) counts: FacetCounts,
+    /// The facets, for another solve.
+    pub(crate) kept: KeptFacets,
+}
 
 /// The state of the rounds between pauses.
 pub(crate) struct FacetRounds<'a> {
@@ -162,29 +173,42 @@ impl<'a> FacetRounds<'a> {
         (!is_last).then_some(())
     }
 
-    /// The program with the facets that bind its relaxed root, its root, which knows a bound, and
-    /// what is told of the facets.
-    pub(crate) fn strengthened(self, bound: f64) -> Option<(Strengthened, Root, FacetCounts)> {
+    /// The program with the facets that bind its relaxed root, and its root, which knows a bound.
+    pub(crate) fn strengthened(self, bound: f64) -> Option<LiftedRoot> {
         let [first, last] = self.points?;
         let mut cuts = self.cuts;
         cuts.retain(|cut| cut.room(&last.x) <= CUTS.binding * cut.scale(&last.x));
         let program = with_cuts(self.program, &cuts)?;
         let values = [first.value, last.value];
-        let unions: BTreeSet<&Vec<usize>> = cuts.iter().map(|cut| &cut.cases).collect();
-        let mut counts = FacetCounts::default();
-        (counts.facets, counts.unions) = (cuts.len() as u64, unions.len() as u64);
-        counts.all_unions = self.pool.as_ref().map_or(0, FacetPool::union_count) as u64;
-        [counts.root_before, counts.root_after] = values.map(|value| program.sign * value);
+        let pool = self.pool?;
+        let counts = facet_counts(&program, &cuts, pool.union_count(), values);
+        let kept = pool.keep(&cuts);
         event!(
             INFO,
             facets = cuts.len(),
-            shapes = self.pool.as_ref().map_or(0, FacetPool::shape_count),
+            shapes = pool.shape_count(),
             from = first.value,
             to = last.value,
             "facets"
         );
         let mut root = Root { point: Some(last.with_bound(bound)), ..self.root.clone() };
         root.carry_over(&program, self.token);
-        Some((Strengthened { program, values, cuts }, root, counts))
+        let strengthened = Strengthened { program, values, cuts };
+        Some(LiftedRoot { strengthened, root, counts, kept })
     }
+}
+
+/// What is told of the facets of a program that has some unions.
+pub(super) fn facet_counts(
+    program: &Program,
+    cuts: &[Cut],
+    unions: usize,
+    values: [f64; 2],
+) -> FacetCounts {
+    let own: BTreeSet<&Vec<usize>> = cuts.iter().map(|cut| &cut.cases).collect();
+    let mut counts = FacetCounts::default();
+    (counts.facets, counts.unions) = (cuts.len() as u64, own.len() as u64);
+    counts.all_unions = unions as u64;
+    [counts.root_before, counts.root_after] = values.map(|value| program.sign * value);
+    counts
 }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use super::cut::Cut;
 use super::hull_exit::HullExit;
+use super::kept_facets::KeptFacets;
 use super::parameters::CUTS;
 use super::unions::{CaseUnion, CaseUnions};
 use crate::presolve::Domain;
@@ -76,6 +77,15 @@ impl FacetPool {
         self.unions.all.len()
     }
 
+    /// Some facets, as they are kept for another solve.
+    pub(super) fn keep(&self, cuts: &[Cut]) -> KeptFacets {
+        let mut kept = KeptFacets::default();
+        for [union, place] in cuts.iter().filter_map(|cut| cut.facet) {
+            kept.add(&self.unions.all[union], &self.templates[place].exit);
+        }
+        kept
+    }
+
     /// The number of shapes that have facets.
     #[cfg(feature = "tracing")]
     pub(super) fn shape_count(&self) -> usize {
@@ -99,8 +109,8 @@ impl FacetPool {
         let order = (0..count).map(|k| (k + self.next) % count);
         let open: Vec<usize> = order.filter(|&k| self.unions.all[k].is_undecided(x)).collect();
         let mut is_cut = vec![false; count];
-        for facet in &self.templates {
-            self.translate(facet, &open, x, tools, &mut is_cut, &mut cuts);
+        for (place, facet) in self.templates.iter().enumerate() {
+            self.translate((place, facet), &open, x, tools, &mut is_cut, &mut cuts);
         }
         if is_thorough {
             is_cut.fill(false);
@@ -119,7 +129,8 @@ impl FacetPool {
             self.failures[shape] += 1;
             let Some(exit) = self.find(k, x, tools) else { continue };
             let (facet, before) = (FacetTemplate { shape, exit }, cuts.len());
-            self.translate(&facet, &open, x, tools, &mut is_cut, &mut cuts);
+            let place = self.templates.len();
+            self.translate((place, &facet), &open, x, tools, &mut is_cut, &mut cuts);
             if cuts.len() > before {
                 self.failures[shape] = 0;
                 self.templates.push(facet);
@@ -128,10 +139,10 @@ impl FacetPool {
         (cuts, true)
     }
 
-    /// The cuts that a facet is in the unions of its shape.
+    /// The cuts that a facet, with its place, is in the unions of its shape.
     fn translate(
         &self,
-        facet: &FacetTemplate,
+        (place, facet): (usize, &FacetTemplate),
         open: &[usize],
         x: &[f64],
         tools: &mut FacetTools<'_>,
@@ -139,9 +150,10 @@ impl FacetPool {
         cuts: &mut Vec<Cut>,
     ) {
         for &k in open.iter().filter(|&&k| self.unions.all[k].shape == facet.shape) {
-            let found = cut_of(&self.unions.all[k], &facet.exit, x, tools);
+            let found = cut_of(&self.unions.all[k], &facet.exit, tools);
+            let found = found.filter(|cut| cut.cuts_off(x));
             is_cut[k] |= found.is_some();
-            cuts.extend(found);
+            cuts.extend(found.map(|cut| Cut { facet: Some([k, place]), ..cut }));
         }
     }
 
@@ -185,15 +197,14 @@ fn centre(union: &CaseUnion, tools: &mut FacetTools<'_>) -> Vec<f64> {
     if sum.iter().all(|x| x.is_finite()) { sum } else { Vec::new() }
 }
 
-/// The cut of a facet in a union, if a point violates it.
+/// The cut of a facet in a union, if its limit can be proved.
 ///
 /// Where the cases exclude each other, each has its own limit: what is added up over the cases,
 /// each limit times the weight of its case, is a limit of the sum. So the coefficients of their
 /// binaries are those of this union, and the other ones are the facet's.
-fn cut_of(
+pub(super) fn cut_of(
     union: &CaseUnion,
     exit: &HullExit,
-    x: &[f64],
     tools: &mut FacetTools<'_>,
 ) -> Option<Cut> {
     let rows = union.own_rows(tools.program);
@@ -224,6 +235,6 @@ fn cut_of(
         }
     }
     let terms = union.columns.iter().copied().zip(direction).filter(|(_, a)| *a != 0.0);
-    let cut = Cut::new(terms.collect::<BTreeMap<_, _>>(), limit, 0.0, tools.domain, x)?;
+    let cut = Cut::anywhere(terms.collect::<BTreeMap<_, _>>(), limit, 0.0, tools.domain)?;
     Some(Cut { cases: union.case_columns(), ..cut })
 }

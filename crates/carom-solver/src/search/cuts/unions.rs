@@ -72,6 +72,12 @@ impl CaseUnions {
 }
 
 impl CaseUnion {
+    /// The columns, rows and cases that make it up.
+    pub(super) fn content(&self) -> (&[usize], &[usize], Vec<Vec<(usize, u64)>>) {
+        let bits = |case: &UnionCase| case.iter().map(|&(k, value)| (k, value.to_bits())).collect();
+        (&self.columns, &self.rows, self.cases.iter().map(bits).collect())
+    }
+
     /// Whether a point may be outside of the union: it is inside of a case if that one's binaries
     /// have their values.
     pub(super) fn is_undecided(&self, x: &[f64]) -> bool {
