@@ -4,10 +4,8 @@
 //! the work of the search, so they stop and go on in its pauses. They pay once the root is above
 //! the bound that all nodes of the search have come to.
 
-use std::collections::BTreeSet;
-
 use super::facets::{FacetPool, FacetTools};
-use super::kept_facets::KeptFacets;
+use super::kept_facets::{KeptFacets, facet_counts};
 use super::parameters::CUTS;
 use super::{Cut, select, with_cuts};
 use crate::program::Program;
@@ -182,7 +180,7 @@ impl<'a> FacetRounds<'a> {
         let values = [first.value, last.value];
         let pool = self.pool?;
         let counts = facet_counts(&program, &cuts, pool.union_count(), values);
-        let kept = pool.keep(&cuts);
+        let kept = KeptFacets { all: cuts.iter().filter_map(|cut| pool.origin(cut)).collect() };
         event!(
             INFO,
             facets = cuts.len(),
@@ -196,19 +194,4 @@ impl<'a> FacetRounds<'a> {
         let strengthened = Strengthened { program, values, cuts };
         Some(LiftedRoot { strengthened, root, counts, kept })
     }
-}
-
-/// What is told of the facets of a program that has some unions.
-pub(super) fn facet_counts(
-    program: &Program,
-    cuts: &[Cut],
-    unions: usize,
-    values: [f64; 2],
-) -> FacetCounts {
-    let own: BTreeSet<&Vec<usize>> = cuts.iter().map(|cut| &cut.cases).collect();
-    let mut counts = FacetCounts::default();
-    (counts.facets, counts.unions) = (cuts.len() as u64, own.len() as u64);
-    counts.all_unions = unions as u64;
-    [counts.root_before, counts.root_after] = values.map(|value| program.sign * value);
-    counts
 }

@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 
 use super::cut::Cut;
 use super::hull_exit::HullExit;
-use super::kept_facets::KeptFacets;
 use super::parameters::CUTS;
 use super::unions::{CaseUnion, CaseUnions};
 use crate::presolve::Domain;
@@ -77,13 +76,10 @@ impl FacetPool {
         self.unions.all.len()
     }
 
-    /// Some facets, as they are kept for another solve.
-    pub(super) fn keep(&self, cuts: &[Cut]) -> KeptFacets {
-        let mut kept = KeptFacets::default();
-        for [union, place] in cuts.iter().filter_map(|cut| cut.facet) {
-            kept.add(&self.unions.all[union], &self.templates[place].exit);
-        }
-        kept
+    /// The union and the direction of a facet that was found here.
+    pub(super) fn origin(&self, cut: &Cut) -> Option<(CaseUnion, HullExit)> {
+        let [union, place] = cut.facet?;
+        Some((self.unions.all[union].clone(), self.templates[place].exit.clone()))
     }
 
     /// The number of shapes that have facets.

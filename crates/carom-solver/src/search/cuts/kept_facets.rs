@@ -7,12 +7,11 @@
 
 use std::collections::BTreeSet;
 
-use super::facet_rounds::facet_counts;
 use super::facets::{FacetTools, cut_of};
 use super::hull_exit::HullExit;
 use super::parameters::CUTS;
 use super::unions::{CaseUnion, CaseUnions};
-use super::with_cuts;
+use super::{Cut, with_cuts};
 use crate::program::Program;
 use crate::relaxation::MethodCascade;
 use crate::search::root::Root;
@@ -21,16 +20,13 @@ use crate::solution::FacetCounts;
 use crate::solver::{Options, StopToken};
 
 /// The facets of a search that has begun again with them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct KeptFacets {
-    all: Vec<(CaseUnion, HullExit)>,
+    /// The union and the direction of each, in the order of their rows.
+    pub(super) all: Vec<(CaseUnion, HullExit)>,
 }
 
 impl KeptFacets {
-    pub(super) fn add(&mut self, union: &CaseUnion, exit: &HullExit) {
-        self.all.push((union.clone(), exit.clone()));
-    }
-
     /// These, and those that were found with these among the rows.
     pub(crate) fn with(&self, found: KeptFacets) -> KeptFacets {
         KeptFacets { all: self.all.iter().cloned().chain(found.all).collect() }
@@ -78,4 +74,19 @@ impl KeptFacets {
         root.carry_over(&more, token);
         Some((Strengthened { program: more, values, cuts }, counts))
     }
+}
+
+/// What is told of the facets of a program that has some unions.
+pub(super) fn facet_counts(
+    program: &Program,
+    cuts: &[Cut],
+    unions: usize,
+    values: [f64; 2],
+) -> FacetCounts {
+    let own: BTreeSet<&Vec<usize>> = cuts.iter().map(|cut| &cut.cases).collect();
+    let mut counts = FacetCounts::default();
+    (counts.facets, counts.unions) = (cuts.len() as u64, own.len() as u64);
+    counts.all_unions = unions as u64;
+    [counts.root_before, counts.root_after] = values.map(|value| program.sign * value);
+    counts
 }
