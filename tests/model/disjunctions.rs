@@ -197,7 +197,8 @@ fn sizes_are_those_of_the_formulas() {
         sizes,
         [(Method::BigM, 7, 5), (Method::MultiM, 7, 5), (Method::Hull, 1 + 2 + 12 + 6, 5 + 6)]
     );
-    assert!(table.to_string().starts_with("method     rows  columns  non-zeros  root bound\n"));
+    let heading = "method     rows  columns  non-zeros  root bound  facets  with facets\n";
+    assert!(table.to_string().starts_with(heading), "{table}");
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod free_shifts;
 mod gaps;
 mod implied_bounds;
 mod invariance;
+mod kept_facets;
 mod large_coefficients;
 mod lazy_constraints;
 mod limits;

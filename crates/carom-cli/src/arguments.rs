@@ -182,7 +182,7 @@ fn leave_out(options: &mut Options, part: &str) -> Result<(), String> {
         "probing" => options.parts_mut().probing = false,
         "cuts" => options.cuts = false,
         "blocks" => options.parts_mut().blocks = false,
-        "facets" => options.parts_mut().facet_nodes = u64::MAX,
+        "facets" => *options = options.clone().with_facets(false),
         part => switch(&mut options.heuristics, part, false)?,
     }
     Ok(())

@@ -4,6 +4,7 @@
 mod blocks;
 mod deterministic;
 mod events;
+pub(crate) mod facets;
 mod heuristics;
 mod limits;
 mod pool;

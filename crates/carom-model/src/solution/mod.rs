@@ -28,7 +28,7 @@ pub use pool::PoolPoint;
 pub use proof_report::ProofReport;
 pub use start_report::{StartReport, StartStatus};
 pub use statistics::{
-    Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,
+    FacetCounts, Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,
 };
 pub use status::{PrimalStatus, Termination};
 pub use verification::{Checked, Verification, Violation, ViolationKind};

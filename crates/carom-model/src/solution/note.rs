@@ -139,7 +139,7 @@ impl fmt::Display for Note {
             Note::WideGap { gap } => write!(
                 f,
                 "the proved bound is far from the best point ({} %), so relaxations say little; give \
-                 variables tighter bounds, use hulls for disjunctions, or reach sets for systems",
+                 variables tighter bounds, say in each mode what it cannot do, or use reach sets",
                 percent(*gap)
             ),
             Note::MethodGivesUp { times, relaxations } => write!(

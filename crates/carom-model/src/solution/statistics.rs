@@ -3,6 +3,8 @@
 use std::fmt;
 use web_time::Duration;
 
+use crate::number::counted;
+
 /// Counts and times of a solve.
 ///
 /// Every processed node ends in exactly one way: refuted by propagation or by its relaxation, cut
@@ -68,6 +70,8 @@ pub struct Statistics {
     ///
     /// [`Options::memory_limit`]: crate::solver::Options::memory_limit
     pub tree_bytes: u64,
+    /// Facets of unions among the rows of the search; all 0 if it has none.
+    pub facets: FacetCounts,
     /// Independent blocks that were searched one after the other; 0 if the program was searched as
     /// a whole.
     pub blocks: u64,
@@ -79,6 +83,67 @@ pub struct Statistics {
     pub heuristics: HeuristicCounts,
     /// Wall-clock time of the solve.
     pub time: Duration,
+}
+
+/// Facets of unions, such as the modes of a step, that a search has begun again with because its
+/// first nodes had closed little of the gap, or that such a search of a prepared model has left for
+/// this one; see [`Options::with_facets`]. Of several blocks, the sums of those that have some.
+///
+/// [`Options::with_facets`]: crate::solver::Options::with_facets
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct FacetCounts {
+    /// Facets among the rows of the search.
+    pub facets: u64,
+    /// Unions that have such facets.
+    pub unions: u64,
+    /// Unions of the program.
+    pub all_unions: u64,
+    /// The value of the relaxed root before facets, in the objective's unit and sense. Other cuts
+    /// are among its rows.
+    pub root_before: f64,
+    /// The value of the relaxed root with the facets, in the objective's unit and sense.
+    pub root_after: f64,
+}
+
+impl FacetCounts {
+    /// By how much the facets have moved the value of the relaxed root towards the optimum
+    /// (objective's unit, `>= 0`).
+    pub fn lift(&self) -> f64 {
+        (self.root_after - self.root_before).abs()
+    }
+
+    /// These and further ones of the same program, which were found with these among its rows.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with(mut self, further: &FacetCounts) -> FacetCounts {
+        if further.facets > 0 {
+            self.facets += further.facets;
+            self.unions = self.unions.max(further.unions);
+            self.root_after = further.root_after;
+        }
+        self
+    }
+
+    /// Adds those of another block.
+    #[doc(hidden)]
+    pub fn add(&mut self, other: &FacetCounts) {
+        self.facets += other.facets;
+        self.unions += other.unions;
+        self.all_unions += other.all_unions;
+        self.root_before += other.root_before;
+        self.root_after += other.root_after;
+    }
+}
+
+impl fmt::Display for FacetCounts {
+    /// How many facets there are, and of how many unions.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let FacetCounts { facets, unions, all_unions, .. } = *self;
+        let facets = counted(facets, "facet");
+        write!(f, "{facets} of {unions} among {}", counted(all_unions, "union"))
+    }
 }
 
 /// Relaxations by the method that was asked. Of a relaxation that two methods are asked about, both
@@ -347,6 +412,7 @@ impl Statistics {
         sum!(closed_by_proofs, excluded_by_rows, lazy_constraints, user_cuts);
         sum!(whole_splits, contradictions);
         self.relaxation_counts.add(&part.relaxation_counts);
+        self.facets.add(&part.facets);
         self.depth = self.depth.max(part.depth);
         self.max_open = self.max_open.max(part.max_open);
         self.tree_bytes = self.tree_bytes.max(part.tree_bytes);

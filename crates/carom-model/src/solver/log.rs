@@ -9,7 +9,7 @@ use super::log_columns::LogColumns;
 use super::progress::{Event, Progress};
 use crate::number::{DIGITS, counted, rounded};
 use crate::solution::{
-    Heuristic, ProofReport, RelaxationCounts, Solution, Termination, Verification,
+    FacetCounts, Heuristic, ProofReport, RelaxationCounts, Solution, Termination, Verification,
 };
 
 /// Lines between two headings.
@@ -31,8 +31,8 @@ const REPORT_SHARE: u32 = 10;
 const LONGEST_INTERVAL: Duration = Duration::from_secs(60);
 
 /// A progress callback that writes what presolve has left, the bound of the root before and after
-/// cuts, and then a line for the root, for every new best point, and about once a second at first,
-/// later less often.
+/// cuts, and then a line for the root, for every new best point, where the search begins again with
+/// facets, and about once a second at first, later less often.
 ///
 /// The columns are: nodes processed, nodes open, largest depth, iterations of all relaxations, best
 /// objective, bound, relative gap in percent, an [estimate](Progress::explored) of the part of the
@@ -150,6 +150,13 @@ impl<W: Write> Log<W> {
                     self.text(format_args!("bound after {cuts} {bound} ({seconds:.2} s)"));
                 }
             }
+            Event::BegunAgain(counts, _) => {
+                let facets = self.facets_line(counts);
+                return self.text(format_args!(
+                    "the search begins again after {}: {facets} ({seconds:.2} s)",
+                    counted(progress.nodes, "node"),
+                ));
+            }
             // The line of the root has told of it.
             Event::Incumbent(_) if !is_news => return,
             Event::Incumbent(_) => {}
@@ -232,6 +239,10 @@ impl<W: Write> Log<W> {
              {interior_point}, Clarabel {clarabel}; the first method gave up {}",
             counted(given_up, "time"),
         ));
+        if statistics.facets.facets > 0 {
+            let facets = self.facets_line(&statistics.facets);
+            self.text(format_args!("{facets}"));
+        }
         if statistics.blocks > 0 {
             let blocks = counted(statistics.blocks, "block");
             self.text(format_args!("{blocks}, one after the other"));
@@ -260,6 +271,13 @@ impl<W: Write> Log<W> {
                 count.incumbents
             ));
         }
+    }
+
+    /// How many facets there are, of how many unions, and what they lift.
+    fn facets_line(&mut self, counts: &FacetCounts) -> String {
+        let [before, after] =
+            [counts.root_before, counts.root_after].map(|value| self.columns.number(value));
+        format!("{counts} lift the root from {before} to {after}")
     }
 
     /// Writes a text among the lines, broken between words where it is too long for a line.

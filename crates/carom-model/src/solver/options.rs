@@ -332,6 +332,18 @@ impl Options {
         self
     }
 
+    /// Sets whether a search that has closed little of the gap after 500 nodes looks for facets of
+    /// the unions in its program, such as the modes of a step, and begins again if these lift the
+    /// relaxed root above all that its nodes have proved; default on. It is left out without cuts,
+    /// for pools and kept leaves, with lazy constraints, and without an objective. A prepared model
+    /// keeps the facets for its next solve. How many there are, and what they lift, is in
+    /// [`Statistics::facets`](crate::solution::Statistics::facets).
+    #[must_use]
+    pub fn with_facets(mut self, facets: bool) -> Self {
+        self.parts.facet_nodes = if facets { SearchParts::default().facet_nodes } else { u64::MAX };
+        self
+    }
+
     /// Where to write proofs; none on WebAssembly, which has no files.
     #[doc(hidden)]
     #[inline]

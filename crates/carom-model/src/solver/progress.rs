@@ -5,7 +5,7 @@ use std::fmt;
 use web_time::Duration;
 
 use crate::number::counted;
-use crate::solution::{Heuristic, Point};
+use crate::solution::{FacetCounts, Heuristic, Point};
 use crate::tolerance::relative_gap;
 
 /// A progress event of a solve. Objective values are in the model's own sense.
@@ -20,6 +20,9 @@ pub enum Event {
     Relaxed(Progress),
     /// The root node is done.
     Root(Progress),
+    /// The search begins again with facets of unions, which lift its relaxed root. Where a program
+    /// falls into blocks, the search of each may do so.
+    BegunAgain(FacetCounts, Progress),
     /// A better point was found and verified.
     Incumbent(Progress),
     /// Regular progress, a few times a second.
@@ -36,6 +39,7 @@ impl Event {
             Event::Presolved(_, p)
             | Event::Relaxed(p)
             | Event::Root(p)
+            | Event::BegunAgain(_, p)
             | Event::Incumbent(p)
             | Event::Progress(p)
             | Event::Proving(p) => p,

@@ -90,6 +90,7 @@ impl PartOfSolve<'_> {
                     Event::Relaxed(figures)
                 }
                 Event::Root(_) if self.is_first => Event::Root(figures),
+                Event::BegunAgain(counts, _) => Event::BegunAgain(*counts, figures),
                 Event::Incumbent(_) if figures.incumbent.is_some_and(is_new) => {
                     Event::Incumbent(figures)
                 }

@@ -7,25 +7,22 @@
 use super::cut::CutOutcome;
 use super::events::{PartOfSolve, Told};
 use crate::program::Program;
-use crate::search::cuts::FacetRounds;
+use crate::search::cuts::{FacetRounds, LiftedRoot};
 use crate::search::{
     Pauses, Root, RootCuts, SearchResult, SolveTask, Start, StartPoint, search, search_with_pauses,
 };
 use crate::solution::{Heuristic, Termination};
-use crate::solver::{Control, Progress};
+use crate::solver::{Control, Event, Progress};
 
 /// Whether a search of a task may begin again.
-pub(super) fn may_begin_again(
-    task: SolveTask<'_>,
-    start: Option<&Start>,
-    control: &Control<'_>,
-) -> bool {
-    task.options.parts().facet_nodes < u64::MAX
+pub(super) fn may_begin_again(task: SolveTask<'_>, control: &Control<'_>) -> bool {
+    task.options.cuts
+        && !task.options.parts().keep_leaves
+        && task.options.parts().facet_nodes < u64::MAX
         && task.options.pool == 1
         && !task.judge.finds_rows()
         && !task.program.is_feasibility_problem()
         && !control.has_exchange()
-        && start.is_none_or(|start| start.saved_tree.is_none())
 }
 
 /// Searches the tree of a task, and begins again with facets if they are better than its nodes.
@@ -45,6 +42,7 @@ pub(super) fn search_with_facets(
     let start = cut.start(given);
     let mut rounds = FacetRounds::new([begun, program], root, options, token);
     let (mut is_lifted, mut told) = (false, Told::nothing(program.sign));
+    let mut paused = None;
     let mut ends = |progress: &Progress| {
         let mut cascade = task.cascades.take();
         let bound = program.sign * progress.bound;
@@ -52,6 +50,7 @@ pub(super) fn search_with_facets(
         is_lifted = rounds.go_on([bound, incumbent], progress.iterations, &mut cascade);
         task.cascades.give_back(cascade);
         told = Told::up_to(program.sign, progress.incumbent);
+        paused = Some(*progress);
         is_lifted
     };
     let pauses = Pauses { nodes: options.parts().facet_nodes, ends: &mut ends };
@@ -63,9 +62,14 @@ pub(super) fn search_with_facets(
     // The proof of the new tree does not have the old one's.
     let has_proof = options.proof_path().is_some();
     let bound = if has_proof { f64::NEG_INFINITY } else { before.bound };
-    let Some((lifted, root)) = rounds.strengthened(bound) else {
+    let Some(LiftedRoot { strengthened: lifted, root, counts, kept }) = rounds.strengthened(bound)
+    else {
         return search(task, control, start.as_ref());
     };
+    if let Some(mut progress) = paused {
+        progress.elapsed = token.elapsed();
+        control.report(&Event::BegunAgain(counts, progress));
+    }
     if has_proof {
         let none = || Box::new(RootCuts::none(begun, &root));
         cut.cuts.get_or_insert_with(none).add(&lifted.cuts);
@@ -97,6 +101,8 @@ pub(super) fn search_with_facets(
     };
     let mut found = part.run(control, |control| search(own, control, Some(&start)));
     found.statistics.add(&before.statistics);
+    found.statistics.facets.add(&counts);
+    found.facets = Some(kept);
     found.completion = before.completion;
     if found.contradiction.is_none() {
         found.bound = found.bound.max(bound);

@@ -1,5 +1,6 @@
 //! The data that a prepared model keeps from solve to solve: the integers of the best point, and
-//! the tree with the multipliers that closed its ends, and the cuts of cones that it began with.
+//! the tree with the multipliers that closed its ends, and the cuts of cones and the facets that it
+//! began with.
 //!
 //! The integers are a start for the next solve: fixed, completed and verified like any other point.
 //! The tree is gone through again, and the bounds of the multipliers are proved anew. Nothing is
@@ -10,6 +11,7 @@ use std::sync::Arc;
 
 use crate::model::Name;
 use crate::relaxation::ConeCut;
+use crate::search::cuts::KeptFacets;
 use crate::search::{SavedDuals, SavedSplit, SavedTree, SearchResult, Start};
 use crate::solution::Termination;
 
@@ -35,6 +37,8 @@ pub(super) struct LastSolve {
     splits: Vec<SavedSplit>,
     /// The cuts of cones that the search began with: they hold for all values of the parameters.
     cone_cuts: Vec<ConeCut>,
+    /// The facets that a search has begun again with: their limits are proved anew.
+    facets: Option<KeptFacets>,
     /// By column, where the same variable of the next step is, or the column itself.
     next: Vec<usize>,
     /// Solves until cuts are tried again.
@@ -60,6 +64,11 @@ impl LastSolve {
     /// The cuts of cones to begin with.
     pub(super) fn cone_cuts(&self) -> &[ConeCut] {
         &self.cone_cuts
+    }
+
+    /// The facets to begin with.
+    pub(super) fn facets(&self) -> Option<&KeptFacets> {
+        self.facets.as_ref()
     }
 
     /// Whether cuts are not worth their time.
@@ -94,6 +103,9 @@ impl LastSolve {
         }
         if !found.cone_cuts.is_empty() {
             self.cone_cuts = std::mem::take(&mut found.cone_cuts);
+        }
+        if found.facets.is_some() {
+            self.facets = found.facets.take();
         }
         self.without_cuts = match found.strengthened {
             Some(closed) if closed >= LEAST_CLOSED => 0,

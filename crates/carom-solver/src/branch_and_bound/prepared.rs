@@ -225,6 +225,7 @@ impl ReducedProgram {
             start: Some(&start),
             cone_cuts: last.cone_cuts(),
             skips_cuts: last.skips_cuts(),
+            facets: last.facets(),
             ..known
         };
         let mut solved = solve.run(&known, control)?;

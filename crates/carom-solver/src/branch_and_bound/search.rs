@@ -73,12 +73,26 @@ pub(super) fn search_once(
     let cut_program = cut.program.take();
     let program = cut_program.as_ref().unwrap_or(task.program);
     let begun = task.program;
+    let task = SolveTask { program, ..task };
+    let may_begin_again = may_begin_again(task, control);
+    let kept = known.facets.filter(|_| may_begin_again);
+    let lifted = kept.and_then(|kept| {
+        let mut cascade = task.cascades.take();
+        let lifted = kept.strengthen([begun, program], &mut root, options, token, &mut cascade);
+        task.cascades.give_back(cascade);
+        lifted
+    });
+    let program = lifted.as_ref().map_or(program, |(lifted, _)| &lifted.program);
     let task = SolveTask { program, root: Some(&root), ..task };
-    let mut found = if cuts && may_begin_again(task, known.start, control) {
+    let mut found = if may_begin_again {
         search_with_facets(task, begun, &root, &mut cut, known.start, control)
     } else {
         search(task, control, cut.start(known.start).as_ref())
     };
+    if let Some((kept, (_, counts))) = kept.zip(lifted.as_ref()) {
+        found.statistics.facets = counts.with(&found.statistics.facets);
+        found.facets = found.facets.map(|new| kept.with(new));
+    }
     if let Some(what) = found.contradiction {
         debug_assert!(mutations::has_any(), "a strengthened program is wrong: {what:?}");
         found = search_unstrengthened(task, found, control);

@@ -8,6 +8,7 @@ use super::tighten::Tightened;
 use crate::model::Model;
 use crate::presolve::root::Origins;
 use crate::relaxation::{CascadePool, ConeCut};
+use crate::search::cuts::KeptFacets;
 use crate::search::{SearchResult, Start};
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
@@ -39,6 +40,9 @@ pub(super) struct EarlierResults<'a> {
     pub(super) cone_cuts: &'a [ConeCut],
     /// Whether cuts are not worth their time.
     pub(super) skips_cuts: bool,
+    /// The facets that an earlier solve has begun again with, in columns and rows of the program at
+    /// hand.
+    pub(super) facets: Option<&'a KeptFacets>,
 }
 
 /// The result of a solve.

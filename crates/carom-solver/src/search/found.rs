@@ -1,6 +1,7 @@
 //! The result of a search.
 
 use super::comparison::Contradiction;
+use super::cuts::KeptFacets;
 use super::node::{Decision, Path};
 use super::root_point::RootCuts;
 use super::saved_tree::{SavedDuals, SavedSplit};
@@ -42,6 +43,8 @@ pub struct SearchResult {
     pub(crate) root_cuts: Option<Box<RootCuts>>,
     /// The cuts of cones that the program began with.
     pub(crate) cone_cuts: Vec<ConeCut>,
+    /// The facets that the search has begun again with.
+    pub(crate) facets: Option<KeptFacets>,
     /// The outcome of completing the integers of a start, if that was tried.
     pub completion: Option<Completion>,
 }
@@ -89,6 +92,7 @@ impl SearchResult {
             strengthened: None,
             root_cuts: None,
             cone_cuts: Vec::new(),
+            facets: None,
             completion: None,
         }
     }

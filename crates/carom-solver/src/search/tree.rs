@@ -432,6 +432,7 @@ impl<'a> Tree<'a> {
             strengthened: None,
             root_cuts: None,
             cone_cuts: Vec::new(),
+            facets: None,
             completion: state.completion,
         }
     }

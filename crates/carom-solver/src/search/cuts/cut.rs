@@ -43,6 +43,9 @@ pub struct Cut {
     /// The binaries in each of whose cases it follows from rows and bounds; empty if it was found
     /// in another way.
     pub cases: Vec<usize>,
+    /// The places of its union and of its direction among those of the search for facets; `None` if
+    /// it is no facet that was just found.
+    pub facet: Option<[usize; 2]>,
 }
 
 impl Cut {
@@ -52,10 +55,20 @@ impl Cut {
     /// numbers that were added up to terms and limit.
     pub(super) fn new(
         terms: BTreeMap<usize, f64>,
+        limit: f64,
+        size: f64,
+        domain: &Domain,
+        x: &[f64],
+    ) -> Option<Cut> {
+        Cut::anywhere(terms, limit, size, domain).filter(|cut| cut.cuts_off(x))
+    }
+
+    /// A cut as [`new`](Self::new) makes it, whether or not a point violates it.
+    pub(super) fn anywhere(
+        terms: BTreeMap<usize, f64>,
         mut limit: f64,
         mut size: f64,
         domain: &Domain,
-        x: &[f64],
     ) -> Option<Cut> {
         let largest = largest_magnitude(terms.values());
         if !(largest > 0.0 && largest.is_finite() && limit.is_finite()) {
@@ -78,8 +91,14 @@ impl Cut {
         }
         limit += CUTS.limit_margin * size;
         kept.iter_mut().for_each(|(_, a)| *a /= largest);
-        let cut = Cut { terms: kept, limit: limit / largest, form: None, cases: Vec::new() };
-        (cut.depth(x) >= CUTS.least_depth && cut.limit.is_finite()).then_some(cut)
+        let limit = limit / largest;
+        let cut = Cut { terms: kept, limit, form: None, cases: Vec::new(), facet: None };
+        limit.is_finite().then_some(cut)
+    }
+
+    /// Whether a point violates the cut by a distance that counts.
+    pub(super) fn cuts_off(&self, x: &[f64]) -> bool {
+        self.depth(x) >= CUTS.least_depth
     }
 
     fn activity(&self, x: &[f64]) -> f64 {

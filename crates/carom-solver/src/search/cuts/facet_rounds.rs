@@ -5,6 +5,7 @@
 //! the bound that all nodes of the search have come to.
 
 use super::facets::{FacetPool, FacetTools};
+use super::kept_facets::{KeptFacets, facet_counts};
 use super::parameters::CUTS;
 use super::{Cut, select, with_cuts};
 use crate::program::Program;
@@ -12,7 +13,18 @@ use crate::relaxation::MethodCascade;
 use crate::search::root::Root;
 use crate::search::root_point::{RootPoint, Strengthened};
 use crate::search::trace::event;
+use crate::solution::FacetCounts;
 use crate::solver::{Options, StopToken};
+
+/// A program with facets.
+pub(crate) struct LiftedRoot {
+    pub(crate) strengthened: Strengthened,
+    /// Its root.
+    pub(crate) root: Root,
+    pub(crate) counts: FacetCounts,
+    /// The facets, for another solve.
+    pub(crate) kept: KeptFacets,
+}
 
 /// The state of the rounds between pauses.
 pub(crate) struct FacetRounds<'a> {
@@ -160,22 +172,26 @@ impl<'a> FacetRounds<'a> {
     }
 
     /// The program with the facets that bind its relaxed root, and its root, which knows a bound.
-    pub(crate) fn strengthened(self, bound: f64) -> Option<(Strengthened, Root)> {
+    pub(crate) fn strengthened(self, bound: f64) -> Option<LiftedRoot> {
         let [first, last] = self.points?;
         let mut cuts = self.cuts;
         cuts.retain(|cut| cut.room(&last.x) <= CUTS.binding * cut.scale(&last.x));
         let program = with_cuts(self.program, &cuts)?;
         let values = [first.value, last.value];
+        let pool = self.pool?;
+        let counts = facet_counts(&program, &cuts, pool.union_count(), values);
+        let kept = KeptFacets { all: cuts.iter().filter_map(|cut| pool.origin(cut)).collect() };
         event!(
             INFO,
             facets = cuts.len(),
-            shapes = self.pool.as_ref().map_or(0, FacetPool::shape_count),
+            shapes = pool.shape_count(),
             from = first.value,
             to = last.value,
             "facets"
         );
         let mut root = Root { point: Some(last.with_bound(bound)), ..self.root.clone() };
         root.carry_over(&program, self.token);
-        Some((Strengthened { program, values, cuts }, root))
+        let strengthened = Strengthened { program, values, cuts };
+        Some(LiftedRoot { strengthened, root, counts, kept })
     }
 }

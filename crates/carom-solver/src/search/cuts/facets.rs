@@ -71,6 +71,17 @@ impl FacetPool {
         self.unions.all.is_empty()
     }
 
+    /// The number of unions.
+    pub(super) fn union_count(&self) -> usize {
+        self.unions.all.len()
+    }
+
+    /// The union and the direction of a facet that was found here.
+    pub(super) fn origin(&self, cut: &Cut) -> Option<(CaseUnion, HullExit)> {
+        let [union, place] = cut.facet?;
+        Some((self.unions.all[union].clone(), self.templates[place].exit.clone()))
+    }
+
     /// The number of shapes that have facets.
     #[cfg(feature = "tracing")]
     pub(super) fn shape_count(&self) -> usize {
@@ -94,8 +105,8 @@ impl FacetPool {
         let order = (0..count).map(|k| (k + self.next) % count);
         let open: Vec<usize> = order.filter(|&k| self.unions.all[k].is_undecided(x)).collect();
         let mut is_cut = vec![false; count];
-        for facet in &self.templates {
-            self.translate(facet, &open, x, tools, &mut is_cut, &mut cuts);
+        for (place, facet) in self.templates.iter().enumerate() {
+            self.translate((place, facet), &open, x, tools, &mut is_cut, &mut cuts);
         }
         if is_thorough {
             is_cut.fill(false);
@@ -114,7 +125,8 @@ impl FacetPool {
             self.failures[shape] += 1;
             let Some(exit) = self.find(k, x, tools) else { continue };
             let (facet, before) = (FacetTemplate { shape, exit }, cuts.len());
-            self.translate(&facet, &open, x, tools, &mut is_cut, &mut cuts);
+            let place = self.templates.len();
+            self.translate((place, &facet), &open, x, tools, &mut is_cut, &mut cuts);
             if cuts.len() > before {
                 self.failures[shape] = 0;
                 self.templates.push(facet);
@@ -123,10 +135,10 @@ impl FacetPool {
         (cuts, true)
     }
 
-    /// The cuts that a facet is in the unions of its shape.
+    /// The cuts that a facet, with its place, is in the unions of its shape.
     fn translate(
         &self,
-        facet: &FacetTemplate,
+        (place, facet): (usize, &FacetTemplate),
         open: &[usize],
         x: &[f64],
         tools: &mut FacetTools<'_>,
@@ -134,9 +146,10 @@ impl FacetPool {
         cuts: &mut Vec<Cut>,
     ) {
         for &k in open.iter().filter(|&&k| self.unions.all[k].shape == facet.shape) {
-            let found = cut_of(&self.unions.all[k], &facet.exit, x, tools);
+            let found = cut_of(&self.unions.all[k], &facet.exit, tools);
+            let found = found.filter(|cut| cut.cuts_off(x));
             is_cut[k] |= found.is_some();
-            cuts.extend(found);
+            cuts.extend(found.map(|cut| Cut { facet: Some([k, place]), ..cut }));
         }
     }
 
@@ -180,15 +193,14 @@ fn centre(union: &CaseUnion, tools: &mut FacetTools<'_>) -> Vec<f64> {
     if sum.iter().all(|x| x.is_finite()) { sum } else { Vec::new() }
 }
 
-/// The cut of a facet in a union, if a point violates it.
+/// The cut of a facet in a union, if its limit can be proved.
 ///
 /// Where the cases exclude each other, each has its own limit: what is added up over the cases,
 /// each limit times the weight of its case, is a limit of the sum. So the coefficients of their
 /// binaries are those of this union, and the other ones are the facet's.
-fn cut_of(
+pub(super) fn cut_of(
     union: &CaseUnion,
     exit: &HullExit,
-    x: &[f64],
     tools: &mut FacetTools<'_>,
 ) -> Option<Cut> {
     let rows = union.own_rows(tools.program);
@@ -219,6 +231,6 @@ fn cut_of(
         }
     }
     let terms = union.columns.iter().copied().zip(direction).filter(|(_, a)| *a != 0.0);
-    let cut = Cut::new(terms.collect::<BTreeMap<_, _>>(), limit, 0.0, tools.domain, x)?;
+    let cut = Cut::anywhere(terms.collect::<BTreeMap<_, _>>(), limit, 0.0, tools.domain)?;
     Some(Cut { cases: union.case_columns(), ..cut })
 }

@@ -16,6 +16,7 @@ use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict};
 use crate::tolerance::largest_magnitude;
 
 /// A direction in which a hull ends.
+#[derive(Debug, Clone)]
 pub(super) struct HullExit {
     /// By place of a column, its coefficient; the largest magnitude is 1.
     pub(super) direction: Vec<f64>,

@@ -10,6 +10,7 @@ mod facet_rounds;
 mod facets;
 mod gomory;
 mod hull_exit;
+mod kept_facets;
 mod mixed_integer_rounding;
 mod parameters;
 mod polymatroid;
@@ -20,9 +21,10 @@ mod unions;
 
 pub use cut::{Cut, CutSide, WholeForm};
 pub use cut_sets::cut_set_cuts;
-pub(crate) use facet_rounds::FacetRounds;
+pub(crate) use facet_rounds::{FacetRounds, LiftedRoot};
 pub use facets::facet_cuts;
 pub use gomory::gomory_cuts;
+pub(crate) use kept_facets::KeptFacets;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
 pub use polymatroid::polymatroid_cuts;
 
@@ -327,7 +329,7 @@ fn tangents(program: &Program, x: &[f64]) -> Vec<Cut> {
         // A power of two, so that nothing is rounded.
         let scale = (-largest_magnitude(terms.iter().map(|term| &term.1)).log2().ceil()).exp2();
         terms.iter_mut().for_each(|term| term.1 *= scale);
-        Cut { terms, limit: 0.0, form: None, cases: Vec::new() }
+        Cut { terms, limit: 0.0, form: None, cases: Vec::new(), facet: None }
     };
     separate_program_cones(program, x).into_iter().map(tangent).collect()
 }

@@ -72,6 +72,11 @@ impl CaseUnions {
 }
 
 impl CaseUnion {
+    /// The columns, rows and cases that make it up.
+    pub(super) fn content(&self) -> (&[usize], &[usize], Vec<u64>) {
+        (&self.columns, &self.rows, written(&self.cases).collect())
+    }
+
     /// Whether a point may be outside of the union: it is inside of a case if that one's binaries
     /// have their values.
     pub(super) fn is_undecided(&self, x: &[f64]) -> bool {
@@ -279,6 +284,14 @@ impl<'a> Region<'a> {
     }
 }
 
+/// Cases as numbers, to compare them; each begins with the largest number.
+fn written(cases: &[UnionCase]) -> impl Iterator<Item = u64> {
+    cases.iter().flat_map(|case| {
+        let places = case.iter().flat_map(|&(k, value)| [k as u64, value.to_bits()]);
+        std::iter::once(u64::MAX).chain(places)
+    })
+}
+
 /// The common part of the unions of a shape: the places of columns in rows, and the cases.
 fn shape(
     program: &Program,
@@ -288,10 +301,7 @@ fn shape(
 ) -> Vec<u64> {
     let places: BTreeMap<usize, usize> = columns.iter().copied().zip(0..).collect();
     let mut key = vec![columns.len() as u64, rows.len() as u64];
-    for case in cases {
-        key.push(u64::MAX);
-        key.extend(case.iter().flat_map(|&(k, value)| [k as u64, value.to_bits()]));
-    }
+    key.extend(written(cases));
     for &row in rows {
         key.push(u64::MAX);
         for (j, a) in program.row_terms(row) {
