@@ -61,11 +61,11 @@ impl HybridSystem {
             own.follow(self.flow_together(&taken)?, self, input)?;
             own.reset(&taken, step);
             let radius = own.radius();
-            for i in 0..n {
-                let off =
-                    Interval::point(own.centre[i]) + Interval::point(-plan.states[step + 1][i]);
-                let most = (Interval::point(off.magnitude()) + Interval::point(radius[i])).upper;
-                found.errors[i] = found.errors[i].max(most);
+            let each = own.centre.iter().zip(&plan.states[step + 1]).zip(&radius);
+            for (error, ((centre, sample), radius)) in found.errors.iter_mut().zip(each) {
+                let off = Interval::point(*centre) + Interval::point(-sample);
+                let most = Interval::point(off.magnitude()) + Interval::point(*radius);
+                *error = error.max(most.upper);
             }
             let time = (step + 1) as f64 * self.time_step;
             found.path.push((time, own.centre.clone()));

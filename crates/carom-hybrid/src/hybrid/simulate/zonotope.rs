@@ -199,10 +199,13 @@ impl Zonotope {
     }
 }
 
+/// Rates as series of states, with so many coefficients.
+type SeriesRates<'a> = dyn Fn(&[IntervalSeries], usize) -> Option<Vec<IntervalSeries>> + 'a;
+
 /// A short step of the differential equations.
 struct ShortStep<'a> {
-    /// The rates of series of states, with so many coefficients; `None` where they have none.
-    rates: &'a dyn Fn(&[IntervalSeries], usize) -> Option<Vec<IntervalSeries>>,
+    /// `None` where they have none.
+    rates: &'a SeriesRates<'a>,
     /// In s.
     by: Interval,
 }

@@ -3,6 +3,9 @@
 use crate::error::Error;
 use crate::model::Affine;
 
+/// The rates at some states.
+pub(super) type RatesAt<'a> = dyn FnMut(&[Affine]) -> Result<Vec<Affine>, Error> + 'a;
+
 /// Where a step begins and ends, and the rates between.
 pub(super) struct StepRates<'a> {
     /// The states at the start of the step.
@@ -10,7 +13,7 @@ pub(super) struct StepRates<'a> {
     /// The next states.
     pub(super) end: Vec<Affine>,
     /// The rates at some states.
-    pub(super) at: &'a mut dyn FnMut(&[Affine]) -> Result<Vec<Affine>, Error>,
+    pub(super) at: &'a mut RatesAt<'a>,
 }
 
 /// A method that makes steps of nonlinear rates. Plans, refutations and certificates are about
