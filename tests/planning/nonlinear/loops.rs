@@ -4,6 +4,26 @@ use carom::hybrid::{MoveSource, RecedingHorizon};
 use carom::prelude::*;
 
 #[test]
+fn a_fallback_gives_the_inputs_without_functions() {
+    let mut car = HybridSystem::new(0.4); // s
+    let y = car.state("y", -1.0, 1.0).unwrap(); // m
+    let heading = car.state("heading", -1.0, 1.0).unwrap(); // rad
+    car.rates([y.is(heading.sin())]).unwrap();
+    car.input("turn", -1.0, 1.0).unwrap(); // rad
+    car.mode("drive").unwrap();
+    let mut program = car.program(2).unwrap();
+    program.goal([y.equals(0.0)]).unwrap();
+    let mut solver = BranchAndBound::default();
+    // No plan leads to the goal, because the heading stays.
+    let mut controller =
+        RecedingHorizon::new(program, &mut solver).unwrap().with_fallback(|_| vec![0.25]);
+    let next = controller.step(&[0.5, 0.5]).unwrap();
+    assert_eq!(next.source, MoveSource::Given);
+    // The sine of the heading is an input before it.
+    assert_eq!((next.input.len(), next.input[1]), (2, 0.25));
+}
+
+#[test]
 fn a_controller_drives_a_nonlinear_plant() {
     // A car with constant speed returns to a line.
     let mut car = HybridSystem::new(0.4); // s

@@ -123,8 +123,9 @@ impl Fallback<'_> {
         last: &LoopPlan,
     ) -> Result<Option<Substitute>, Error> {
         let Some(given) = &mut self.given else { return Ok(None) };
-        let input = given(present.state);
+        let mut input = given(present.state);
         if let Some(system) = present.system {
+            input = system.with_places(&input);
             check_length("the input of the fallback", input.len(), system.inputs.len())?;
         }
         check_finite("the input of the fallback", "an entry", input.iter().copied())?;

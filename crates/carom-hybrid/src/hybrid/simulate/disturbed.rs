@@ -147,6 +147,7 @@ impl HybridSystem {
             let fed = |u: usize| -> f64 { (0..n).map(|i| gain[(u, i)] * off[i]).sum() };
             let input: Vec<f64> =
                 planned.inputs[step].iter().enumerate().map(|(u, v)| v + fed(u)).collect();
+            let input = self.with_function_values(&state, &state, &input);
             let drawn = is_uncertain.then(|| self.drawn(draw));
             let by: Vec<f64> = self.disturbance.iter().map(|range| draw(*range)).collect();
             let system = drawn.as_ref().unwrap_or(self);

@@ -65,7 +65,7 @@ impl StepStart<'_> {
 
 impl HybridSystem {
     /// An input with places for the values of functions, of which callers know nothing.
-    pub(super) fn with_places(&self, input: &[f64]) -> Vec<f64> {
+    pub(crate) fn with_places(&self, input: &[f64]) -> Vec<f64> {
         if input.len() == self.inputs.len() || !self.is_nonlinear() {
             return input.to_vec();
         }
