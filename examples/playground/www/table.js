@@ -32,7 +32,9 @@ export function watchTable() {
 
 async function load() {
   try {
-    const served = await fetch(new URL(`./${FILE}`, import.meta.url));
+    const served = await fetch(new URL(`./${FILE}`, import.meta.url)).catch(() => {
+      throw new Error("The table could not be loaded: the server of this page does not answer.");
+    });
     if (!served.ok) throw new Error(`The table is missing: the server answers ${served.status} for ${FILE}.`);
     const bytes = await served.arrayBuffer();
     const { module } = await compile(new Uint8Array(bytes), FILE, "The table");
@@ -97,11 +99,9 @@ function ofTable(state, answer) {
   if (answer === OPEN) return { figure: "open", words: "Not decided: this is beside the border of the states with a plan. A chip falls back to a law of yours." };
   if (answer !== PLAN) return { figure: "outside", words: "The table does not hold this state." };
   const cost = table.cost_of_plan(...state), loss = table.loss(...state);
-  return {
-    figure: said(table.input(...state), "m/s²", 3),
-    words: `Its plan costs ${cost.toFixed(3)}. Proved: it loses at most ${upward(loss)}, so that no plan costs less than ` +
-      `${Math.max(0, Math.floor((cost - loss) * 1000) / 1000).toFixed(3)}.`,
-  };
+  const proved = loss === Infinity ? "What it loses is not proved." : `Proved: it loses at most ${upward(loss)}, so that no plan costs ` +
+    `less than ${Math.max(0, Math.floor((cost - loss) * 1000) / 1000).toFixed(3)}.`;
+  return { figure: said(table.input(...state), "m/s²", 3), words: `Its plan costs ${cost.toFixed(3)}. ${proved}` };
 }
 
 /** A bound is rounded to the side on which it holds. */
