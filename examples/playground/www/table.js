@@ -96,7 +96,7 @@ function show() {
 
 function ofTable(state, answer) {
   if (answer === NO_PLAN) return { figure: "no plan", words: "Proved: no input keeps the cart within its limits. A chip falls back to a law of yours." };
-  if (answer === OPEN) return { figure: "open", words: "Not decided: this is beside the border of the states with a plan. A chip falls back to a law of yours." };
+  if (answer === OPEN) return { figure: "open", words: "Not decided: a border of the states with a plan, or of their modes, is near. A chip falls back to a law of yours." };
   if (answer !== PLAN) return { figure: "outside", words: "The table does not hold this state." };
   const cost = table.cost_of_plan(...state), loss = table.loss(...state);
   const proved = loss === Infinity ? "What it loses is not proved." : `Proved: it loses at most ${upward(loss)}, so that no plan costs ` +
