@@ -15,6 +15,7 @@ import time
 
 import answers
 import axe
+import chip
 import drags
 import knowing
 import loading
@@ -174,7 +175,7 @@ class Test:
     def scenes_bring_their_planner(self):
         """The planner of scenes is loaded when one is asked for, and then plans all tasks."""
         loaded = lambda: self.browser.run("""
-            return performance.getEntriesByType("resource").map(entry => entry.name).filter(name => name.endsWith(".wasm"))
+            return performance.getEntriesByType("resource").map(entry => entry.name).filter(name => name.endsWith("playground_bg.wasm"))
               .map(name => name.split("/").at(-2));
         """)
         choose = "document.querySelector(`#kinds a:nth-child(${arguments[0]})`).click()"
@@ -302,6 +303,7 @@ def main():
             knowing.bodies_stay_in_their_room(test)
             knowing.the_theme_stays(test)
             knowing.hits_stay_while_one_drags(test)
+            chip.answers_beside_a_search(test, arguments.pictures)
             taking.all_can_be_taken(test, ["", *(f"task={name}" for name in SCENES)])
             test.is_readable(arguments.pictures)
             touches.follow_a_thumb(test, ["", *(f"task={name}" for name in SCENES)])
@@ -311,6 +313,7 @@ def main():
             test.is_quiet()
             loading.need_not_scroll_in_a_frame(browser, address)
         loading.says_what_is_missing(browser)
+        chip.says_what_is_missing(browser)
     finally:
         browser.close()
     print("the page works")

@@ -73,7 +73,7 @@ def sliders_begin_with_tasks(test, links):
     browser, count = test.browser, 0
     for link in links:
         test.open(link)
-        keys = browser.run("return [...document.querySelectorAll('.slider input')].map(input => input.id)")
+        keys = browser.run("return [...document.querySelectorAll('#controls .slider input')].map(input => input.id)")
         for key in keys:
             browser.run("location.hash = ''; location.hash = arguments[0]", link)
             test.settled()

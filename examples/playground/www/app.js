@@ -11,6 +11,7 @@ import { Planners } from "./planners.js";
 import { Player } from "./player.js";
 import * as results from "./results.js";
 import { asPicture, copy, download } from "./save.js";
+import { watchTable } from "./table.js";
 import { KINDS } from "./tasks.js";
 
 /** After so long without a change, what was planned coarsely is planned, and the reasons are asked for, in ms. */
@@ -307,3 +308,4 @@ function listen() {
 
 listen();
 begin();
+watchTable();

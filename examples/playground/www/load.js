@@ -46,24 +46,25 @@ function counted(response, tell) {
   return new Response(response.body.pipeThrough(count), { headers: response.headers });
 }
 
-async function compile(bytes, file) {
+/** A compiled module, also if it arrives compressed. */
+export async function compile(bytes, file, what = "The planner") {
   const begins = (...start) => start.every((byte, k) => bytes[k] === byte);
   if (begins(0x1f, 0x8b)) {
     // Compressed, and served as if it were not.
     if (!globalThis.DecompressionStream) {
-      throw new Error(`The planner arrives compressed: the server sends ${file} without the header "Content-Encoding: gzip".`);
+      throw new Error(`${what} arrives compressed: the server sends ${file} without the header "Content-Encoding: gzip".`);
     }
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    const { module } = await compile(new Uint8Array(await new Response(stream).arrayBuffer()), file);
+    const { module } = await compile(new Uint8Array(await new Response(stream).arrayBuffer()), file, what);
     return { module, note: `The server sends ${file} compressed without the header "Content-Encoding: gzip"; the page unpacked it.` };
   }
   if (!begins(0x00, 0x61, 0x73, 0x6d)) {
-    throw new Error(`The planner cannot be read: what the server sends as ${file} is not WebAssembly. ` +
+    throw new Error(`${what} cannot be read: what the server sends as ${file} is not WebAssembly. ` +
       'Is it compressed without the header "Content-Encoding", or another page in its place?');
   }
   try {
     return { module: await WebAssembly.compile(bytes), note: "" };
   } catch (error) {
-    throw new Error(`The planner cannot be read: ${file} is damaged or incomplete (${error.message}).`);
+    throw new Error(`${what} cannot be read: ${file} is damaged or incomplete (${error.message}).`);
   }
 }

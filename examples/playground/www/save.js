@@ -43,6 +43,7 @@ export function asPicture(title) {
   const parts = [words(title, 30, 20)];
   let [y, width] = [44, 300];
   for (const svg of document.querySelectorAll("main svg")) {
+    if (svg.closest("#chip")) continue; // It is no picture of the task.
     const { width: wide, height: high } = svg.viewBox.baseVal;
     if (!svg.getClientRects().length) continue;
     const heading = svg.closest("figure")?.querySelector("figcaption") ?? svg.closest(".panel")?.querySelector("h2");
