@@ -14,6 +14,9 @@ pub(super) fn add(
     program: &mut SystemVariables,
 ) -> Result<(), Error> {
     let Restated { system, coordinates } = restated;
+    if !system.is_nonlinear() {
+        return Ok(());
+    }
     for (number, function) in system.functions.iter() {
         let name = names.family(&[&system.inputs[number].0]);
         let mut members = Vec::with_capacity(program.horizon.steps());

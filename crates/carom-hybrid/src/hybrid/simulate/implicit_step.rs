@@ -47,8 +47,8 @@ impl StepStart<'_> {
                 y[j] = own;
                 (0..n).for_each(|i| jacobian[(i, j)] -= (moved[i] - to[i]) / by);
             }
-            let mut change = Mat::from_fn(n, 1, |i, _| to[i] - y[i]);
-            jacobian.full_piv_lu().solve_in_place(change.as_mut());
+            let off = Mat::from_fn(n, 1, |i, _| to[i] - y[i]);
+            let change = jacobian.partial_piv_lu().solve(&off);
             y.iter_mut().enumerate().for_each(|(i, own)| *own += change[(i, 0)]);
             let is_small =
                 |(i, own): (usize, &f64)| change[(i, 0)].abs() <= CONVERGED * own.abs().max(1.0);

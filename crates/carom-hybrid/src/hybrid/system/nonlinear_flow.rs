@@ -117,6 +117,9 @@ impl HybridSystem {
         input: &[f64],
     ) -> Vec<f64> {
         let mut input = input.to_vec();
+        if !self.is_nonlinear() {
+            return input;
+        }
         self.functions.fill(state, prediction, &mut input);
         input
     }
@@ -242,6 +245,11 @@ impl HybridSystem {
         place: &str,
         step: impl FnOnce(&mut FlowFunctions<'_>) -> Result<Vec<Affine>, Error>,
     ) -> Result<(Vec<Affine>, Vec<Nonlinear>), Error> {
+        if !cfg!(feature = "nonlinear") {
+            let name = "a nonlinear expression".to_owned();
+            let help = "turn on the feature `nonlinear` of `carom`, which is on by default";
+            return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
+        }
         let mut functions = self.functions.clone();
         functions.declare(&self.states, &self.inputs)?;
         let known = functions.model.function_count();

@@ -62,7 +62,7 @@ impl PartialEq for StepFunctions {
 impl StepFunctions {
     /// Whether there is none.
     pub(crate) fn is_empty(&self) -> bool {
-        self.model.function_count() == 0
+        !cfg!(feature = "nonlinear") || self.model.function_count() == 0
     }
 
     /// The variable of a part of a step, if it is known.
@@ -86,7 +86,7 @@ impl StepFunctions {
 
     /// Whether an input is the value of a function.
     pub(crate) fn is_function(&self, input: usize) -> bool {
-        self.iter().any(|(number, _)| number == input)
+        !self.is_empty() && self.iter().any(|(number, _)| number == input)
     }
 
     /// A function with names in the place of its variables.
@@ -99,6 +99,9 @@ impl StepFunctions {
 
     /// Whether a function depends on predictions, as in implicit methods.
     pub(crate) fn use_predictions(&self) -> bool {
+        if self.is_empty() {
+            return false;
+        }
         let arguments = self.iter().flat_map(|(_, function)| function.expressions());
         let mut variables = arguments.flat_map(|own| own.terms()).map(|(variable, _)| variable);
         variables.any(|variable| matches!(self.slot(variable), Some(StepSlot::Prediction(_))))
@@ -296,7 +299,7 @@ impl StepFunctions {
         }
         if is_implicit {
             use faer::linalg::solvers::Solve;
-            implicit.full_piv_lu().solve_in_place(start.as_mut());
+            start = implicit.partial_piv_lu().solve(&start);
         }
         let a = faer::Mat::from_fn(n, n, |i, j| start[(i, j)]);
         let b = faer::Mat::from_fn(n, m, |i, j| start[(i, n + j)]);

@@ -41,7 +41,8 @@ impl Display for HybridSystem {
             writeln!(f, "state {name} in {}", Range(*domain))?;
         }
         for (number, (name, range)) in self.inputs.iter().enumerate() {
-            if let Some((_, own)) = self.functions.iter().find(|(own, _)| *own == number) {
+            let function = self.functions.iter().find(|(own, _)| *own == number);
+            if let Some((_, own)) = function.filter(|_| self.is_nonlinear()) {
                 let range = ByStep(range, Range::text);
                 writeln!(f, "function {name} = {} in {range}", self.functions.text(own))?;
                 continue;
