@@ -1,6 +1,7 @@
 //! Tubes for the differential equations, beside disturbed motions that are integrated here.
 
-use carom::hybrid::Discretization;
+use carom::hybrid::{Discretization, SimulationOptions};
+use carom::prelude::*;
 use proptest::prelude::*;
 
 use super::fields::{FIELDS, STATES, Stated, declared, rates, step, value};
@@ -85,6 +86,33 @@ proptest! {
     ) {
         prop_assert_eq!(leave(field, &start[..STATES[field]], &inputs, by, 0.01, 100), 0);
     }
+}
+
+#[test]
+fn uncertain_rebounds_are_part_of_the_tube() {
+    // A ball without drag, whose restitution is from 0.4 to 0.6.
+    let mut ball = HybridSystem::new(0.1); // s
+    let height = ball.state("height", -1.0, 5.0).unwrap(); // m
+    let speed = ball.state("speed", -9.0, 9.0).unwrap(); // m/s
+    ball.rates([height.is(speed), speed.is(-9.81)]).unwrap();
+    ball.mode("flight").unwrap().guard(height.predicted().ge(-0.5)).unwrap();
+    ball.event("bounce")
+        .unwrap()
+        .guard(speed.predicted().le(0.0))
+        .unwrap()
+        .reset([speed.is(-0.5 * speed.predicted())])
+        .unwrap()
+        .uncertain(-0.1, 0.1, [speed.is(speed.predicted())])
+        .unwrap();
+    let options = SimulationOptions::default()
+        .with_transitions(["flight", "bounce", "flight"].map(|own| vec![own.to_owned()]).to_vec());
+    let none: [[f64; 0]; 3] = [[], [], []];
+    let run = ball.simulate_with(&[1.0, -3.0], &none, &options).unwrap().to_run();
+    let tube = ball.motion_tube(&run, &[0.0, 0.0]).unwrap();
+    assert!(tube.holds());
+    // 4.962 m/s before the rebound, of which up to a tenth is not known.
+    assert!((tube.radii[2][1] - 0.4962).abs() < 1e-9, "{:?}", tube.radii);
+    assert!((tube.radii[3][0] - 0.04962).abs() < 1e-9, "{:?}", tube.radii);
 }
 
 #[test]

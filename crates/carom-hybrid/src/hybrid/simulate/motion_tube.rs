@@ -73,7 +73,8 @@ impl HybridSystem {
     /// If the tube [holds](MotionTube::holds), then every motion by the differential equations as
     /// they are stated, which begins within `start` of the plan, takes the plan's transitions at
     /// the samples with the inputs of [`MotionTube::input`], and is pushed at each sample by
-    /// anything within the system's [disturbance](HybridSystem::disturbance), is within the radii
+    /// anything within the system's [disturbance](HybridSystem::disturbance) and the [uncertain
+    /// parts](crate::hybrid::TransitionMut::uncertain) of its transitions, is within the radii
     /// at every sample, and keeps domains, limits, guards and ranges there. Between samples
     /// nothing is said of conditions. The error of the discretization is part of the tube. The
     /// proof is by interval arithmetic, and assumes that functions of the standard library err by
@@ -152,7 +153,9 @@ impl HybridSystem {
             moved.follow(self.flow_together(&taken)?, self, &plan.inputs[step])?;
             moved.keep(n);
             tube.note_guards(self, &taken, step, &moved, Moment::Prediction);
+            let unknown = unknown(&taken, step, &moved.around());
             moved.reset(&taken, step);
+            moved.spread(&unknown);
             if !self.disturbance.is_empty() {
                 moved.spread(&self.disturbance);
             }
@@ -233,6 +236,21 @@ impl MotionTube {
             }
         }
     }
+}
+
+/// The parts of the next state that transitions do not know, over a box of predictions.
+fn unknown(taken: &[&Transition], step: usize, predicted: &[Interval]) -> Vec<Interval> {
+    let mut parts = vec![Interval::point(0.0); predicted.len()];
+    for own in taken.iter().flat_map(|own| &own.uncertain) {
+        let offset = own.effect.offset.get(step);
+        for (i, part) in parts.iter_mut().enumerate() {
+            let offset = offset.and_then(|own| own.get(i)).copied().unwrap_or(0.0);
+            let terms = predicted.iter().enumerate().map(|(j, y)| *y * own.effect.matrix[(i, j)]);
+            let effect = terms.fold(Interval::point(offset), |sum, own| sum + own);
+            *part = *part + own.range * effect;
+        }
+    }
+    parts
 }
 
 /// The least room that a condition has over a set; `None` if nothing is limited at the step.
