@@ -32,7 +32,7 @@ pub struct LookupArrays<T> {
     pub(crate) state_rounding: Vec<f64>,
     pub(crate) input_rounding: f64,
     pub(crate) row_rounding: f64,
-    /// What rounding in a program adds to the loss, at most.
+    /// The most that rounding in a program adds to the loss.
     pub(crate) loss_rounding: f64,
     /// The largest sum of magnitudes behind an input, and its number of terms and two more.
     largest: [f64; 2],

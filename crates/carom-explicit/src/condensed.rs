@@ -56,7 +56,7 @@ struct LimitedRow {
     of: StateAffine,
     lower: f64,
     upper: f64,
-    /// What 1 of it is in the unit of the row of the form.
+    /// The size of 1 of it in the unit of the row of the form.
     unit: f64,
 }
 
@@ -106,7 +106,7 @@ pub(crate) struct CondensedProgram {
     pub(crate) rows: Vec<StateAffine>,
     /// The most that a row can be, by the bounds of z, over the box.
     pub(crate) most: Vec<f64>,
-    /// What 1 of a row is in the unit of the row of the form.
+    /// The size of 1 of a row in the unit of the row of the form.
     pub(crate) units: Vec<f64>,
     pub(crate) outputs: Vec<StateAffine>,
     /// All columns of the form.

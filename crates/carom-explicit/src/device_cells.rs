@@ -51,7 +51,7 @@ pub(crate) struct DeviceCells<'a> {
 const LEAF_BYTES: usize = 12;
 const PROGRAM_BYTES: usize = 20;
 
-/// What is added to the cost of a device, relative to the largest one in a cell, because it is
+/// The part added to the cost of a device, relative to the largest one in a cell, because it is
 /// computed in floats.
 const EXCESS_ROOM: f64 = 1e-7;
 

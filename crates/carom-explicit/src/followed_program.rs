@@ -62,7 +62,7 @@ pub(crate) struct DeviceProgram {
     pub(crate) exchanges: usize,
 }
 
-/// What rounding does at the end of a solve, at most.
+/// The most that rounding does at the end of a solve.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SolveErrors {
     /// By how much a row is missed, in its own unit.

@@ -6,7 +6,7 @@ use crate::device_cells::DeviceCells;
 use crate::followed_program::DeviceProgram;
 use crate::table::ExplicitTable;
 
-/// What is added to the most by which an input is off, relative and absolute, because the checker
+/// The part added to the most by which an input is off, relative and absolute, because the checker
 /// does not round.
 const INPUT_OFF_ROOM: f64 = 1e-9;
 

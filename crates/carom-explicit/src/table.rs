@@ -80,7 +80,7 @@ pub struct ExplicitTable {
     pub(crate) arrays: LookupArrays<f64>,
 }
 
-/// What sources say of the cells and the laws of a device.
+/// The words of sources about the cells and the laws of a device.
 pub(crate) fn counts_line(cells: usize, laws: usize) -> String {
     format!("{cells} cells, {laws} laws")
 }

@@ -7,7 +7,7 @@
 
 use crate::condensed::CondensedProgram;
 
-/// What errors of the second order add, and what is rounded in the bounds themselves.
+/// The share for errors of the second order and for rounding in the bounds themselves.
 const SECOND_ORDER: f64 = 1.05;
 
 /// The largest error of a divisor, relative, with which errors of the second order are so small.

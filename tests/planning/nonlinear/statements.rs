@@ -1,4 +1,4 @@
-//! What can be stated of nonlinear systems, and what is refused.
+//! Statements of nonlinear systems, and those that are refused.
 
 use carom::ErrorKind;
 use carom::hybrid::{Discretization, Feedback, Matrix};

@@ -2,6 +2,7 @@
 
 use carom::hybrid::{Discretization, SimulationOptions};
 use carom::prelude::*;
+use carom_model::internals::random::SplitMix;
 use proptest::prelude::*;
 
 use super::fields::{FIELDS, STATES, Stated, declared, rates, step, value};
@@ -9,17 +10,6 @@ use crate::common::config;
 
 /// Length of a step (s).
 const STEP: f64 = 0.2;
-
-/// Numbers from -1 to 1 by a linear congruence.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
 
 /// A field whose first state is disturbed by `by`.
 fn disturbed(field: usize, by: f64) -> Stated {
@@ -42,21 +32,23 @@ fn leave(field: usize, start: &[f64], inputs: &[f64], by: f64, wide: f64, runs: 
         .iter()
         .map(|name| run.state(name).unwrap().to_vec())
         .collect();
-    let mut numbers = Numbers(field as u64 + 7);
+    let mut random = SplitMix(field as u64 + 7);
+    // From -1 to 1.
+    let mut number = || 2.0 * random.part() - 1.0;
     let is_out = |t: usize, x: &[f64]| {
         // The formula here errs by some 1e-9.
         (0..x.len()).any(|i| (x[i] - plan[i][t]).abs() > tube.radii[t][i] + 1e-8)
     };
     let leaves = |_: &usize| {
-        let mut x: Vec<f64> = start.iter().map(|x| x + wide * numbers.next()).collect();
+        let mut x: Vec<f64> = start.iter().map(|x| x + wide * number()).collect();
         for t in 0..inputs.len() {
             let u = tube.input(t, &x).unwrap()[0];
             assert!((-1.0..=1.0).contains(&u));
             for _ in 0..20 {
                 x = step(Discretization::RungeKutta4, &|x| value(field, x, u), STEP / 20.0, &x, &x);
             }
-            let push = numbers.next();
-            x[0] += by * if numbers.next() > 0.0 { push } else { push.signum() };
+            let push = number();
+            x[0] += by * if number() > 0.0 { push } else { push.signum() };
             if is_out(t + 1, &x) {
                 return true;
             }

@@ -6,7 +6,7 @@ pub const STEPS: usize = 4;
 pub const STEP: f64 = 0.2;
 /// Where the wall begins, in m.
 pub const WALL: f64 = 0.5;
-/// What the wall pushes back, in m/s² for each m.
+/// The push of the wall, in m/s² for each m.
 pub const PUSH: f64 = 10.0;
 
 /// The cost of the plan with these inputs (m/s²), from a position (m) and a speed (m/s).

@@ -16,14 +16,14 @@ use carom_embedded::LookupAnswer;
 pub use cart::{PUSH, STEP, STEPS, WALL, cost};
 pub use table::CART;
 
-/// What the table says of a state: position (m) and speed (m/s). With a plan come the inputs of all
+/// The answer of the table for a state: position (m) and speed (m/s). With a plan come the inputs of all
 /// its steps, in m/s².
 pub fn look_up(position: f32, speed: f32) -> (LookupAnswer<f32>, [f32; STEPS]) {
     let mut inputs = [0.0; STEPS];
     (CART.evaluate(&[position, speed], &mut inputs), inputs)
 }
 
-/// What the functions for the page do: each is a look-up.
+/// The look-up behind each function for the page.
 #[cfg(target_arch = "wasm32")]
 mod page {
     // A name that another language can call is unsafe, as two functions may have the same one.

@@ -31,7 +31,7 @@ pub(crate) enum StepSlot {
 pub(crate) struct StepFunctions {
     /// States, predictions, inputs and functions as variables.
     pub(super) model: Model,
-    /// What each variable stands for.
+    /// The part of a step that each variable stands for.
     pub(super) slots: Vec<StepSlot>,
     /// How rates with functions become steps.
     pub(super) method: Discretization,

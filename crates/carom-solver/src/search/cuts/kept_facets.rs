@@ -76,7 +76,7 @@ impl KeptFacets {
     }
 }
 
-/// What is told of the facets of a program that has some unions.
+/// The counts of the facets of a program that has some unions.
 pub(super) fn facet_counts(
     program: &Program,
     cuts: &[Cut],
