@@ -1,6 +1,7 @@
 //! Missions in signal temporal logic.
 
 mod choices;
+mod functions;
 mod random;
 mod scenarios;
 mod sketch;

@@ -65,7 +65,8 @@ fn what_is_refused() -> Result<(), Error> {
         (
             (!disc).always(0..),
             "the row `disc` is negated by the mission, which is not convex; the outside of a disc has no rows: \
-             write a polygon inside or around the disc as rows, which can be negated",
+             write a polygon inside or around the disc as rows, or the length as `(x.square() + y.square()).sqrt()`; \
+             both can be negated",
         ),
         (
             rows.clone().always(0..=5),

@@ -6,6 +6,7 @@ mod corners;
 mod edges;
 mod extreme;
 mod first_impacts_of_steps;
+mod forces;
 mod handles;
 mod limits;
 mod moving;

@@ -3,7 +3,7 @@
 //! This is the definition, and what plans are checked by. It shares nothing with the rows.
 
 use super::formula::{Mission, MissionNode, Predicate};
-use super::values::nonlinear_row;
+use super::values::handles_of;
 use super::window::Window;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::system::SystemRow;
@@ -157,13 +157,7 @@ impl Reading<'_> {
     fn has_values(&self, predicate: &Predicate, sample: usize) -> Result<bool, Error> {
         let Some(rows) = predicate.rows(sample) else { return Ok(false) };
         for row in rows {
-            let mut handles = Vec::new();
-            match row {
-                SystemRow::Row(row) => handles.extend(row.expression().terms().iter().map(|t| t.0)),
-                SystemRow::Conic(row) => row.stored().for_each_variable(&mut |v| handles.push(v)),
-                SystemRow::Nonlinear(row) => return Err(nonlinear_row(row)),
-            }
-            for handle in handles {
+            for handle in handles_of(row) {
                 if self.trajectory.value(handle, sample)?.is_none() {
                     return Ok(false);
                 }
@@ -218,7 +212,7 @@ impl Reading<'_> {
                     false => slack,
                 })
             }
-            SystemRow::Nonlinear(row) => Err(nonlinear_row(row)),
+            SystemRow::Nonlinear(row) => Ok(row.slack(|own| value(own).unwrap_or(f64::NAN))),
             SystemRow::Conic(_) if !positive => Err(negated_norm(&of.name)),
             SystemRow::Conic(row) => match row.stored() {
                 StoredConic::Norm { entries, bound } => {
@@ -244,7 +238,7 @@ impl Reading<'_> {
 pub(super) fn negated_norm(name: &str) -> Error {
     let comparison = "is negated by the mission";
     let help = "the outside of a disc has no rows: write a polygon inside or around the disc as rows, \
-                which can be negated";
+                or the length as `(x.square() + y.square()).sqrt()`; both can be negated";
     ErrorKind::NotConicRow { row: name.to_owned(), comparison, help }.into()
 }
 

@@ -7,7 +7,8 @@ use super::unrolled::{Demand, FALSE, Id, MissionPart, TRUE, Unrolled};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{
-    Affine, ConicRow, Either, Literal, Logic, Model, Name, Quadratic, Row, StoredConic, Term,
+    Affine, ConicRow, Either, Literal, Logic, Model, Name, NonlinearRow, Quadratic, Row,
+    StoredConic, Term,
 };
 use crate::tolerance::FEASIBILITY;
 
@@ -35,6 +36,7 @@ pub(super) struct Margin {
 enum DemandRow {
     Row(Row),
     Conic(ConicRow),
+    Nonlinear(NonlinearRow),
 }
 
 pub(super) struct MissionWriter<'a> {
@@ -120,6 +122,9 @@ impl MissionWriter<'_> {
             Demand::Slack(slack) => {
                 Some(DemandRow::Row(Row::new(slack - &self.margin.value, 0.0, f64::INFINITY)))
             }
+            Demand::Nonlinear(slack) => {
+                Some(DemandRow::Nonlinear((slack - self.margin.value.clone()).ge(0.0)))
+            }
             Demand::Logical(slack) => Some(DemandRow::Row(slack.ge(0.0))),
             Demand::Conic(row) => Some(DemandRow::Conic(match row.stored() {
                 StoredConic::Norm { entries, bound } => {
@@ -132,7 +137,7 @@ impl MissionWriter<'_> {
         }
         .filter(|stated| match stated {
             DemandRow::Row(row) => !row.is_constant_and_holds(),
-            DemandRow::Conic(_) => true,
+            DemandRow::Conic(_) | DemandRow::Nonlinear(_) => true,
         }))
     }
 
@@ -170,6 +175,7 @@ impl MissionWriter<'_> {
                     }
                     Some(DemandRow::Row(row)) => drop(self.model.add(name, row)?),
                     Some(DemandRow::Conic(row)) => drop(self.model.add(name, row)?),
+                    Some(DemandRow::Nonlinear(row)) => drop(self.model.add(name, row)?),
                     None => {}
                 }
             }
@@ -206,6 +212,7 @@ impl MissionWriter<'_> {
             rows.into_iter().fold(Term::default(), |term, row| match row {
                 DemandRow::Row(row) => term.and(row),
                 DemandRow::Conic(row) => term.and(row),
+                DemandRow::Nonlinear(row) => term.and(row),
             })
         };
         let either = Either::of(terms.into_iter().map(term));
@@ -245,6 +252,9 @@ impl MissionWriter<'_> {
                             self.model.add(name, literal.implies(row)).map(drop)?;
                         }
                         Some(DemandRow::Conic(row)) => {
+                            self.model.add(name, literal.implies(row)).map(drop)?;
+                        }
+                        Some(DemandRow::Nonlinear(row)) => {
                             self.model.add(name, literal.implies(row)).map(drop)?;
                         }
                         None => {}

@@ -5,13 +5,13 @@ use std::collections::HashMap;
 
 use super::formula::{Mission, MissionNode, Predicate};
 use super::robustness::{negated_norm, too_deep};
-use super::values::nonlinear_row;
 use super::window::Window;
 use crate::activity;
+use crate::elementary::IntervalSeries;
 use crate::error::Error;
 use crate::hybrid::system::SystemRow;
 use crate::interval::Interval;
-use crate::model::{Affine, Model, Variable};
+use crate::model::{Affine, Model, Nonlinear, Variable};
 use crate::tolerance::{INFINITE, MISSION_SEPARATION};
 
 /// The number of a part.
@@ -34,6 +34,8 @@ pub(super) enum Demand {
     /// The same of modes and transitions only, which holds or does not.
     Logical(Affine),
     Conic(crate::model::ConicRow),
+    /// A slack with functions.
+    Nonlinear(Nonlinear),
 }
 
 /// A row at a sample; `None` where its handles have no values.
@@ -256,7 +258,23 @@ impl<'a> Unrolled<'a> {
     ) -> Result<(), Error> {
         let row = match row {
             SystemRow::Row(row) => row,
-            SystemRow::Nonlinear(row) => return Err(nonlinear_row(&row)),
+            SystemRow::Nonlinear(row) => match row.expression().as_affine() {
+                Some(own) => own.clone().within(row.lower(), row.upper()),
+                None => {
+                    let by = if self.separated { MISSION_SEPARATION } else { 0.0 };
+                    let mut push = |slack: Nonlinear| {
+                        let slack = if positive { slack } else { -slack - by };
+                        conditions.push(Demand::Nonlinear(slack));
+                    };
+                    if row.lower().abs() < INFINITE {
+                        push(row.expression() - row.lower());
+                    }
+                    if row.upper().abs() < INFINITE {
+                        push(row.upper() - row.expression());
+                    }
+                    return Ok(());
+                }
+            },
             SystemRow::Conic(_) if !positive => return Err(negated_norm(&of.name)),
             SystemRow::Conic(row) => {
                 row.clone().checked(self.model, &of.name.as_str().into())?;
@@ -302,6 +320,11 @@ impl<'a> Unrolled<'a> {
                 }
                 _ => Interval::REALS,
             },
+            Demand::Nonlinear(slack) => {
+                let range = |own: Variable| IntervalSeries::constant(self.ranges[own.index()], 1);
+                let series = slack.series(&range, 1);
+                series.map_or(Interval::REALS, |own| own.coefficients()[0])
+            }
             Demand::Conic(row) => match row.stored() {
                 crate::model::StoredConic::Norm { bound, .. } => {
                     Interval::new(f64::NEG_INFINITY, of(bound).upper)

@@ -1,30 +1,32 @@
 //! Values of handles in programs and runs.
 
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::hybrid::program::ProgramSystems;
 use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::{HybridSystem, Meaning, SystemRow};
-use crate::model::{NonlinearRow, Variable};
+use crate::model::{Affine, Variable};
 
-/// Refuses a nonlinear row in a mission.
-pub(super) fn nonlinear_row(row: &NonlinearRow) -> Error {
-    let text = row.text(&|variable| format!("#{}", variable.index()));
-    let (name, place) = (format!("the nonlinear row `{text}`"), "a mission".to_owned());
-    let help = "a mission is about affine rows and discs: state the expression as an output, or as a \
-                state of its own";
-    ErrorKind::Misplaced { name, place, help }.into()
+/// The handles in a row.
+pub(super) fn handles_of(row: &SystemRow) -> Vec<Variable> {
+    let mut handles = Vec::new();
+    let mut all = |own: &Affine| handles.extend(own.terms().iter().map(|term| term.0));
+    match row {
+        SystemRow::Row(row) => all(row.expression()),
+        SystemRow::Conic(row) => row.stored().for_each_variable(&mut |own| handles.push(own)),
+        SystemRow::Nonlinear(row) => {
+            let _same = row.try_map(&mut |own: &Affine| {
+                all(own);
+                Ok(own.clone())
+            });
+        }
+    }
+    handles
 }
 
 impl ProgramSystems {
     /// Whether all handles of a row have values at a sample.
     pub(super) fn row_has_values(&self, row: &SystemRow, sample: usize) -> Result<bool, Error> {
-        let mut handles = Vec::new();
-        match row {
-            SystemRow::Row(row) => handles.extend(row.expression().terms().iter().map(|t| t.0)),
-            SystemRow::Conic(row) => row.stored().for_each_variable(&mut |v| handles.push(v)),
-            SystemRow::Nonlinear(row) => return Err(nonlinear_row(row)),
-        }
-        for handle in handles {
+        for handle in handles_of(row) {
             if !self.has_value(handle, sample)? {
                 return Ok(false);
             }

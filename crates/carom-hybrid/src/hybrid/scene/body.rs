@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use super::axes::region_where;
+use super::forces::Forces;
 use super::geometry::length;
 use crate::activity;
 use crate::error::{Error, ErrorKind, FINITE_POSITIVE, SceneError, check_finite};
@@ -103,6 +104,9 @@ pub struct Body {
     pub goal: Option<Region>,
     pub(super) first: Option<Vec<f64>>,
     pub(super) spin: Option<Spin>,
+    /// The range of its heading, in rad.
+    pub(super) heading: Option<Interval>,
+    pub(super) forces: Option<Forces>,
 }
 
 impl Body {
@@ -136,6 +140,8 @@ impl Body {
             goal: None,
             first: None,
             spin: None,
+            heading: None,
+            forces: None,
         }
     }
 
@@ -156,7 +162,7 @@ impl Body {
     }
 
     /// Sets where it starts: positions (m), then velocities (m/s), and last the spin (rad/s) of a
-    /// body that has one, as a point or as a range for each.
+    /// body that has one and its heading (rad) likewise, as a point or as a range for each.
     #[must_use]
     pub fn with_start(mut self, region: impl Into<Region>) -> Self {
         self.start = Some(region.into());
@@ -164,7 +170,7 @@ impl Body {
     }
 
     /// Sets where it ends: positions (m), then velocities (m/s), as a point or as a range for each;
-    /// and last, if it matters, the spin (rad/s).
+    /// and last, if they matter, the spin (rad/s) and the heading (rad).
     #[must_use]
     pub fn with_goal(mut self, region: impl Into<Region>) -> Self {
         self.goal = Some(region.into());
@@ -277,7 +283,8 @@ impl Body {
             let mut pairs = (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| (i, j)));
             pairs.all(|(i, j)| i == j || m[(i, j)] == 0.0)
         };
-        self.dynamics.iter().all(|(k, damping)| is_diagonal(k) && is_diagonal(damping))
+        !self.is_nonlinear()
+            && self.dynamics.iter().all(|(k, damping)| is_diagonal(k) && is_diagonal(damping))
     }
 
     /// A step of `[x, v]` under u.
@@ -389,6 +396,7 @@ impl Body {
             }
         }
         self.check_spin()?;
+        self.check_forces()?;
         for matrix in self.dynamics.iter().flat_map(|(k, d)| [k, d]) {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
             if rows != axes || columns != axes {

@@ -91,6 +91,10 @@ impl Scene {
                 // The same number of handles for every body, whatever is said about it later.
                 None => handles.skip(3),
             }
+            match self.heading_state(body) {
+                Some(heading) => _ = handles.state(heading),
+                None => handles.skip(2),
+            }
         }
         handles
     }

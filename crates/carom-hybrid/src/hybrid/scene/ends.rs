@@ -27,9 +27,11 @@ impl Body {
     fn check_region(&self, word: &str, region: &Region) -> Result<(), Error> {
         let mut expected = 2 * self.axes();
         let found = region.ranges.len();
-        // A goal need not say anything about a spin.
-        if self.spin.is_some() && (word == "start" || found > expected) {
-            expected += 1;
+        // A goal need not say anything about a spin and a heading.
+        for has_one in [self.spin.is_some(), self.heading.is_some()] {
+            if has_one && (word == "start" || found > expected) {
+                expected += 1;
+            }
         }
         if found != expected {
             let name = format!("the {word} of {}", self.name);
@@ -61,12 +63,14 @@ impl Body {
         let speed = Interval::new(-self.max_speed, self.max_speed);
         let mut left = Vec::new();
         let spin = self.spin.map_or(Interval::REALS, |spin| spin.rates());
+        let heading = self.heading.unwrap_or(Interval::REALS);
         for (i, &range) in region.ranges.iter().enumerate() {
             let axis = AXES[i % axes];
             let (what, allowed, words, unit) = match i / axes {
                 0 => (axis.to_owned(), self.domain[i], "domain", "m"),
                 1 => (format!("v{axis}"), speed, "largest speed", "m/s"),
-                _ => ("spin".to_owned(), spin, "largest spin", "rad/s"),
+                _ if i == 2 * axes => ("spin".to_owned(), spin, "largest spin", "rad/s"),
+                _ => ("heading".to_owned(), heading, "range", "rad"),
             };
             let both = range.intersection(allowed);
             let miss = FEASIBILITY * margin_scale(allowed.magnitude(), 0.0);

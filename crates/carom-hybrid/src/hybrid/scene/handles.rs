@@ -32,11 +32,11 @@ impl BodyHandle {
     }
 
     /// A handle of the body by its place in the order of [`Scene::declared`](super::Scene): each
-    /// state, followed by its prediction, the inputs, and then the spin, its prediction and its
-    /// torque.
+    /// state, followed by its prediction, the inputs, then the spin, its prediction and its torque,
+    /// and the heading and its prediction.
     pub(super) fn handle(self, axis: usize, place: usize) -> Variable {
         let own = axis < self.axes;
-        let index = if own { (5 * self.axes + 3) * self.number + place } else { usize::MAX };
+        let index = if own { (5 * self.axes + 5) * self.number + place } else { usize::MAX };
         Variable::new(index, self.tag)
     }
 }

@@ -11,6 +11,8 @@ mod declarations;
 mod decoupled_relaxation;
 mod ends;
 mod entry;
+mod forced_flight;
+mod forces;
 mod geometry;
 mod handles;
 mod law;

@@ -23,7 +23,7 @@ pub struct BodyPath {
     pub position: Vec<Vec<f64>>,
     /// Velocity at each sample, in m/s.
     pub velocity: Vec<Vec<f64>>,
-    /// Input of each step, in m/s².
+    /// Input of each step, in m/s²; forward and to the left for a body with a heading.
     pub acceleration: Vec<Vec<f64>>,
     /// [Spin](super::Body::with_spin) at each sample, in rad/s; empty without one.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
@@ -31,6 +31,9 @@ pub struct BodyPath {
     /// Torque of each step, in N m; empty without spin.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub torque: Vec<f64>,
+    /// [Heading](super::Body::with_heading) at each sample, in rad; empty without one.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub heading: Vec<f64>,
 }
 
 /// A hit of a plan.
@@ -224,6 +227,8 @@ impl Scene {
             let turns = usize::from(own.spin.is_some());
             check_length("the spins of a body", path.spin.len(), turns * (steps + 1))?;
             check_length("the torques on a body", path.torque.len(), turns * steps)?;
+            let headings = usize::from(own.heading.is_some()) * (steps + 1);
+            check_length("the headings of a body", path.heading.len(), headings)?;
         }
         if let Some((obstacle, last)) = self.longest().filter(|(_, last)| *last < steps) {
             let obstacle = obstacle.name.clone();
@@ -339,6 +344,10 @@ impl SceneProgram {
                 spin = run.state(&format!("{} spin", body.name))?.to_vec();
                 torque = run.input(&format!("{} torque", body.name))?.to_vec();
             }
+            let heading = match body.heading {
+                Some(_) => run.state(&format!("{} heading", body.name))?.to_vec(),
+                None => Vec::new(),
+            };
             bodies.push(BodyPath {
                 name: body.name.clone(),
                 position: series("")?,
@@ -346,6 +355,7 @@ impl SceneProgram {
                 acceleration: series("a")?,
                 spin,
                 torque,
+                heading,
             });
         }
         Ok(bodies)

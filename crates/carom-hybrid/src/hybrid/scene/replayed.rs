@@ -39,9 +39,9 @@ impl SceneUnits {
         own.energy *= speed * speed;
     }
 
-    /// The units of places, speeds and spins.
-    fn kinds(&self) -> [f64; 3] {
-        [self.length, self.speed(), 1.0 / self.time]
+    /// The units of places, speeds, spins and headings.
+    fn kinds(&self) -> [f64; 4] {
+        [self.length, self.speed(), 1.0 / self.time, 1.0]
     }
 
     /// Replays paths in these units through a scene in these units. The hits and the certificate
@@ -53,7 +53,7 @@ impl SceneUnits {
         hits: &mut Vec<SceneHit>,
     ) -> Result<SceneCertificate, SceneError> {
         if self.is_plain() {
-            return replay::certify(scene, paths, hits, [1.0; 3]);
+            return replay::certify(scene, paths, hits, [1.0; 4]);
         }
         let replayed = replay::certify(scene, paths, hits, self.kinds());
         hits.iter_mut().for_each(|hit| self.stated_hit(hit));

@@ -59,6 +59,7 @@ fn checked_path(scene: &Scene, samples: &Samples<'_>) -> Result<(Scene, BodyPath
         acceleration: column(acceleration),
         spin: Vec::new(),
         torque: Vec::new(),
+        heading: Vec::new(),
     };
     scene.check_paths(std::slice::from_ref(&path))?;
     Ok((scene, path))

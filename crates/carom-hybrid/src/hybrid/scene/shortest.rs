@@ -162,7 +162,10 @@ impl Stated {
             None => body.acceleration.clone(),
         });
         let first = first.chain(self.scene.spins().map(|(_, spin)| spin.torques()));
-        sets.begin_with(first.collect());
+        let known: Vec<Interval> = first.collect();
+        let functions =
+            system.inputs.iter().skip(known.len()).filter_map(|(_, range)| range.get(0));
+        sets.begin_with(known.iter().chain(functions).copied().collect());
         Ok(sets)
     }
 
@@ -222,7 +225,8 @@ impl Stated {
     fn certain_hit(&self, contact: &ContactPair) -> Option<usize> {
         let body = &self.scene.bodies[contact.body];
         let start = &body.start.as_ref()?.ranges;
-        let is_plain = body.dynamics.is_none() && body.gravity.iter().all(|g| *g == 0.0);
+        let is_free = body.dynamics.is_none() && !body.is_nonlinear();
+        let is_plain = is_free && body.gravity.iter().all(|g| *g == 0.0);
         let is_point = start.iter().all(|range| range.lower == range.upper);
         let [face] = &contact.faces[..] else { return None };
         if !is_plain || !is_point || contact.other.is_some() || !contact.bounces() {

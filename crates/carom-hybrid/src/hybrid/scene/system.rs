@@ -3,8 +3,9 @@
 use faer::Mat;
 
 use super::axes::AXES;
-use super::body::Spin;
+use super::body::{Body, Spin};
 use super::contact::{ContactPair, at, contacts};
+use super::forced_flight::ForcedFlight;
 use super::geometry::minus;
 use super::law::Writer;
 use super::statement::Scene;
@@ -12,7 +13,8 @@ use super::units::SceneUnits;
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{
-    Choice, Coordinates, Halfspace, HybridSystem, NormLimit, Region, Restated, Transition,
+    Choice, Coordinates, Halfspace, HybridSystem, Measure, NormLimit, Region, Restated, Schedule,
+    Transition,
 };
 use crate::interval::Interval;
 
@@ -46,7 +48,7 @@ impl Scene {
     /// `puck y` (m), `puck vx` and `puck vy` (m/s), its inputs `puck ax` and `puck ay` (m/s²); its
     /// choices are the contacts, such as `puck at wall`, and `a and b` for two bodies. After those
     /// of all bodies, a body with spin has the state `puck spin` (rad/s) and the input
-    /// `puck torque` (N m).
+    /// `puck torque` (N m), and one with a heading the state `puck heading` (rad).
     ///
     /// A convex obstacle has a transition `beyond k` for each face k, in front of which the whole
     /// step stays, and `hit k`, or `stick k` and `slip ... k`, for each face to bounce off. With a
@@ -64,7 +66,12 @@ impl Scene {
     pub(super) fn stated(&self) -> Result<Stated, Error> {
         let (scene, units) = self.in_units()?;
         let mut contacts = contacts(&scene);
-        let flow = scene.flow()?;
+        let mut coordinates = units.coordinates(&scene);
+        let mut flow = scene.flow()?;
+        let forced = self.forced_flight(self.bare(&scene), &coordinates, &flow)?;
+        if let Some(forced) = &forced {
+            flow = forced.flow.clone();
+        }
         let mut system = HybridSystem::new(scene.time_step);
         system.handles = scene.declared();
         let mut limits = Vec::new();
@@ -75,23 +82,27 @@ impl Scene {
                 .extend(body.domain.iter().map(|_| Interval::new(-body.max_speed, body.max_speed)));
         }
         domains.extend(scene.spins().map(|(_, spin)| spin.rates()));
+        domains.extend(scene.headings().map(|(_, range)| range));
         for contact in &contacts {
             limits.extend(outside(&scene, contact, &flow, &mut domains));
         }
         for (name, domain) in scene.state_names().into_iter().zip(domains) {
             system = system.with_state(name, domain);
         }
-        for body in &scene.bodies {
-            for (axis, range) in AXES.iter().zip(&body.acceleration) {
-                system = system.with_input(format!("{} a{axis}", body.name), *range);
-            }
+        for (name, range) in scene.input_ranges() {
+            system = system.with_input(name, range);
         }
-        for (b, spin) in scene.spins() {
-            let name = format!("{} torque", scene.bodies[b].name);
-            system = system.with_input(name, spin.torques());
+        if let Some(ForcedFlight { user, .. }) = forced {
+            let known = system.inputs.len();
+            if !coordinates.is_plain() {
+                let functions = user.inputs.len() - known;
+                coordinates.measures.extend(vec![Measure::PLAIN; functions]);
+            }
+            system.inputs.extend(user.inputs.into_iter().skip(known));
+            (system.functions, system.handles) = (user.functions, user.handles);
         }
         system = limits.into_iter().fold(system, HybridSystem::with_limit);
-        system.norms.extend(scene.balls());
+        system.norms.extend(scene.balls(&flow));
         if scene.bodies.iter().any(|body| !body.pushes.is_empty()) {
             let none = vec![Interval::point(0.0); scene.axes()];
             let pushes = scene.bodies.iter().flat_map(|body| match body.pushes.is_empty() {
@@ -115,7 +126,7 @@ impl Scene {
             system = system.with_flow(flow);
         }
         system.check()?;
-        let (source, coordinates) = (self.clone(), units.coordinates(&scene));
+        let source = self.clone();
         Ok(Stated { source, units, scene, contacts, system, coordinates })
     }
 
@@ -127,7 +138,38 @@ impl Scene {
             positions.chain(axes.iter().map(|axis| format!("{name} v{axis}"))).collect()
         };
         let spins = self.spins().map(|(b, _)| format!("{} spin", self.bodies[b].name));
-        self.bodies.iter().flat_map(|body| of(&body.name)).chain(spins).collect()
+        let headings = self.headings().map(|(b, _)| format!("{} heading", self.bodies[b].name));
+        let all = self.bodies.iter().flat_map(|body| of(&body.name));
+        all.chain(spins).chain(headings).collect()
+    }
+
+    /// The inputs with their ranges: those along the axes of each body, and then torques.
+    fn input_ranges(&self) -> Vec<(String, Interval)> {
+        let of = |body: &Body| -> Vec<(String, Interval)> {
+            let axes = AXES.iter().map(|axis| format!("{} a{axis}", body.name));
+            axes.zip(body.acceleration.iter().copied()).collect()
+        };
+        let torques = self
+            .spins()
+            .map(|(b, spin)| (format!("{} torque", self.bodies[b].name), spin.torques()));
+        self.bodies.iter().flat_map(of).chain(torques).collect()
+    }
+
+    /// The states and inputs of the scene as the user stated it, with the handles of a checked one.
+    fn bare(&self, checked: &Scene) -> HybridSystem {
+        let mut user = HybridSystem::new(self.time_step);
+        user.handles = checked.declared();
+        let mut domains: Vec<Interval> = Vec::new();
+        for body in &self.bodies {
+            let speed = Interval::new(-body.max_speed, body.max_speed);
+            domains.extend(body.domain.iter().copied().chain(body.domain.iter().map(|_| speed)));
+        }
+        domains.extend(self.spins().map(|(_, spin)| spin.rates()));
+        domains.extend(self.headings().map(|(_, range)| range));
+        user.states = self.state_names().into_iter().zip(domains).collect();
+        let inputs = self.input_ranges().into_iter();
+        user.inputs = inputs.map(|(name, range)| (name, Schedule::from(range))).collect();
+        user
     }
 
     /// Free flight of all bodies.
@@ -137,13 +179,15 @@ impl Scene {
         let spins: Vec<Spin> = self.spins().map(|(_, spin)| spin).collect();
         let (d, count) = (self.axes(), flows.len());
         let width = |size: usize| size * count + spins.len();
+        let states = width(2 * d) + self.headings().count();
         // On the diagonal: a block for each body, and an entry for each spin.
-        let diagonal = |size: usize,
+        let diagonal = |columns: usize,
+                        size: usize,
                         of: &dyn Fn(&LinearSystem, usize, usize) -> f64,
                         of_spin: &dyn Fn(&Spin) -> f64| {
-            Mat::from_fn(width(2 * d), width(size), |i, j| {
+            Mat::from_fn(states, columns, |i, j| {
                 match (i.checked_sub(2 * d * count), j.checked_sub(size * count)) {
-                    (Some(own), Some(other)) if own == other => of_spin(&spins[own]),
+                    (Some(own), Some(other)) if own == other => spins.get(own).map_or(0.0, of_spin),
                     (None, None) if i / (2 * d) == j / size => {
                         of(&flows[j / size], i % (2 * d), j % size)
                     }
@@ -151,17 +195,26 @@ impl Scene {
                 }
             })
         };
-        let a = diagonal(2 * d, &|flow, i, j| flow.a()[(i, j)], &|_| 1.0);
-        let b = diagonal(d, &|flow, i, j| flow.b()[(i, j)], &|spin| self.time_step / spin.inertia);
+        let dt = self.time_step;
+        let mut a = diagonal(states, 2 * d, &|flow, i, j| flow.a()[(i, j)], &|_| 1.0);
+        let mut b =
+            diagonal(width(d), d, &|flow, i, j| flow.b()[(i, j)], &|spin| dt / spin.inertia);
+        for (body, _) in self.headings() {
+            let (heading, rate) = (self.heading_state(body), self.spin_state(body));
+            let (Some(i), Some(j), Some(spin)) = (heading, rate, self.bodies[body].spin) else {
+                continue;
+            };
+            (a[(i, i)], a[(i, j)]) = (1.0, dt);
+            b[(i, j - d * count)] = 0.5 * dt * dt / spin.inertia;
+        }
         let mut c: Vec<f64> = flows.iter().flat_map(|flow| flow.c().to_vec()).collect();
-        c.resize(width(2 * d), 0.0);
+        c.resize(states, 0.0);
         LinearSystem::new(a, b, c)
     }
 
     /// The limits of the lengths of velocities and inputs.
-    fn balls(&self) -> Vec<NormLimit> {
-        let (d, count, spins) = (self.axes(), self.bodies.len(), self.spins().count());
-        let states = 2 * d * count + spins;
+    fn balls(&self, flow: &LinearSystem) -> Vec<NormLimit> {
+        let (d, states) = (self.axes(), flow.states());
         let mut balls = Vec::new();
         for (b, body) in self.bodies.iter().enumerate() {
             if body.is_speed_ball {
@@ -171,7 +224,7 @@ impl Scene {
             }
             if let Some(most) = body.acceleration_ball {
                 let name = format!("acceleration of {}", body.name);
-                let (first, width) = (states + d * b, states + d * count + spins);
+                let (first, width) = (states + d * b, states + flow.inputs());
                 balls.push(NormLimit::ball(name, first..first + d, width, most));
             }
         }
@@ -181,13 +234,16 @@ impl Scene {
     /// Starts or goals of all bodies as one region.
     pub(super) fn ends(&self, system: &HybridSystem, is_start: bool) -> Region {
         let block = 2 * self.axes();
-        let (mut ranges, mut spins) = (Vec::new(), Vec::new());
+        let (mut ranges, mut spins, mut headings) = (Vec::new(), Vec::new(), Vec::new());
         let (mut halfspaces, mut norms) = (Vec::new(), Vec::new());
         for (b, body) in self.bodies.iter().enumerate() {
             let region = if is_start { &body.start } else { &body.goal };
             let spin = self.spin_state(b);
             let own = region.as_ref().and_then(|region| region.ranges.get(block));
             spins.extend(spin.map(|_| own.copied().unwrap_or(Interval::REALS)));
+            let heading = self.heading_state(b);
+            let own = region.as_ref().and_then(|region| region.ranges.get(block + 1));
+            headings.extend(heading.map(|_| own.copied().unwrap_or(Interval::REALS)));
             match region {
                 None => ranges.extend(vec![Interval::REALS; block]),
                 Some(region) => {
@@ -197,6 +253,9 @@ impl Scene {
                         wide[block * b..block * (b + 1)].copy_from_slice(&factors[..block]);
                         if let (Some(spin), Some(factor)) = (spin, factors.get(block)) {
                             wide[spin] = *factor;
+                        }
+                        if let (Some(heading), Some(factor)) = (heading, factors.get(block + 1)) {
+                            wide[heading] = *factor;
                         }
                         wide
                     };
@@ -210,6 +269,7 @@ impl Scene {
             }
         }
         ranges.extend(spins);
+        ranges.extend(headings);
         let region = halfspaces.into_iter().fold(Region::from(ranges), Region::with_halfspace);
         Region { norms, ..region }
     }

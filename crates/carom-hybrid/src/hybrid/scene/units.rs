@@ -108,6 +108,7 @@ impl SceneUnits {
             return Coordinates::default();
         }
         let (axes, spins) = (scene.axes(), scene.spins().count());
+        let headings = scene.headings().count();
         let speed = Measure::unit(self.speed());
         let mut measures: Vec<Measure> = Vec::new();
         for _ in &scene.bodies {
@@ -115,6 +116,7 @@ impl SceneUnits {
             measures.extend(vec![speed; axes]);
         }
         measures.extend(vec![Measure::unit(1.0 / self.time); spins]);
+        measures.extend(vec![Measure::PLAIN; headings]);
         let states = measures.len();
         measures.extend(vec![Measure::unit(self.acceleration()); axes * scene.bodies.len()]);
         measures.extend(vec![Measure::unit(self.torque()); spins]);
@@ -176,10 +178,13 @@ impl SceneUnits {
             max_rate: spin.max_rate * self.time,
             max_torque: spin.max_torque / self.torque(),
         });
+        if let Some(forces) = &mut body.forces {
+            forces.restate((0..axes).map(|axis| self.place(axis)).collect(), speed);
+        }
         let places = (0..axes).map(|axis| self.place(axis));
         let speeds = (0..axes).map(|_| Measure::unit(speed));
         let spin = Measure::unit(1.0 / self.time);
-        let measures: Vec<Measure> = places.chain(speeds).chain([spin]).collect();
+        let measures: Vec<Measure> = places.chain(speeds).chain([spin, Measure::PLAIN]).collect();
         let own = Coordinates { states: measures.len(), measures, outputs: Vec::new() };
         for region in body.start.iter_mut().chain(&mut body.goal) {
             *region = own.region(region);

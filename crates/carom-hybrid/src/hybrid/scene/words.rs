@@ -23,6 +23,9 @@ impl Stated {
             quantities.push((format!("{body} spin"), format!("the spin of {body}"), "rad/s"));
             quantities.push((format!("{body} torque"), format!("the torque on {body}"), "N m"));
         }
+        for body in self.scene.headings().map(|(b, _)| &self.scene.bodies[b].name) {
+            quantities.push((format!("{body} heading"), format!("the heading of {body}"), "rad"));
+        }
         let transitions = self.contacts.iter().flat_map(|contact| self.undone(contact)).collect();
         Words { quantities, transitions, event: Some("hit") }
     }

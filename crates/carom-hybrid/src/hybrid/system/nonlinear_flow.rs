@@ -137,7 +137,7 @@ impl HybridSystem {
         are_rates: bool,
         step: impl FnOnce(&mut FlowFunctions<'_>) -> Result<Vec<Affine>, Error>,
     ) -> Result<LinearSystem, Error> {
-        let (next, rows) = self.define_functions(rows, "a flow", step)?;
+        let (next, rows) = self.define_functions(rows, self.state_names(), "a flow", step)?;
         let functions = &mut self.functions;
         let flow = functions.linear(&next, self.states.len(), self.inputs.len())?;
         if are_rates && functions.rates.iter().all(|(own, _)| *own != flow) {
@@ -153,11 +153,24 @@ impl HybridSystem {
         expression: &Nonlinear,
         place: &str,
     ) -> Result<Affine, Error> {
+        self.affine_by(expression, self.state_names(), place)
+    }
+
+    fn state_names(&self) -> Vec<String> {
+        self.states.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    fn affine_by(
+        &mut self,
+        expression: &Nonlinear,
+        names: Vec<String>,
+        place: &str,
+    ) -> Result<Affine, Error> {
         if let Some(own) = expression.as_affine() {
             return Ok(own.clone());
         }
         let rows = vec![self.with_series_as_inputs(expression, place)?];
-        let (values, _) = self.define_functions(&rows, place, |own| {
+        let (values, _) = self.define_functions(&rows, names, place, |own| {
             let start = own.start.clone();
             own.at(&start)
         })?;
@@ -176,6 +189,16 @@ impl HybridSystem {
             }
         }
         Ok(sum)
+    }
+
+    /// The same, with functions named after this name.
+    pub(crate) fn affine_named(
+        &mut self,
+        expression: &Nonlinear,
+        name: &str,
+        place: &str,
+    ) -> Result<Affine, Error> {
+        self.affine_by(expression, vec![name.to_owned()], place)
     }
 
     /// A nonlinear row as one of the inputs of its functions.
@@ -242,6 +265,7 @@ impl HybridSystem {
     fn define_functions(
         &mut self,
         rows: &[Nonlinear],
+        names: Vec<String>,
         place: &str,
         step: impl FnOnce(&mut FlowFunctions<'_>) -> Result<Vec<Affine>, Error>,
     ) -> Result<(Vec<Affine>, Vec<Nonlinear>), Error> {
@@ -277,7 +301,6 @@ impl HybridSystem {
             (0..n).filter_map(|i| functions.variable(slot(i))).map(Affine::from).collect()
         };
         let (start, end) = (variables(StepSlot::State), variables(StepSlot::Prediction));
-        let names = self.states.iter().map(|(name, _)| name.clone()).collect();
         let mut own =
             FlowFunctions { functions: &mut functions, start, end, rows: rows.clone(), names };
         let values = step(&mut own)?;

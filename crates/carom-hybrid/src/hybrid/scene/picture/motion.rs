@@ -114,7 +114,7 @@ impl<'a> Motion<'a> {
         from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect()
     }
 
-    /// By how much it has turned at a time, in rad; `None` if it does not spin.
+    /// Its heading at a time, or by how much it has turned, in rad; `None` if it does not spin.
     pub(super) fn turned(&self, time: f64) -> Option<f64> {
         let dt = self.plan.time_step;
         let turn = |(step, rates): (usize, &[f64])| {
@@ -128,7 +128,8 @@ impl<'a> Motion<'a> {
             }
         };
         let steps = self.path.spin.windows(2).enumerate();
-        (!self.path.spin.is_empty()).then(|| steps.map(turn).sum())
+        let first = self.path.heading.first().copied().unwrap_or(0.0);
+        (!self.path.spin.is_empty()).then(|| first + steps.map(turn).sum::<f64>())
     }
 
     /// Its speed at a sample, in m/s.

@@ -90,6 +90,8 @@ struct Played<'a> {
     world: World<'a>,
     samples: Vec<State>,
     /// By step and body: accelerations, and last the torque of a body with spin.
+    stated: Vec<Vec<Vec<f64>>>,
+    /// The same with what functions of the motion make of it, along the axes of the world.
     inputs: Vec<Vec<Vec<f64>>>,
     hits: &'a mut Vec<SceneHit>,
     certificate: SceneCertificate,
@@ -102,6 +104,10 @@ impl<'a> Played<'a> {
             x: bodies.iter().map(|body| body.position[t].clone()).collect(),
             v: bodies.iter().map(|body| body.velocity[t].clone()).collect(),
             w: bodies.iter().map(|body| body.spin.get(t).copied().unwrap_or(0.0)).collect(),
+            heading: bodies
+                .iter()
+                .map(|body| body.heading.get(t).copied().unwrap_or(0.0))
+                .collect(),
         };
         let steps = samples.saturating_sub(1);
         let input = |t: usize| {
@@ -111,10 +117,15 @@ impl<'a> Played<'a> {
             };
             bodies.iter().map(of).collect()
         };
+        let samples: Vec<State> = (0..samples).map(state).collect();
+        let stated: Vec<Vec<Vec<f64>>> = (0..steps).map(input).collect();
+        let world = World { scene };
+        let inputs = samples.iter().zip(&stated).map(|(from, input)| world.held(from, input));
         Played {
-            world: World { scene },
-            samples: (0..samples).map(state).collect(),
-            inputs: (0..steps).map(input).collect(),
+            inputs: inputs.collect(),
+            world,
+            samples,
+            stated,
             hits,
             certificate: SceneCertificate { time_step: scene.time_step, ..Default::default() },
         }
@@ -122,14 +133,15 @@ impl<'a> Played<'a> {
 }
 
 /// Replays a plan; completes its hits, and drops those that are rest. Its residual and its drift
-/// are in these units of places, velocities and spins, and all else is in those of the scene.
+/// are in these units of places, velocities, spins and headings, and all else is in those of the
+/// scene.
 pub(super) fn certify(
     scene: &Scene,
     bodies: &[BodyPath],
     hits: &mut Vec<SceneHit>,
-    units: [f64; 3],
+    units: [f64; 4],
 ) -> Result<SceneCertificate, SceneError> {
-    let most = |apart: [f64; 3]| {
+    let most = |apart: [f64; 4]| {
         apart.iter().zip(units).map(|(apart, unit)| apart * unit).fold(0.0, f64::max)
     };
     let mut played = Played::new(scene, bodies, hits);
@@ -150,7 +162,7 @@ pub(super) fn certify(
         let end = played.samples[step + 1].clone();
         let apart_by_kind = apart(&next, &end);
         let residual = apart_by_kind.into_iter().fold(0.0, f64::max);
-        let values = next.x.iter().chain(&next.v).flatten().chain(&next.w);
+        let values = next.x.iter().chain(&next.v).flatten().chain(&next.w).chain(&next.heading);
         let size = values.fold(0.0_f64, |a, b| a.max(b.abs()));
         let allowed = REPLAY * margin_scale(size, 0.0);
         played.refuse(step, "the next sample differs (m, m/s, rad/s)", residual, allowed)?;
@@ -184,15 +196,16 @@ pub fn advance_line(
     [x, v]: [f64; 2],
     input: f64,
 ) -> ([f64; 2], Vec<(f64, f64)>, bool) {
-    let start = State { x: vec![vec![x]], v: vec![vec![v]], w: vec![0.0] };
+    let start = State { x: vec![vec![x]], v: vec![vec![v]], w: vec![0.0], heading: vec![0.0] };
     let end = World { scene }.advance(&start, 0, &[vec![input]], &|_| 0.0);
     ([end.state.x[0][0], end.state.v[0][0]], end.impacts, end.rested)
 }
 
-/// Largest differences in place, velocity and spin.
-fn apart(a: &State, b: &State) -> [f64; 3] {
+/// Largest differences in place, velocity, spin and heading.
+fn apart(a: &State, b: &State) -> [f64; 4] {
     let spins = largest(std::slice::from_ref(&a.w), std::slice::from_ref(&b.w));
-    [largest(&a.x, &b.x), largest(&a.v, &b.v), spins]
+    let headings = largest(std::slice::from_ref(&a.heading), std::slice::from_ref(&b.heading));
+    [largest(&a.x, &b.x), largest(&a.v, &b.v), spins, headings]
 }
 
 /// Largest difference; NaN counts as infinite.

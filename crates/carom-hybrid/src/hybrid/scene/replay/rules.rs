@@ -135,12 +135,16 @@ impl Played<'_> {
                     let excess = beyond(sample.w[b], -spin.max_rate, spin.max_rate);
                     self.refuse(t, &format!("{name}: spins too fast (rad/s)"), excess, MISS)?;
                 }
+                if let Some(range) = body.heading {
+                    let excess = beyond(sample.heading[b], range.lower, range.upper);
+                    self.refuse(t, &format!("{name}: turns too far (rad)"), excess, MISS)?;
+                }
                 if body.is_speed_ball {
                     let excess = beyond(length(&sample.v[b]), 0.0, body.max_speed);
                     self.refuse(t, &format!("{name}: is too fast (m/s)"), excess, MISS)?;
                 }
             }
-            for (t, input) in self.inputs.iter().enumerate() {
+            for (t, input) in self.stated.iter().enumerate() {
                 for (i, range) in body.acceleration.iter().enumerate() {
                     let (mut lower, mut upper) = (range.lower, range.upper);
                     if let (0, Some(first)) = (t, &body.first) {
@@ -174,8 +178,14 @@ impl Played<'_> {
                 let Some(region) = region else { continue };
                 let sample = &self.samples[t];
                 let spin = body.spin.map(|_| sample.w[b]);
-                let state: Vec<f64> =
-                    sample.x[b].iter().chain(&sample.v[b]).copied().chain(spin).collect();
+                let turned = body.heading.map(|_| sample.heading[b]);
+                let state: Vec<f64> = sample.x[b]
+                    .iter()
+                    .chain(&sample.v[b])
+                    .copied()
+                    .chain(spin)
+                    .chain(turned)
+                    .collect();
                 let ranges = region.ranges.iter().zip(&state);
                 let misses = ranges.map(|(range, &x)| beyond(x, range.lower, range.upper));
                 let sides = region.halfspaces.iter().map(|side| {

@@ -19,6 +19,8 @@ pub(super) struct State {
     pub(super) v: Vec<Vec<f64>>,
     /// In rad/s; 0 of bodies without spin.
     pub(super) w: Vec<f64>,
+    /// In rad; 0 of bodies without heading.
+    pub(super) heading: Vec<f64>,
 }
 
 impl State {
@@ -222,6 +224,19 @@ impl World<'_> {
         }
     }
 
+    /// The inputs of a step with what functions of the motion make of them.
+    pub(super) fn held(&self, from: &State, stated: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let axes = self.scene.axes();
+        let middle = self.fly(from, stated, 0.5 * self.scene.time_step).heading;
+        let of = |(b, body): (usize, &Body)| {
+            let (u, torque) = stated[b].split_at(axes);
+            let mut held = body.held(&from.x[b], &from.v[b], middle[b], u);
+            held.extend(torque);
+            held
+        };
+        self.scene.bodies.iter().enumerate().map(of).collect()
+    }
+
     /// Free flight for a time (s) under the inputs of a step: accelerations, and last a torque.
     pub(super) fn fly(&self, from: &State, inputs: &[Vec<f64>], time: f64) -> State {
         let mut to = from.clone();
@@ -229,6 +244,9 @@ impl World<'_> {
             let (x, v) = self.fly_body(body, &from.x[b], &from.v[b], &inputs[b], time);
             (to.x[b], to.v[b]) = (x, v);
             if let (Some(spin), Some(torque)) = (&body.spin, inputs[b].get(self.scene.axes())) {
+                if body.heading.is_some() {
+                    to.heading[b] += time * (to.w[b] + 0.5 * time * torque / spin.inertia);
+                }
                 to.w[b] += time * torque / spin.inertia;
             }
         }
