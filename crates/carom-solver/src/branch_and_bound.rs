@@ -18,6 +18,8 @@ mod multipliers;
 mod nonlinear;
 mod phases;
 mod prepared;
+#[cfg(feature = "nonlinear")]
+mod prepared_nonlinear;
 mod presolve;
 pub(crate) mod proof;
 mod refusals;
@@ -44,6 +46,8 @@ use mip_start::GivenStart;
 #[cfg(feature = "nonlinear")]
 use nonlinear::{is_nonlinear, solve_nonlinear};
 use prepared::PreparedProgram;
+#[cfg(feature = "nonlinear")]
+use prepared_nonlinear::PreparedNonlinear;
 use proof::check_path;
 use refusals::Refusals;
 use row_rounds::{finds_rows, solve_in_rounds};
@@ -105,7 +109,7 @@ impl Solver for BranchAndBound {
         check_path(options)?;
         #[cfg(feature = "nonlinear")]
         if is_nonlinear(model) {
-            return solve_nonlinear(model, options, control);
+            return solve_nonlinear(model, options, control, None);
         }
         if let Some(rows) = reformulate::with_some_integers(model)? {
             return self.solve_with(&rows, control);
@@ -125,7 +129,7 @@ impl Solver for BranchAndBound {
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
         #[cfg(feature = "nonlinear")]
         if is_nonlinear(model) {
-            return Ok(crate::solver::prepared_afresh(self, model));
+            return Ok(Box::new(PreparedNonlinear::new(&mut self.options, model)));
         }
         let rows = reformulate::with_some_integers(model)?;
         Ok(Box::new(PreparedProgram::new(&mut self.options, rows.as_ref().unwrap_or(model))?))

@@ -1,6 +1,7 @@
 //! Controllers of nonlinear systems.
 
-use carom::hybrid::{MoveSource, RecedingHorizon};
+use carom::hybrid::{HybridProgram, MoveSource, RecedingHorizon};
+use carom::model::Quadratic;
 use carom::prelude::*;
 
 #[test]
@@ -49,4 +50,50 @@ fn a_controller_drives_a_nonlinear_plant() {
     let last = &run.states[10];
     assert!(last[0].abs() < 0.05, "{last:?}");
     assert!(run.moves.iter().all(|own| own.source == MoveSource::Optimal));
+}
+
+/// A car, and its program of some steps with a smooth cost: off a line, and not far along it.
+fn car_to_a_line(steps: usize) -> HybridProgram {
+    let mut car = HybridSystem::new(0.2); // s
+    let x = car.state("x", -10.0, 10.0).unwrap(); // m
+    let y = car.state("y", -3.0, 3.0).unwrap(); // m
+    let heading = car.state("heading", -2.0, 2.0).unwrap(); // rad
+    let speed = car.input("speed", 0.0, 2.0).unwrap(); // m/s
+    let turn = car.input("turn", -1.5, 1.5).unwrap(); // rad/s
+    let rates = [x.is(speed * heading.cos()), y.is(speed * heading.sin()), heading.is(turn)];
+    car.mode("drive").unwrap().rates(rates).unwrap();
+    let mut program = car.program(steps).unwrap();
+    let mut cost = Quadratic::from(0.0);
+    for t in 1..=steps {
+        let at = |state: State| program.at(state, t).unwrap();
+        cost = cost + 10.0 * at(y).square() + at(heading).square() - at(x);
+    }
+    program.minimize(cost).unwrap();
+    program
+}
+
+#[test]
+fn a_loop_improves_its_last_plan() {
+    let mut local = BranchAndBound::default();
+    // No box is searched: the last plan is improved, and there is no bound.
+    local.options_mut().node_limit = Some(0);
+    let mut controller = RecedingHorizon::new(car_to_a_line(8), &mut local).unwrap();
+    let mut solver = BranchAndBound::default();
+    solver.options_mut().relative_gap = 1e-3;
+    let mut prover = RecedingHorizon::new(car_to_a_line(8), &mut solver).unwrap();
+    let mut state = [-5.0, 1.5, 0.0];
+    for _ in 0..6 {
+        let (quick, proved) = (controller.step(&state).unwrap(), prover.step(&state).unwrap());
+        assert_eq!((quick.nodes, quick.bound), (0, None));
+        let (found, bound) = (quick.objective.unwrap(), proved.bound.unwrap());
+        assert!(found <= bound + 2e-3 * bound.abs().max(1.0), "{found} {bound}");
+        // The plant, in small steps.
+        let (speed, turn) = (quick.input[0], quick.input[1]);
+        for _ in 0..200 {
+            state[0] += 0.001 * speed * state[2].cos();
+            state[1] += 0.001 * speed * state[2].sin();
+            state[2] += 0.001 * turn;
+        }
+    }
+    assert!(state[1] < 0.3);
 }

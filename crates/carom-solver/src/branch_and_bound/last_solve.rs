@@ -132,7 +132,7 @@ impl LastSolve {
 }
 
 /// For each name, the place of the same name in the next step, or its own place if there is none.
-fn next_of(names: &[&Name]) -> Vec<usize> {
+pub(super) fn next_of(names: &[&Name]) -> Vec<usize> {
     let place = |(k, name): (usize, &&Name)| Some(((name.family().to_owned(), name.step()?), k));
     let places: BTreeMap<(String, usize), usize> =
         names.iter().enumerate().filter_map(place).collect();

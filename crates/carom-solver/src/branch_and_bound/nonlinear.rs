@@ -19,6 +19,10 @@ pub(super) fn is_nonlinear(model: &Model) -> bool {
 
 /// Solves a model with smooth functions.
 ///
+/// # Arguments
+///
+/// * `last`: values of all variables near which a point is looked for first.
+///
 /// # Errors
 ///
 /// [`ErrorKind::Unsupported`] for what this search cannot do: rows that are found while it runs, a
@@ -27,6 +31,7 @@ pub(super) fn solve_nonlinear(
     model: &Model,
     options: &Options,
     control: &mut Control<'_>,
+    last: Option<&[f64]>,
 ) -> Result<Solution, Error> {
     refuse(model, options, control)?;
     let token = &StopToken::new(options.time_limit, control.interrupt());
@@ -55,15 +60,12 @@ pub(super) fn solve_nonlinear(
         }
         holds
     };
-    let starts: Vec<Vec<f64>> = control.start().map_or(Vec::new(), |given| {
-        let mut x = program.middle();
-        for (variable, value) in &given.values {
-            if model.variable_ref(*variable).is_ok() && value.is_finite() {
-                x[variable.index()] = *value;
-            }
-        }
-        vec![x]
+    let given = control.start().map(|given| {
+        let own = given.values.iter().filter(|(own, _)| model.variable_ref(*own).is_ok());
+        program.around(own.map(|(own, value)| (own.index(), *value)))
     });
+    let last = last.map(|last| program.around(last.iter().copied().enumerate()));
+    let starts: Vec<Vec<f64>> = given.into_iter().chain(last).collect();
     let watched = RefCell::new(control);
     watched.borrow_mut().report(&Event::Presolved(
         program.size(),
@@ -114,7 +116,7 @@ fn unbounded(
     let mut options = options.clone();
     options.time_limit = options.time_limit.map(|limit| limit.saturating_sub(statistics.time));
     let mut quiet = Control::default().with_interrupt(control.interrupt());
-    let found = solve_nonlinear(&any, &options, &mut quiet)?;
+    let found = solve_nonlinear(&any, &options, &mut quiet, None)?;
     let (sign, values) = (model.sense().sign(), found.point().map(|p| p.as_slice().to_vec()));
     let (termination, bound) = match (&values, found.termination()) {
         (Some(_), _) => (Termination::Unbounded, -sign * f64::INFINITY),

@@ -1,13 +1,16 @@
-//! Points from a sequence of linear programs: terms are replaced by their tangents within a trust
-//! region, and what a tangent misses costs a penalty (Fletcher and Sainz de la Maza 1989).
+//! Points from a sequence of quadratic programs (R. Fletcher, *Practical Methods of Optimization*,
+//! 1987, chapters 12 and 14): terms are replaced by their tangents within a trust region, what a
+//! tangent misses costs a penalty, and the objective has the convex part of the curvature of the
+//! Lagrangian. Where the functions leave their tangents by too much, a second step corrects that.
 
 use super::enclosure::merge_entries;
 use super::program::SpatialProgram;
 use super::relaxation::BoxRelaxer;
-use crate::presolve::{Domain, Reduced};
-use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict};
+use super::term::Shape;
+use crate::presolve::{Compressed, Domain, Reduced};
+use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 
-/// Most linear programs from one start.
+/// Most quadratic programs from one start, without those that correct a step.
 const MAX_TANGENT_STEPS: usize = 60;
 
 /// The radius at which a search ends, relative to the ranges of the columns (no unit).
@@ -18,6 +21,59 @@ const LOOSE_ROWS: f64 = 1e-8;
 
 /// By how much they are loosened at most: less than the tolerance of any check.
 const MOST_LOOSE: f64 = 1e-7;
+
+/// Tangents are kept if they are missed by less, in all (no unit).
+const MOST_MISSED: f64 = 1e-8;
+
+/// A gain of the objective that ends a search, relative to it (no unit).
+const SMALL_GAIN: f64 = 1e-9;
+
+/// The least penalty, relative to the largest cost (no unit).
+const LEAST_PENALTY: f64 = 1e-3;
+
+/// What a search carries from step to step.
+struct Walk {
+    /// The cost of what tangents miss.
+    penalty: f64,
+    /// The multipliers of the terms.
+    weights: Vec<f64>,
+    warm: Option<WarmState>,
+}
+
+/// Where tangents touch, and how far from there a step may go.
+#[derive(Clone, Copy)]
+struct Tangents<'x> {
+    at: &'x [f64],
+    /// Relative to the ranges of the columns; infinite for the first point.
+    radius: f64,
+    /// Where the tangents, with the slopes of `at`, have the values of the functions instead.
+    values_at: Option<&'x [f64]>,
+}
+
+impl<'x> Tangents<'x> {
+    fn loose(at: &'x [f64]) -> Self {
+        Tangents { at, radius: f64::INFINITY, values_at: None }
+    }
+
+    fn within(at: &'x [f64], radius: f64) -> Self {
+        Tangents { at, radius, values_at: None }
+    }
+}
+
+/// The end of a step.
+struct TangentStep {
+    x: Vec<f64>,
+    /// By how much tangents are missed.
+    missed: f64,
+    predicted: f64,
+}
+
+impl TangentStep {
+    /// Whether a larger penalty could make it miss less: a multiplier is at the penalty.
+    fn is_blocked(&self, walk: &Walk) -> bool {
+        walk.weights.iter().any(|w| w.abs() >= 0.999 * walk.penalty)
+    }
+}
 
 /// A search for a point near another one.
 pub(super) struct TangentSearch<'a> {
@@ -41,63 +97,56 @@ impl TangentSearch<'_> {
             *v = if v.is_finite() { v.max(lower).min(upper) } else { lower.max(-1.0).min(upper) };
         }
         let cost = program.program.linear.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
-        let mut penalty = 10.0 * cost;
+        let mut walk = Walk {
+            penalty: 10.0 * cost,
+            weights: program.terms.iter().map(|t| program.program.linear[t.result]).collect(),
+            warm: None,
+        };
+        // The first point keeps the rows, so that merits can be compared from here on.
+        let Some(first) = self.step(cascade, &mut walk, &Tangents::loose(&x)) else { return };
+        x = first.x;
+        self.show(&x, accept);
         let mut radius = 0.25;
-        let mut merit = f64::INFINITY;
-        let mut warm = None;
-        let mut is_first = true;
         for _ in 0..MAX_TANGENT_STEPS {
             if self.relaxer.token.is_over() || radius < LEAST_RADIUS {
                 return;
             }
-            let Some((mut reduced, first)) = self.linear_program(&x, radius, penalty, is_first)
-            else {
-                return;
-            };
-            let question = RelaxationQuestion {
-                purpose: Purpose::Leaf,
-                cutoff: f64::INFINITY,
-                options: self.relaxer.options,
-                constant: 0.0,
-                look_for_descent: false,
-                token: self.relaxer.token,
-                warm: warm.as_ref(),
-            };
-            let RelaxationVerdict::Relaxed { x: next, converged: true, warm: state, .. } =
-                cascade.solve(&mut reduced, &question)
-            else {
-                if is_first {
-                    return;
-                }
+            let Some(step) = self.step(cascade, &mut walk, &Tangents::within(&x, radius)) else {
                 radius *= 0.25;
                 continue;
             };
-            warm = state.or(warm);
-            let missed: f64 = next[first..].iter().sum();
-            let predicted = reduced.objective(&next);
-            let next = next[..first].to_vec();
-            let (value, off) = self.merit(&next, penalty);
-            if is_first {
-                self.relaxer.cut_cones(&mut reduced, &next);
-                // The first point keeps the rows, so that merits can be compared from here on.
-                (x, merit, is_first) = (next, value, false);
-                self.show(&x, accept);
+            // A penalty above the multipliers is exact; a much larger one makes curved steps short.
+            let rowed =
+                program.terms.iter().zip(&walk.weights).filter(|(t, _)| !program.is_cost(t));
+            let most = rowed.fold(0.0_f64, |most, (_, w)| most.max(w.abs()));
+            let is_missed = step.missed > MOST_MISSED;
+            if is_missed && walk.penalty < 1e7 * cost && step.is_blocked(&walk) {
+                walk.penalty *= 10.0;
                 continue;
             }
-            let (gain, promise) = (merit - value, merit - predicted);
-            let scale = 1e-10 * merit.abs().max(1.0);
-            if promise <= scale {
-                if off > 1e-7 && penalty < 1e7 * cost && missed > 1e-9 {
-                    penalty *= 10.0;
-                    merit = self.merit(&x, penalty).0;
-                    radius = radius.max(0.1);
-                    continue;
-                }
+            if !is_missed {
+                walk.penalty = walk.penalty.min((3.0 * most).max(LEAST_PENALTY * cost));
+            }
+            let merit = self.merit(&x, walk.penalty);
+            let promise = merit - step.predicted;
+            let small = SMALL_GAIN.max(0.01 * self.relaxer.options.relative_gap);
+            if promise <= small * merit.abs().max(1.0) {
                 return;
             }
-            self.relaxer.cut_cones(&mut reduced, &next);
+            let mut next = step.x;
+            let mut gain = merit - self.merit(&next, walk.penalty);
+            if gain <= 0.75 * promise {
+                // The functions at the end of the step instead of their tangents there.
+                let corrected = Tangents { values_at: Some(&next), ..Tangents::within(&x, radius) };
+                if let Some(second) = self.step(cascade, &mut walk, &corrected) {
+                    let own = merit - self.merit(&second.x, walk.penalty);
+                    if own > gain {
+                        (next, gain) = (second.x, own);
+                    }
+                }
+            }
             if gain > 0.1 * promise {
-                (x, merit) = (next, value);
+                x = next;
                 self.show(&x, accept);
                 if gain > 0.5 * promise {
                     radius = (2.0 * radius).min(1.0);
@@ -108,28 +157,119 @@ impl TangentSearch<'_> {
         }
     }
 
+    /// Solves the program about a point; `None` if that does not end well.
+    fn step(
+        &self,
+        cascade: &mut MethodCascade,
+        walk: &mut Walk,
+        tangents: &Tangents<'_>,
+    ) -> Option<TangentStep> {
+        let program = self.relaxer.program;
+        let (mut reduced, first) = self.linear_program(tangents, walk.penalty)?;
+        let is_loose = tangents.radius.is_infinite();
+        if !is_loose {
+            self.add_curvature(&mut reduced, tangents.at, &walk.weights);
+        }
+        let question = RelaxationQuestion {
+            purpose: Purpose::Leaf,
+            cutoff: f64::INFINITY,
+            options: self.relaxer.options,
+            constant: 0.0,
+            look_for_descent: false,
+            token: self.relaxer.token,
+            warm: walk.warm.as_ref(),
+        };
+        let RelaxationVerdict::Relaxed { x, y, converged: true, warm, .. } =
+            cascade.solve(&mut reduced, &question)
+        else {
+            return None;
+        };
+        walk.warm = warm.or(walk.warm.take());
+        if y.len() == reduced.rows.len() && !is_loose {
+            let tangents = &y[y.len() - program.terms.len()..];
+            walk.weights.iter_mut().zip(tangents).for_each(|(own, y)| *own = -y);
+        }
+        let (missed, predicted) = (x[first..].iter().sum(), reduced.objective(&x));
+        let mut x = x[..first].to_vec();
+        for term in program.terms.iter().filter(|term| program.is_cost(term)) {
+            x[term.result] = term.value(&x);
+        }
+        self.relaxer.cut_cones(&mut reduced, &x);
+        Some(TangentStep { x, missed, predicted })
+    }
+
     fn show(&self, x: &[f64], accept: &mut dyn FnMut(&[f64])) {
         let mut settled = x.to_vec();
         self.relaxer.program.settle(&mut settled);
         accept(&settled);
     }
 
-    /// The objective with what terms are off, and that alone.
-    fn merit(&self, x: &[f64], penalty: f64) -> (f64, f64) {
+    /// The objective with what terms are off.
+    fn merit(&self, x: &[f64], penalty: f64) -> f64 {
         let SpatialProgram { program, terms, .. } = self.relaxer.program;
         let off: f64 = terms.iter().map(|term| term.violation(x)).sum();
         let off = if off.is_nan() { f64::INFINITY } else { off };
-        (program.objective(x) + penalty * off, off)
+        program.objective(x) + penalty * off
+    }
+
+    /// Adds the convex part of the curvature of the Lagrangian about a point.
+    ///
+    /// # Arguments
+    ///
+    /// * `weights`: of the terms, from the multipliers of their tangents.
+    fn add_curvature(&self, reduced: &mut Reduced, x: &[f64], weights: &[f64]) {
+        let mut columns: Vec<Vec<(usize, f64)>> =
+            (0..reduced.columns.len()).map(|j| reduced.quadratic.entries(j).collect()).collect();
+        let mut add = |i: usize, j: usize, p: f64| {
+            let (i, j) = (i.min(j), i.max(j));
+            match columns[j].iter_mut().find(|(k, _)| *k == i) {
+                Some((_, own)) => *own += p,
+                None => columns[j].push((i, p)),
+            }
+        };
+        let mut linear = vec![0.0; x.len()];
+        let mut offset = 0.0;
+        for (term, &weight) in self.relaxer.program.terms.iter().zip(weights) {
+            // p/2 (d . (z - x))² for a direction d of one or two columns.
+            let (direction, p) = match &term.shape {
+                Shape::Elementary { function, of } => {
+                    ([(*of, 1.0), (*of, 0.0)], weight * function.second_derivative(x[*of]))
+                }
+                Shape::Bilinear([a, b]) if a != b => {
+                    ([(*a, 1.0), (*b, weight.signum())], 0.5 * weight.abs())
+                }
+                Shape::Bilinear(_) | Shape::Quotient(_) => continue,
+            };
+            if !(p > 0.0 && p.is_finite()) {
+                continue;
+            }
+            let [(a, d), (b, e)] = direction;
+            add(a, a, p * d * d);
+            let mut at = d * x[a];
+            if e != 0.0 {
+                add(b, b, p * e * e);
+                add(a, b, p * d * e);
+                at += e * x[b];
+                linear[b] -= p * e * at;
+            }
+            linear[a] -= p * d * at;
+            offset += 0.5 * p * at * at;
+        }
+        for (own, linear) in reduced.linear.iter_mut().zip(linear) {
+            *own += linear;
+        }
+        reduced.offset += offset;
+        reduced.quadratic = Compressed { start: vec![0], ..Compressed::default() };
+        for mut column in columns {
+            column.sort_by_key(|(i, _)| *i);
+            reduced.quadratic.push(column.into_iter());
+        }
+        reduced.wants_vertex = reduced.quadratic.index.is_empty();
     }
 
     /// The linear program about a point, and its first column for what tangents miss.
-    fn linear_program(
-        &self,
-        x: &[f64],
-        radius: f64,
-        penalty: f64,
-        is_first: bool,
-    ) -> Option<(Reduced, usize)> {
+    fn linear_program(&self, about: &Tangents<'_>, penalty: f64) -> Option<(Reduced, usize)> {
+        let Tangents { at: x, radius, values_at } = *about;
         let SpatialProgram { terms, spatial, program, .. } = self.relaxer.program;
         let mut reduced = self.relaxer.plain(self.domain);
         let first = reduced.columns.len();
@@ -140,7 +280,7 @@ impl TangentSearch<'_> {
         for limit in reduced.row_upper.iter_mut().filter(|limit| limit.is_finite()) {
             *limit += (LOOSE_ROWS * limit.abs().max(1.0)).min(MOST_LOOSE);
         }
-        if !is_first {
+        if radius.is_finite() {
             for &j in spatial {
                 let [lower, upper] = self.domain.bounds(j);
                 let width = (upper - lower).min(2.0 * x[j].abs().max(1.0) * 10.0);
@@ -152,12 +292,12 @@ impl TangentSearch<'_> {
             }
         }
         for (k, term) in terms.iter().enumerate() {
-            let value = term.value(x);
             let (gradient, count) = term.gradient(x);
-            let mut constant = value;
+            let touches = values_at.unwrap_or(x);
+            let mut constant = term.value(touches);
             let mut entries = vec![(term.result, 1.0)];
             for &(j, slope) in &gradient[..count] {
-                constant -= slope * x[j];
+                constant -= slope * touches[j];
                 entries.push((j, -slope));
             }
             if !constant.is_finite() || entries.iter().any(|(_, a)| !a.is_finite()) {

@@ -9,7 +9,7 @@
 //! * `propagation.rs`: ranges of arguments from those of values, and the reverse.
 //! * `relaxation.rs`: the relaxation of a box, with rows that its point violates.
 //! * `bound_tightening.rs`: the range of a column over the relaxation.
-//! * `local.rs`: points from a sequence of linear programs; `points.rs`: those that count.
+//! * `local.rs`: points from a sequence of quadratic programs; `points.rs`: those that count.
 //! * `branching.rs`: where to split; `tree.rs`: open nodes; `search.rs`: the search;
 //!   `state.rs`: its state and its result; `flaw.rs`: why there may be none.
 //!

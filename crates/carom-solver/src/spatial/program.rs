@@ -26,6 +26,8 @@ pub(crate) struct SpatialProgram {
     pub(super) cones: Vec<ReducedCone>,
     /// Columns whose ranges enclosures depend on.
     pub(super) spatial: Vec<usize>,
+    /// By column, whether rows, cones or functions have it.
+    is_used: Vec<bool>,
 }
 
 /// A column that equals an affine expression.
@@ -67,7 +69,12 @@ impl SpatialProgram {
             terms.iter().flat_map(SmoothTerm::arguments).copied().collect();
         spatial.sort_unstable();
         spatial.dedup();
-        Ok(SpatialProgram { program, terms, arguments: builder.arguments, base, cones, spatial })
+        let mut is_used = vec![false; program.column_count()];
+        let of_cones = program.cones.iter().flat_map(|cone| &cone.columns);
+        let used = base.rows.index.iter().chain(&base.quadratic.index).chain(&spatial);
+        used.chain(of_cones).for_each(|&column| is_used[column] = true);
+        let arguments = builder.arguments;
+        Ok(SpatialProgram { program, terms, arguments, base, cones, spatial, is_used })
     }
 
     /// Its size, without the rows of terms.
@@ -75,9 +82,20 @@ impl SpatialProgram {
         self.program.size()
     }
 
-    /// A point between the bounds of all columns.
-    pub(crate) fn middle(&self) -> Vec<f64> {
-        middle(&Domain::new(&self.program))
+    /// A point with these values of columns, and with one between its bounds for each other column
+    /// that no function determines.
+    pub(crate) fn around(&self, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
+        let mut x = middle(&Domain::new(&self.program));
+        for (column, value) in values.filter(|(_, value)| value.is_finite()) {
+            x[column] = value;
+        }
+        self.settle(&mut x);
+        x
+    }
+
+    /// Whether nothing but the linear cost has the column of a term.
+    pub(super) fn is_cost(&self, term: &SmoothTerm) -> bool {
+        !self.is_used[term.result]
     }
 
     /// Whether a column has a lower bound before anything is propagated.

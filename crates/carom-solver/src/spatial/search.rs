@@ -81,6 +81,9 @@ impl SpatialSearch<'_> {
         for start in starts {
             self.improve(&mut state, &root, start);
         }
+        if starts.is_empty() && options.node_limit == Some(0) {
+            self.improve(&mut state, &root, &middle(&root));
+        }
         let first = SpatialNode {
             bound: f64::NEG_INFINITY,
             depth: 0,
@@ -259,6 +262,8 @@ impl SpatialSearch<'_> {
         let program = self.program;
         if let Some(x) = &relaxed.x {
             self.offer(state, x);
+        }
+        if let Some(x) = relaxed.x.as_ref().filter(|_| relaxed.bound < self.cutoff(state)) {
             let nodes = state.statistics.nodes;
             let interval = LOCAL_INTERVALS[usize::from(state.best.is_some())];
             let is_whole = |j: &usize| (x[*j] - x[*j].round()).abs() <= self.options.integrality;
