@@ -25,6 +25,10 @@ const MOST_LOOSE: f64 = 1e-7;
 /// Tangents are kept if they are missed by less, in all (no unit).
 const MOST_MISSED: f64 = 1e-8;
 
+/// Steps of linear programs that are refused before programs have curvature: until then, a vertex
+/// may be where the search ends.
+const LINEAR_REJECTIONS: u32 = 2;
+
 /// A gain of the objective that ends a search, relative to it (no unit).
 const SMALL_GAIN: f64 = 1e-9;
 
@@ -38,6 +42,8 @@ struct Walk {
     /// The multipliers of the terms.
     weights: Vec<f64>,
     warm: Option<WarmState>,
+    /// Whether its programs have curvature.
+    is_curved: bool,
 }
 
 /// Where tangents touch, and how far from there a step may go.
@@ -68,13 +74,6 @@ struct TangentStep {
     predicted: f64,
 }
 
-impl TangentStep {
-    /// Whether a larger penalty could make it miss less: a multiplier is at the penalty.
-    fn is_blocked(&self, walk: &Walk) -> bool {
-        walk.weights.iter().any(|w| w.abs() >= 0.999 * walk.penalty)
-    }
-}
-
 /// A search for a point near another one.
 pub(super) struct TangentSearch<'a> {
     pub(super) relaxer: &'a BoxRelaxer<'a>,
@@ -101,43 +100,54 @@ impl TangentSearch<'_> {
             penalty: 10.0 * cost,
             weights: program.terms.iter().map(|t| program.program.linear[t.result]).collect(),
             warm: None,
+            is_curved: false,
         };
         // The first point keeps the rows, so that merits can be compared from here on.
         let Some(first) = self.step(cascade, &mut walk, &Tangents::loose(&x)) else { return };
         x = first.x;
         self.show(&x, accept);
-        let mut radius = 0.25;
+        let (mut radius, mut rejected, mut is_raised) = (0.25, 0, false);
         for _ in 0..MAX_TANGENT_STEPS {
             if self.relaxer.token.is_over() || radius < LEAST_RADIUS {
                 return;
             }
-            let Some(step) = self.step(cascade, &mut walk, &Tangents::within(&x, radius)) else {
+            walk.is_curved = rejected >= LINEAR_REJECTIONS;
+            let about = Tangents::within(&x, radius);
+            let Some(step) = self.step(cascade, &mut walk, &about) else {
                 radius *= 0.25;
                 continue;
             };
-            // A penalty above the multipliers is exact; a much larger one makes curved steps short.
-            let rowed =
-                program.terms.iter().zip(&walk.weights).filter(|(t, _)| !program.is_cost(t));
-            let most = rowed.fold(0.0_f64, |most, (_, w)| most.max(w.abs()));
             let is_missed = step.missed > MOST_MISSED;
-            if is_missed && walk.penalty < 1e7 * cost && step.is_blocked(&walk) {
-                walk.penalty *= 10.0;
-                continue;
-            }
-            if !is_missed {
+            if walk.is_curved && !is_missed && !is_raised {
+                // A penalty above the multipliers is exact; a much larger one makes steps along
+                // curved rows short.
+                let rowed = program.terms.iter().zip(&walk.weights);
+                let rowed = rowed.filter(|(term, _)| !program.is_cost(term));
+                let most = rowed.fold(0.0_f64, |most, (_, weight)| most.max(weight.abs()));
                 walk.penalty = walk.penalty.min((3.0 * most).max(LEAST_PENALTY * cost));
+            } else if is_missed && walk.penalty < 10.0 * cost {
+                // It was too small.
+                (walk.penalty, is_raised) = (10.0 * cost, true);
+                continue;
             }
             let merit = self.merit(&x, walk.penalty);
             let promise = merit - step.predicted;
             let small = SMALL_GAIN.max(0.01 * self.relaxer.options.relative_gap);
             if promise <= small * merit.abs().max(1.0) {
-                return;
+                if !is_missed || walk.penalty >= 1e7 * cost {
+                    // It keeps the functions better than the point before.
+                    self.show(&step.x, accept);
+                    return;
+                }
+                (walk.penalty, is_raised) = (10.0 * walk.penalty, true);
+                radius = radius.max(0.1);
+                continue;
             }
             let mut next = step.x;
             let mut gain = merit - self.merit(&next, walk.penalty);
-            if gain <= 0.75 * promise {
+            if walk.is_curved && gain <= 0.75 * promise {
                 // The functions at the end of the step instead of their tangents there.
-                let corrected = Tangents { values_at: Some(&next), ..Tangents::within(&x, radius) };
+                let corrected = Tangents { values_at: Some(&next), ..about };
                 if let Some(second) = self.step(cascade, &mut walk, &corrected) {
                     let own = merit - self.merit(&second.x, walk.penalty);
                     if own > gain {
@@ -153,6 +163,7 @@ impl TangentSearch<'_> {
                 }
             } else {
                 radius *= 0.3;
+                rejected += 1;
             }
         }
     }
@@ -166,8 +177,7 @@ impl TangentSearch<'_> {
     ) -> Option<TangentStep> {
         let program = self.relaxer.program;
         let (mut reduced, first) = self.linear_program(tangents, walk.penalty)?;
-        let is_loose = tangents.radius.is_infinite();
-        if !is_loose {
+        if walk.is_curved {
             self.add_curvature(&mut reduced, tangents.at, &walk.weights);
         }
         let question = RelaxationQuestion {
@@ -185,7 +195,7 @@ impl TangentSearch<'_> {
             return None;
         };
         walk.warm = warm.or(walk.warm.take());
-        if y.len() == reduced.rows.len() && !is_loose {
+        if y.len() == reduced.rows.len() && tangents.radius.is_finite() {
             let tangents = &y[y.len() - program.terms.len()..];
             walk.weights.iter_mut().zip(tangents).for_each(|(own, y)| *own = -y);
         }
