@@ -27,7 +27,7 @@ use crate::solver::{RelaxationMethod, StopToken};
 
 /// The methods that start from a state: for dense programs with curvature, and for linear ones.
 #[derive(Debug, Clone, Copy)]
-enum WarmMethod {
+pub(super) enum WarmMethod {
     ActiveSet,
     Simplex,
 }
@@ -37,12 +37,12 @@ const COLD_RECORD: usize = 2;
 pub(super) const CONIC_RECORD: usize = 3;
 
 /// The part of a solve that is the same for all attempts.
-struct Request<'a> {
+pub(super) struct Request<'a> {
     purpose: Purpose,
     /// The method for attempts of the warm stage.
-    warm_method: Option<WarmMethod>,
+    pub(super) warm_method: Option<WarmMethod>,
     /// The state that the parent's relaxation left.
-    warm: Option<&'a WarmState>,
+    pub(super) warm: Option<&'a WarmState>,
     /// A proved bound of at least this ends the solve; infinite for a complete solve.
     cutoff: f64,
     token: &'a StopToken,
@@ -50,7 +50,7 @@ struct Request<'a> {
 
 impl<'a> Request<'a> {
     /// A complete solve that starts from nothing.
-    fn complete(purpose: Purpose, token: &'a StopToken) -> Self {
+    pub(super) fn complete(purpose: Purpose, token: &'a StopToken) -> Self {
         Request { purpose, warm_method: None, warm: None, cutoff: f64::INFINITY, token }
     }
 }
@@ -186,6 +186,11 @@ impl MethodCascade {
         self.cone_cuts.drain(..).map(|(cut, _)| cut).collect()
     }
 
+    /// Whether there are methods that start from a state.
+    pub(super) fn has_warm_methods(&self) -> bool {
+        self.warm.is_some()
+    }
+
     /// Whether other methods take over where one gives up.
     pub(super) fn mixes_methods(&self) -> bool {
         self.fallback.is_some()
@@ -252,7 +257,7 @@ impl MethodCascade {
         self.cold.method.reuse(RelaxationResult { claim, x, y, iterations: 0, warm });
     }
 
-    fn solve_by(
+    pub(super) fn solve_by(
         &mut self,
         attempt: MethodAttempt,
         program: &Reduced,

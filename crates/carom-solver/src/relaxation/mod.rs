@@ -29,6 +29,7 @@ mod record;
 mod scaling;
 mod simplex;
 mod spent;
+mod unproved;
 mod verdict;
 mod warm_state;
 

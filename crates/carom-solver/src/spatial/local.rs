@@ -8,7 +8,7 @@ use super::program::SpatialProgram;
 use super::relaxation::BoxRelaxer;
 use super::term::Shape;
 use crate::presolve::{Compressed, Domain, Reduced};
-use crate::relaxation::{MethodCascade, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
+use crate::relaxation::{MethodCascade, RelaxationResult, WarmState};
 
 /// Most quadratic programs from one start, without those that correct a step.
 const MAX_TANGENT_STEPS: usize = 60;
@@ -180,20 +180,9 @@ impl TangentSearch<'_> {
         if walk.is_curved {
             self.add_curvature(&mut reduced, tangents.at, &walk.weights);
         }
-        let question = RelaxationQuestion {
-            purpose: Purpose::Leaf,
-            cutoff: f64::INFINITY,
-            options: self.relaxer.options,
-            constant: 0.0,
-            look_for_descent: false,
-            token: self.relaxer.token,
-            warm: walk.warm.as_ref(),
-        };
-        let RelaxationVerdict::Relaxed { x, y, converged: true, warm, .. } =
-            cascade.solve(&mut reduced, &question)
-        else {
-            return None;
-        };
+        let token = self.relaxer.token;
+        let RelaxationResult { x, y, warm, .. } =
+            cascade.solve_unproved(&reduced, walk.warm.as_ref(), token)?;
         walk.warm = warm.or(walk.warm.take());
         if y.len() == reduced.rows.len() && tangents.radius.is_finite() {
             let tangents = &y[y.len() - program.terms.len()..];
