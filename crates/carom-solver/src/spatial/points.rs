@@ -69,10 +69,13 @@ impl SpatialSearch<'_> {
         {
             return;
         }
+        state.count();
+        let before = state.statistics.iterations;
         let mut found = Vec::new();
         let search = TangentSearch { relaxer: &state.relaxer, domain: &fixed };
         search.run(&mut state.cascade, x, &mut |x| found.push(x.to_vec()));
         state.count();
+        state.local_iterations += state.statistics.iterations - before;
         for x in found.iter().rev() {
             self.accept(state, x);
         }

@@ -16,9 +16,9 @@ use crate::solution::{Statistics, Termination};
 use crate::solver::{Options, StopToken};
 use crate::tolerance;
 
-/// Nodes between two local searches from relaxed points with whole integers, before a point is
-/// known and after.
-const LOCAL_INTERVALS: [u64; 2] = [4, 64];
+/// The share of all iterations for local searches from relaxed points with whole integers, before a
+/// point is known and after.
+const LOCAL_SHARES: [f64; 2] = [0.5, 0.2];
 
 /// A bound of the objective below this comes from columns without bounds, which are proved up to a
 /// radius only.
@@ -265,10 +265,12 @@ impl SpatialSearch<'_> {
         }
         if let Some(x) = relaxed.x.as_ref().filter(|_| relaxed.bound < self.cutoff(state)) {
             let nodes = state.statistics.nodes;
-            let interval = LOCAL_INTERVALS[usize::from(state.best.is_some())];
+            let share = LOCAL_SHARES[usize::from(state.best.is_some())];
+            let is_due =
+                state.local_iterations as f64 <= share * state.statistics.iterations as f64;
             let is_whole = |j: &usize| (x[*j] - x[*j].round()).abs() <= self.options.integrality;
             let all_whole = program.program.integers.iter().all(is_whole);
-            if is_root || nodes.is_power_of_two() || (all_whole && nodes.is_multiple_of(interval)) {
+            if is_root || nodes.is_power_of_two() || (all_whole && is_due) {
                 self.improve(state, domain, x);
             }
             if is_root {

@@ -35,6 +35,8 @@ pub(super) struct SearchState<'a> {
     /// The bound of the node in hand.
     pub(super) in_hand: f64,
     pub(super) statistics: Statistics,
+    /// The iterations of local searches, which are among those of the statistics.
+    pub(super) local_iterations: u64,
     pub(super) cascade: MethodCascade,
     pub(super) propagator: Propagator,
     pub(super) history: SplitHistory,
@@ -55,6 +57,7 @@ impl<'a> SearchState<'a> {
             falls: false,
             in_hand: f64::NEG_INFINITY,
             statistics: Statistics::default(),
+            local_iterations: 0,
             cascade: MethodCascade::new(options.relaxation),
             propagator: Propagator::new(&program.program),
             history: SplitHistory::new(program.program.column_count()),
