@@ -38,11 +38,11 @@ impl MethodCascade {
             for state in [warm, None] {
                 request.warm = state;
                 let result = self.solve_by(QUICK, program, &request);
-                match result.claim {
-                    RelaxationClaim::Solved => return Some(result),
-                    RelaxationClaim::Infeasible | RelaxationClaim::Unbounded => return None,
-                    _ if state.is_none() => break,
-                    _ => {}
+                if result.claim == RelaxationClaim::Solved {
+                    return Some(result);
+                }
+                if state.is_none() {
+                    break;
                 }
             }
             (request.warm_method, request.warm) = (None, None);

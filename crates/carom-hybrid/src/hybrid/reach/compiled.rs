@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 
+use super::functions::FunctionRanges;
 use super::inputs::{Joint, tightened};
 use super::joint_transitions::JointTransitions;
 use super::law::{Context, Guard, Law, Prediction};
@@ -106,6 +107,8 @@ pub(super) struct Compiled {
     /// Numbers of transitions of choices that are not followed.
     pub(super) relaxed: Vec<usize>,
     pub(super) margins: Margins,
+    /// The functions of a step; `None` without any.
+    pub(super) functions: Option<FunctionRanges>,
 }
 
 /// The data from which a step of a system is compiled.
@@ -191,6 +194,16 @@ impl Compiled {
             transitions: system.transitions().map(|t| (t.name.clone(), t.is_event)).collect(),
             relaxed: source.joint_transitions.relaxed.clone(),
             margins: source.margins.clone(),
+            functions: system.is_nonlinear().then(|| {
+                let known = like.and_then(|like| like.functions.as_ref());
+                FunctionRanges {
+                    functions: known.map_or_else(
+                        || Arc::new(system.functions.clone()),
+                        |known| Arc::clone(&known.functions),
+                    ),
+                    margin: source.step_margin(),
+                }
+            }),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod compiled;
 mod explain;
+mod functions;
 mod graph;
 mod inputs;
 mod joint;

@@ -20,7 +20,7 @@ pub(super) fn predict(
     if !taken.is_possible {
         return Err(nothing(0));
     }
-    if !taken.joint.is_empty() {
+    if !taken.joint.is_empty() || system.functions.is_some() {
         return predict_jointly(system, number, set);
     }
     let blocks = system.blocks.iter().zip(&set.shapes).enumerate();
@@ -54,19 +54,39 @@ fn predict_jointly(
         settled(start, b)
     });
     let starts: Vec<Shape> = starts.collect::<Result<_, Emptied>>()?;
-    let inputs = inputs(system, number, &starts)?;
-    let parts = system.blocks.iter().zip(&starts).enumerate().map(|(b, (block, start))| {
-        let flown = flown(system, number, b, start, &inputs)?;
-        predicted(flown, &block.steps[number], number, b)
-    });
-    parts.collect()
+    let fly = |inputs: &[Interval]| -> Result<Vec<Shape>, Emptied> {
+        let parts = system.blocks.iter().zip(&starts).enumerate().map(|(b, (block, start))| {
+            let flown = flown(system, number, b, start, inputs)?;
+            predicted(flown, &block.steps[number], number, b)
+        });
+        parts.collect()
+    };
+    let open = vec![Interval::REALS; system.states.len()];
+    let found = fly(&inputs(system, number, &starts, &open)?)?;
+    if !system.functions.as_ref().is_some_and(|functions| functions.use_predictions()) {
+        return Ok(found);
+    }
+    // What is found leaves less to functions of predictions.
+    let around = bounding_box(system, &found);
+    fly(&inputs(system, number, &starts, &around)?)
 }
 
-/// The inputs that the guards leave.
-fn inputs(system: &Compiled, number: usize, starts: &[Shape]) -> Result<Vec<Interval>, Emptied> {
+/// The inputs that the guards leave, and what functions are over boxes around the starts and the
+/// predictions.
+fn inputs(
+    system: &Compiled,
+    number: usize,
+    starts: &[Shape],
+    predictions: &[Interval],
+) -> Result<Vec<Interval>, Emptied> {
     let taken = &system.joint_transitions[number];
+    let mut inputs = taken.inputs.clone();
+    if let Some(functions) = &system.functions {
+        let around = bounding_box(system, starts);
+        inputs = functions.narrowed(&system.coordinates, [&around, predictions], &inputs);
+    }
     let starts: Vec<&Shape> = starts.iter().collect();
-    tightened(taken.inputs.clone(), &taken.joint, &starts).map_err(|(k, nearest)| Emptied {
+    tightened(inputs, &taken.joint, &starts).map_err(|(k, nearest)| Emptied {
         block: taken.joint[k].block.unwrap_or(0),
         place: Place::Joint(number, k),
         nearest,
@@ -124,13 +144,14 @@ pub(super) fn predecessors(
     if !taken.is_possible {
         return Err(nothing(0));
     }
+    let blocks = || system.blocks.iter().zip(&set.shapes).enumerate();
+    let ends = blocks().map(|(b, (block, shape))| unreset(block, number, shape, b));
+    let ends: Vec<Shape> = ends.collect::<Result<_, Emptied>>()?;
     let before = |inputs: Option<&[Interval]>| -> Result<Vec<Shape>, Emptied> {
-        let blocks = system.blocks.iter().zip(&set.shapes).enumerate();
-        let parts = blocks.map(|(b, (block, shape))| {
-            let predicted = unreset(block, number, shape, b)?;
+        let parts = system.blocks.iter().zip(&ends).enumerate().map(|(b, (block, predicted))| {
             let step = &block.steps[number];
             let start = match inputs {
-                Some(inputs) => unflown(system, number, b, &predicted, inputs)?,
+                Some(inputs) => unflown(system, number, b, predicted, inputs)?,
                 None => {
                     // Segments are symmetric, so adding them also inverts the addition.
                     let mut free = predicted.add_segments(&step.push.generators);
@@ -142,12 +163,12 @@ pub(super) fn predecessors(
         });
         parts.collect()
     };
-    let shapes = if taken.joint.is_empty() {
+    let shapes = if taken.joint.is_empty() && system.functions.is_none() {
         before(None)?
     } else {
         let rough = before(Some(&taken.inputs))?;
         // The states that were found may leave less to the inputs.
-        let less = inputs(system, number, &rough)?;
+        let less = inputs(system, number, &rough, &bounding_box(system, &ends))?;
         if less == taken.inputs { rough } else { before(Some(&less))? }
     };
     Ok(ReachSet { system: Arc::clone(system), shapes, label: Label::default() })

@@ -195,6 +195,34 @@ impl StepFunctions {
         inputs
     }
 
+    /// The ranges of all inputs, where those of functions are no wider than their values over
+    /// states and predictions.
+    pub(crate) fn narrowed(
+        &self,
+        states: &[Interval],
+        predictions: &[Interval],
+        inputs: &[Interval],
+    ) -> Vec<Interval> {
+        let mut inputs = inputs.to_vec();
+        for (number, function) in self.iter() {
+            let range = function.range(|variable| match self.slot(variable) {
+                Some(StepSlot::State(i)) => states.get(i).copied().unwrap_or(Interval::REALS),
+                Some(StepSlot::Prediction(i)) => {
+                    predictions.get(i).copied().unwrap_or(Interval::REALS)
+                }
+                Some(StepSlot::Input(u)) => inputs.get(u).copied().unwrap_or(Interval::REALS),
+                None => Interval::REALS,
+            });
+            if let Some(own) = inputs.get_mut(number) {
+                let both = own.intersection(range);
+                if both.lower <= both.upper {
+                    *own = both;
+                }
+            }
+        }
+        inputs
+    }
+
     /// Whether a flow uses a function.
     pub(crate) fn uses(&self, flow: &LinearSystem) -> bool {
         let is_used = |u: usize| (0..flow.states()).any(|i| flow.b()[(i, u)] != 0.0);
