@@ -174,7 +174,12 @@ impl Mul for Interval {
         for (a, b) in ends.into_iter().flatten() {
             let product = if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
             let exact = is_exact_product(a, b, product) || product == 0.0 && (a == 0.0 || b == 0.0);
-            let (low, high) = if exact { (product, product) } else { (down(product), up(product)) };
+            let (low, high) = match (exact, (a > 0.0) == (b > 0.0)) {
+                (true, _) => (product, product),
+                // Rounding changes no sign.
+                (false, true) => (down(product).max(0.0), up(product)),
+                (false, false) => (down(product), up(product).min(0.0)),
+            };
             hull = hull.hull(Interval { lower: low, upper: high });
         }
         hull
@@ -194,6 +199,11 @@ impl Div for Interval {
         let inverse = |v: f64| if v.is_infinite() { 0.0 } else { 1.0 / v };
         let lower = if zero_high { f64::NEG_INFINITY } else { down(inverse(other.upper)) };
         let upper = if zero_low { f64::INFINITY } else { up(inverse(other.lower)) };
+        // Rounding changes no sign.
+        let (lower, upper) = match other.lower >= 0.0 {
+            true => (lower.max(0.0), upper),
+            false => (lower, upper.min(0.0)),
+        };
         self * Interval { lower, upper }
     }
 }

@@ -171,7 +171,7 @@ pub enum ErrorKind {
         remedy: String,
     },
     /// A function is infinite somewhere within the range of its argument.
-    #[error("`{function}` has a pole between {} and {}; keep its argument on one side", .range.0, .range.1)]
+    #[error("`{function}` has a pole between {:?} and {:?}; keep its argument on one side", .range.0, .range.1)]
     Pole {
         /// The function, with its variables.
         function: String,
