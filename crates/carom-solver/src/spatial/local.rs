@@ -79,6 +79,8 @@ pub(super) struct TangentSearch<'a> {
     pub(super) relaxer: &'a BoxRelaxer<'a>,
     /// Ranges of integers have one value here.
     pub(super) domain: &'a Domain,
+    /// Points with this objective are of no use.
+    pub(super) cutoff: f64,
 }
 
 impl TangentSearch<'_> {
@@ -98,7 +100,11 @@ impl TangentSearch<'_> {
         let cost = program.program.linear.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
         let mut walk = Walk {
             penalty: 10.0 * cost,
-            weights: program.terms.iter().map(|t| program.program.linear[t.result]).collect(),
+            weights: program
+                .stated_terms()
+                .iter()
+                .map(|t| program.program.linear[t.result])
+                .collect(),
             warm: None,
             is_curved: false,
         };
@@ -121,7 +127,7 @@ impl TangentSearch<'_> {
             if walk.is_curved && !is_missed && !is_raised {
                 // A penalty above the multipliers is exact; a much larger one makes steps along
                 // curved rows short.
-                let rowed = program.terms.iter().zip(&walk.weights);
+                let rowed = program.stated_terms().iter().zip(&walk.weights);
                 let rowed = rowed.filter(|(term, _)| !program.is_cost(term));
                 let most = rowed.fold(0.0_f64, |most, (_, weight)| most.max(weight.abs()));
                 walk.penalty = walk.penalty.min((3.0 * most).max(LEAST_PENALTY * cost));
@@ -130,9 +136,12 @@ impl TangentSearch<'_> {
                 (walk.penalty, is_raised) = (10.0 * cost, true);
                 continue;
             }
+            if walk.is_curved && step.predicted >= self.cutoff {
+                return;
+            }
             let merit = self.merit(&x, walk.penalty);
             let promise = merit - step.predicted;
-            let small = SMALL_GAIN.max(0.01 * self.relaxer.options.relative_gap);
+            let small = SMALL_GAIN.max(0.1 * self.relaxer.options.relative_gap);
             if promise <= small * merit.abs().max(1.0) {
                 if !is_missed || walk.penalty >= 1e7 * cost {
                     // It keeps the functions better than the point before.
@@ -185,12 +194,12 @@ impl TangentSearch<'_> {
             cascade.solve_unproved(&reduced, walk.warm.as_ref(), token)?;
         walk.warm = warm.or(walk.warm.take());
         if y.len() == reduced.rows.len() && tangents.radius.is_finite() {
-            let tangents = &y[y.len() - program.terms.len()..];
+            let tangents = &y[y.len() - program.stated_terms().len()..];
             walk.weights.iter_mut().zip(tangents).for_each(|(own, y)| *own = -y);
         }
         let (missed, predicted) = (x[first..].iter().sum(), reduced.objective(&x));
         let mut x = x[..first].to_vec();
-        for term in program.terms.iter().filter(|term| program.is_cost(term)) {
+        for term in program.stated_terms().iter().filter(|term| program.is_cost(term)) {
             x[term.result] = term.value(&x);
         }
         self.relaxer.cut_cones(&mut reduced, &x);
@@ -205,7 +214,8 @@ impl TangentSearch<'_> {
 
     /// The objective with what terms are off.
     fn merit(&self, x: &[f64], penalty: f64) -> f64 {
-        let SpatialProgram { program, terms, .. } = self.relaxer.program;
+        let SpatialProgram { program, .. } = self.relaxer.program;
+        let terms = self.relaxer.program.stated_terms();
         let off: f64 = terms.iter().map(|term| term.violation(x)).sum();
         let off = if off.is_nan() { f64::INFINITY } else { off };
         program.objective(x) + penalty * off
@@ -228,7 +238,7 @@ impl TangentSearch<'_> {
         };
         let mut linear = vec![0.0; x.len()];
         let mut offset = 0.0;
-        for (term, &weight) in self.relaxer.program.terms.iter().zip(weights) {
+        for (term, &weight) in self.relaxer.program.stated_terms().iter().zip(weights) {
             // p/2 (d . (z - x))² for a direction d of one or two columns.
             let (direction, p) = match &term.shape {
                 Shape::Elementary { function, of } => {
@@ -269,7 +279,8 @@ impl TangentSearch<'_> {
     /// The linear program about a point, and its first column for what tangents miss.
     fn linear_program(&self, about: &Tangents<'_>, penalty: f64) -> Option<(Reduced, usize)> {
         let Tangents { at: x, radius, values_at } = *about;
-        let SpatialProgram { terms, spatial, program, .. } = self.relaxer.program;
+        let SpatialProgram { spatial, program, .. } = self.relaxer.program;
+        let terms = self.relaxer.program.stated_terms();
         let mut reduced = self.relaxer.plain(self.domain);
         let first = reduced.columns.len();
         // The point keeps the rows up to rounding only, and has to stay a point of the program.

@@ -5,6 +5,7 @@
 //! Splitting a range makes both enclosures tighter.
 //!
 //! * `program.rs`: a lowered program with its terms; `term.rs`: what a term is.
+//! * `logarithms.rs`: products once more, as exponentials.
 //! * `enclosure.rs`: rows about a term over a box (McCormick 1976; tangents and chords).
 //! * `propagation.rs`: ranges of arguments from those of values, and the reverse.
 //! * `relaxation.rs`: the relaxation of a box, with rows that its point violates.
@@ -21,6 +22,7 @@ mod branching;
 mod enclosure;
 mod flaw;
 mod local;
+mod logarithms;
 mod points;
 mod program;
 mod propagation;

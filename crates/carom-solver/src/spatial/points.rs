@@ -70,12 +70,13 @@ impl SpatialSearch<'_> {
             return;
         }
         state.count();
-        let before = state.statistics.iterations;
+        let before = state.work();
         let mut found = Vec::new();
-        let search = TangentSearch { relaxer: &state.relaxer, domain: &fixed };
+        let cutoff = self.cutoff(state);
+        let search = TangentSearch { relaxer: &state.relaxer, domain: &fixed, cutoff };
         search.run(&mut state.cascade, x, &mut |x| found.push(x.to_vec()));
         state.count();
-        state.local_iterations += state.statistics.iterations - before;
+        state.local_work += state.work() - before;
         for x in found.iter().rev() {
             self.accept(state, x);
         }

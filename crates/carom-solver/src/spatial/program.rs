@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::flaw::SearchFlaw;
+use super::logarithms::exponentials;
 use super::term::{Shape, SmoothTerm, bounds};
+use crate::elementary::Elementary;
 use crate::error::Error;
 use crate::model::{Affine, Function, Model, Name, StoredRow, VariableKind};
 use crate::presolve::{Domain, Reduced, ReducedCone};
@@ -16,7 +18,7 @@ use crate::solver::ProgramSize;
 #[derive(Debug)]
 pub(crate) struct SpatialProgram {
     pub(super) program: Program,
-    /// By the order in which they depend on each other.
+    /// By the order in which they depend on each other, those that others imply last.
     pub(super) terms: Vec<SmoothTerm>,
     /// Columns that equal affine expressions of columns.
     arguments: Vec<ArgumentColumn>,
@@ -60,8 +62,9 @@ impl SpatialProgram {
                 Function::Quotient([a, b]) => Shape::Quotient([column(a)?, column(b)?]),
                 _ => continue,
             };
-            terms.push(SmoothTerm { result, shape, tie });
+            terms.push(SmoothTerm { result, shape, tie, is_implied: false });
         }
+        terms.extend(exponentials(&mut rows, &mut builder, &terms)?);
         let program = Program::assemble(&rows)?;
         let mut base = Reduced::whole(&program);
         let cones = std::mem::take(&mut base.cones);
@@ -91,6 +94,12 @@ impl SpatialProgram {
         }
         self.settle(&mut x);
         x
+    }
+
+    /// The terms that are not implied by others.
+    pub(super) fn stated_terms(&self) -> &[SmoothTerm] {
+        let count = self.terms.iter().take_while(|term| !term.is_implied).count();
+        &self.terms[..count]
     }
 
     /// Whether nothing but the linear cost has the column of a term.
@@ -173,19 +182,40 @@ impl SpatialProgram {
                 x[argument.column] = argument.of.evaluate(|v| x[v.index()]);
                 next += 1;
             }
-            x[term.result] = term.value(x);
+            // The result of a product is that of its factors.
+            if !(term.is_implied
+                && matches!(&term.shape, Shape::Elementary { function, .. } if *function == Elementary::Exp))
+            {
+                x[term.result] = term.value(x);
+            }
         }
     }
 }
 
-struct Builder {
+pub(super) struct Builder {
     arguments: Vec<ArgumentColumn>,
     known: BTreeMap<String, usize>,
 }
 
 impl Builder {
+    /// The column of which another one is a multiple, with the factor.
+    pub(super) fn multiple(&self, column: usize) -> Option<(usize, f64)> {
+        let argument = self.arguments.iter().find(|argument| argument.column == column)?;
+        match argument.of.terms().as_slice() {
+            &[(variable, factor)] if argument.of.offset() == 0.0 => {
+                Some((variable.index(), factor))
+            }
+            _ => None,
+        }
+    }
+
     /// The column of an expression.
-    fn column(&mut self, rows: &mut Model, name: &Name, of: &Affine) -> Result<usize, Error> {
+    pub(super) fn column(
+        &mut self,
+        rows: &mut Model,
+        name: &Name,
+        of: &Affine,
+    ) -> Result<usize, Error> {
         let terms = of.terms();
         if let (&[(variable, 1.0)], 0.0) = (terms.as_slice(), of.offset()) {
             return Ok(variable.index());

@@ -95,6 +95,13 @@ fn quotient(range: Interval, divisor: Interval) -> Interval {
     range / divisor
 }
 
+/// Whether a bound that is at or beyond 0 moves to the other side of it, or away from it by a factor:
+/// little beside the width of a range, and much for a logarithm or a divisor.
+fn leaves_zero(old: f64, new: f64) -> bool {
+    let (old, new) = if new > old { (old, new) } else { (-old, -new) };
+    new > 0.0 && new > 2.0 * old
+}
+
 /// Intersects the bounds of a column with a range.
 fn narrow(
     program: &SpatialProgram,
@@ -123,7 +130,8 @@ fn narrow(
         old != new
             && (old.is_infinite()
                 || (old - new).abs() > LEAST_RANGE_GAIN * own.width().min(1e20)
-                || program.program.integral[column])
+                || program.program.integral[column]
+                || leaves_zero(old, new))
     };
     if gains(own.lower, common.lower) {
         domain.set_lower(column, common.lower);

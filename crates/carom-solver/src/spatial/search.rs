@@ -16,7 +16,7 @@ use crate::solution::{Statistics, Termination};
 use crate::solver::{Options, StopToken};
 use crate::tolerance;
 
-/// The share of all iterations for local searches from relaxed points with whole integers, before a
+/// The share of all work for local searches from relaxed points with whole integers, before a
 /// point is known and after.
 const LOCAL_SHARES: [f64; 2] = [0.5, 0.2];
 
@@ -266,11 +266,10 @@ impl SpatialSearch<'_> {
         if let Some(x) = relaxed.x.as_ref().filter(|_| relaxed.bound < self.cutoff(state)) {
             let nodes = state.statistics.nodes;
             let share = LOCAL_SHARES[usize::from(state.best.is_some())];
-            let is_due =
-                state.local_iterations as f64 <= share * state.statistics.iterations as f64;
+            let is_due = state.local_work as f64 <= share * state.work() as f64;
             let is_whole = |j: &usize| (x[*j] - x[*j].round()).abs() <= self.options.integrality;
             let all_whole = program.program.integers.iter().all(is_whole);
-            if is_root || nodes.is_power_of_two() || (all_whole && is_due) {
+            if is_root || is_due && (all_whole || nodes.is_power_of_two()) {
                 self.improve(state, domain, x);
             }
             if is_root {

@@ -23,6 +23,12 @@ pub(crate) struct SpatialResult {
     pub(crate) flaw: Option<SearchFlaw>,
 }
 
+/// The exchanges of the simplex method that take as long as a solve does beside its exchanges.
+const SIMPLEX_SOLVE: u64 = 50;
+
+/// The same for a solve by an interior-point method.
+const INTERIOR_SOLVE: u64 = 800;
+
 /// The state of a search.
 pub(super) struct SearchState<'a> {
     pub(super) best: Option<(Vec<f64>, f64)>,
@@ -35,8 +41,8 @@ pub(super) struct SearchState<'a> {
     /// The bound of the node in hand.
     pub(super) in_hand: f64,
     pub(super) statistics: Statistics,
-    /// The iterations of local searches, which are among those of the statistics.
-    pub(super) local_iterations: u64,
+    /// The work of local searches.
+    pub(super) local_work: u64,
     pub(super) cascade: MethodCascade,
     pub(super) propagator: Propagator,
     pub(super) history: SplitHistory,
@@ -57,7 +63,7 @@ impl<'a> SearchState<'a> {
             falls: false,
             in_hand: f64::NEG_INFINITY,
             statistics: Statistics::default(),
-            local_iterations: 0,
+            local_work: 0,
             cascade: MethodCascade::new(options.relaxation),
             propagator: Propagator::new(&program.program),
             history: SplitHistory::new(program.program.column_count()),
@@ -71,6 +77,13 @@ impl<'a> SearchState<'a> {
     /// Notes that no point of a box is below a bound.
     pub(super) fn close(&mut self, bound: f64) {
         self.closed = self.closed.min(bound);
+    }
+
+    /// The work so far, in exchanges of the simplex method.
+    pub(super) fn work(&self) -> u64 {
+        let counts = &self.statistics.relaxation_counts;
+        let others = counts.interior_point + counts.clarabel;
+        self.statistics.iterations + SIMPLEX_SOLVE * counts.dual_simplex + INTERIOR_SOLVE * others
     }
 
     /// Counts what the relaxations have taken.

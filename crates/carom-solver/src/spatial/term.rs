@@ -12,6 +12,8 @@ pub(super) struct SmoothTerm {
     pub(super) shape: Shape,
     /// Which side of the function matters, given what pushes the column.
     pub(super) tie: Tie,
+    /// Whether the other terms imply it, so that it is only there for its enclosure.
+    pub(super) is_implied: bool,
 }
 
 /// The function of a term, with the columns of its arguments.
