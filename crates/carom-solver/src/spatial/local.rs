@@ -141,7 +141,7 @@ impl TangentSearch<'_> {
             }
             let merit = self.merit(&x, walk.penalty);
             let promise = merit - step.predicted;
-            let small = SMALL_GAIN.max(0.1 * self.relaxer.options.relative_gap);
+            let small = SMALL_GAIN.max(0.01 * self.relaxer.options.relative_gap);
             if promise <= small * merit.abs().max(1.0) {
                 if !is_missed || walk.penalty >= 1e7 * cost {
                     // It keeps the functions better than the point before.
