@@ -17,13 +17,13 @@ use crate::model::{Affine, Model, Name, StoredRow, Variable, VariableKind};
 use crate::reformulate::Tie;
 
 /// The least lower bound of a factor whose logarithm is taken: below, it is too wide to say much.
-const LEAST_FACTOR: f64 = 1e-6;
+const LEAST_BASE: f64 = 1e-6;
 
 /// Fewest factors of a product that is not convex.
-const LEAST_FACTORS: usize = 4;
+const LEAST_POWERS: usize = 4;
 
 /// Most factors of a product that is restated.
-const MOST_FACTORS: usize = 40;
+const MOST_POWERS: usize = 40;
 
 /// The terms that say products once more.
 pub(super) fn exponentials(
@@ -42,19 +42,19 @@ pub(super) fn exponentials(
     let mut found = Vec::new();
     for top in terms.iter().filter(|term| is_product(term) && !inner[term.result]) {
         let mut product =
-            Factors { terms: &by_result, builder, constant: 1.0, powers: BTreeMap::new() };
+            ProductFactors { terms: &by_result, builder, constant: 1.0, powers: BTreeMap::new() };
         product.expand(top.result, 1.0);
-        let Factors { constant, mut powers, .. } = product;
+        let ProductFactors { constant, mut powers, .. } = product;
         powers.retain(|_, power| *power != 0.0);
         let is_convex = powers.len() > 1 && powers.values().all(|power| *power < 0.0);
-        let is_plain = !is_convex && powers.len() < LEAST_FACTORS;
+        let is_plain = !is_convex && powers.len() < LEAST_POWERS;
         let mut is_positive = true;
         for &column in powers.keys() {
             let range = bounds(rows, column)?;
-            is_positive &= range.lower >= LEAST_FACTOR && range.upper.is_finite();
+            is_positive &= range.lower >= LEAST_BASE && range.upper.is_finite();
         }
         let is_stated = constant != 0.0 && constant.is_finite();
-        if is_plain || powers.len() > MOST_FACTORS || !is_positive || !is_stated {
+        if is_plain || powers.len() > MOST_POWERS || !is_positive || !is_stated {
             continue;
         }
         let mut sum = Affine::zero();
@@ -95,7 +95,7 @@ pub(super) fn exponentials(
 }
 
 /// A product, taken apart.
-struct Factors<'a> {
+struct ProductFactors<'a> {
     terms: &'a BTreeMap<usize, &'a SmoothTerm>,
     builder: &'a Builder,
     constant: f64,
@@ -103,7 +103,7 @@ struct Factors<'a> {
     powers: BTreeMap<usize, f64>,
 }
 
-impl Factors<'_> {
+impl ProductFactors<'_> {
     /// Takes the factors of a column with an exponent.
     fn expand(&mut self, column: usize, power: f64) {
         match self.terms.get(&column).map(|term| &term.shape) {

@@ -95,8 +95,8 @@ fn quotient(range: Interval, divisor: Interval) -> Interval {
     range / divisor
 }
 
-/// Whether a bound that is at or beyond 0 moves to the other side of it, or away from it by a factor:
-/// little beside the width of a range, and much for a logarithm or a divisor.
+/// Whether a bound that is at or beyond 0 moves to the other side of it, or away from it by a
+/// factor: little beside the width of a range, and much for a logarithm or a divisor.
 fn leaves_zero(old: f64, new: f64) -> bool {
     let (old, new) = if new > old { (old, new) } else { (-old, -new) };
     new > 0.0 && new > 2.0 * old
