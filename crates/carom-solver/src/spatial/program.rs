@@ -15,17 +15,19 @@ use crate::solver::ProgramSize;
 /// and those of arguments.
 #[derive(Debug)]
 pub(crate) struct SpatialProgram {
-    pub(super) program: Program,
+    pub(crate) program: Program,
     /// By the order in which they depend on each other.
-    pub(super) terms: Vec<SmoothTerm>,
+    pub(crate) terms: Vec<SmoothTerm>,
     /// Columns that equal affine expressions of columns.
     arguments: Vec<ArgumentColumn>,
     /// All rows and columns, without terms and cones.
-    pub(super) base: Reduced,
+    pub(crate) base: Reduced,
     /// The cones, which relaxations cut off.
-    pub(super) cones: Vec<ReducedCone>,
+    pub(crate) cones: Vec<ReducedCone>,
     /// Columns whose ranges enclosures depend on.
-    pub(super) spatial: Vec<usize>,
+    pub(crate) spatial: Vec<usize>,
+    /// The names of columns and rows, if they were asked for.
+    names: [Vec<String>; 2],
 }
 
 /// A column that equals an affine expression.
@@ -43,7 +45,13 @@ impl SpatialProgram {
     /// * `model`: for its smooth functions.
     /// * `rows`: the lowered model, to which the columns of arguments are added.
     /// * `ties`: by function of the model.
-    pub(crate) fn new(model: &Model, mut rows: Model, ties: &[Tie]) -> Result<Self, Error> {
+    /// * `wants_names`: whether to keep the names of columns and rows.
+    pub(crate) fn new(
+        model: &Model,
+        mut rows: Model,
+        ties: &[Tie],
+        wants_names: bool,
+    ) -> Result<Self, Error> {
         let mut builder = Builder { arguments: Vec::new(), known: BTreeMap::new() };
         let mut terms = Vec::new();
         for (function, &tie) in model.functions().zip(ties) {
@@ -67,7 +75,23 @@ impl SpatialProgram {
             terms.iter().flat_map(SmoothTerm::arguments).copied().collect();
         spatial.sort_unstable();
         spatial.dedup();
-        Ok(SpatialProgram { program, terms, arguments: builder.arguments, base, cones, spatial })
+        let arguments = builder.arguments;
+        let mut names = [Vec::new(), Vec::new()];
+        if wants_names {
+            names[0] = rows.variables().map(|variable| variable.name().to_string()).collect();
+            names[1] = rows.constraints().map(|row| row.name().to_string()).collect();
+        }
+        Ok(SpatialProgram { program, terms, arguments, base, cones, spatial, names })
+    }
+
+    /// Whether it has cones.
+    pub(crate) fn has_cones(&self) -> bool {
+        !self.cones.is_empty()
+    }
+
+    /// The names of its columns and rows, for people.
+    pub(crate) fn names(&self) -> [&[String]; 2] {
+        [&self.names[0], &self.names[1]]
     }
 
     /// Its size, without the rows of terms.
@@ -119,7 +143,7 @@ impl SpatialProgram {
     }
 
     /// By column, how much the terms are off of which it is an argument, relative to their values.
-    pub(super) fn misses(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn misses(&self, x: &[f64]) -> Vec<f64> {
         let mut misses = vec![0.0; self.program.column_count()];
         for term in &self.terms {
             let miss = term.violation(x) / x[term.result].abs().max(1.0);
@@ -143,7 +167,7 @@ impl SpatialProgram {
 
     /// Puts the columns of terms and arguments of a point on their functions, in the order in which
     /// they depend on each other.
-    pub(super) fn settle(&self, x: &mut [f64]) {
+    pub(crate) fn settle(&self, x: &mut [f64]) {
         // Arguments follow from variables, and terms from arguments. Terms are in order; an
         // argument may depend on terms before it.
         let mut next = 0;

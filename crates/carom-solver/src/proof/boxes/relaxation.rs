@@ -1,0 +1,297 @@
+//! Sums of facts, and of rows that enclose functions, that close a box.
+
+use super::{BoxNode, BoxProver};
+use crate::presolve::{Domain, Reduced};
+use crate::proof::bounds::Side;
+use crate::proof::claim::Claim;
+use crate::proof::relaxed::FactRefutation;
+use crate::proof::tree::Limit;
+use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
+use crate::spatial::{EnclosureRow, Shape, rows, separate};
+
+/// Most rounds of rows at the root, and at other boxes.
+const ROUNDS: [usize; 2] = [20, 5];
+
+/// The lift of the bound by a round, as a part of the gap, below which no other one follows.
+const LEAST_LIFT: f64 = 0.01;
+
+/// By how much a row of a function is loosened, relative to its terms (no unit): a checker encloses
+/// the function with a rounding of its own.
+const LOOSE_ROW: f64 = 1e-11;
+
+/// Names of rows for each function, by which a basis knows them.
+const NAMES: usize = 64;
+
+/// A row about a function, of the present box.
+#[derive(Debug, Clone)]
+pub(super) struct FunctionRow {
+    pub(super) function: usize,
+    pub(super) row: EnclosureRow,
+}
+
+/// A sum of facts that closes a box. The rows of functions are the facts behind those of the
+/// context.
+#[derive(Debug)]
+pub(super) struct Closing {
+    pub(super) rows: Vec<FunctionRow>,
+    pub(super) found: FactRefutation,
+}
+
+/// A box that its relaxation does not close.
+#[derive(Debug)]
+pub(super) struct OpenBox {
+    pub(super) bound: f64,
+    pub(super) x: Option<Vec<f64>>,
+    pub(super) warm: Option<WarmState>,
+    /// The sum that proves the bound, as far as there is one.
+    pub(super) sum: Option<Closing>,
+}
+
+#[derive(Debug)]
+pub(super) enum BoxOutcome {
+    Closed(Closing),
+    Open(OpenBox),
+}
+
+/// The relaxation of a box: its program, and the rows of functions in it.
+pub(super) struct RelaxedProgram {
+    pub(super) reduced: Reduced,
+    pub(super) rows: Vec<FunctionRow>,
+    counts: Vec<usize>,
+}
+
+impl BoxProver<'_, '_> {
+    /// The relaxation of the present box, with rows that are tight at a point.
+    pub(super) fn relaxation(&self, domain: &Domain, at: Option<&[f64]>) -> RelaxedProgram {
+        let mut reduced = self.of.base.clone();
+        for j in 0..domain.column_count() {
+            [reduced.lower[j], reduced.upper[j]] = domain.bounds(j);
+        }
+        if self.relaxer.claim == Claim::Infeasible {
+            reduced.linear.fill(0.0);
+        }
+        reduced.wants_vertex = true;
+        let counts = vec![0; self.of.terms.len()];
+        let mut relaxed = RelaxedProgram { reduced, rows: Vec::new(), counts };
+        for (function, term) in self.of.terms.iter().enumerate() {
+            for row in rows(term, domain, at) {
+                self.push(&mut relaxed, domain, function, row);
+            }
+        }
+        relaxed
+    }
+
+    fn push(
+        &self,
+        relaxed: &mut RelaxedProgram,
+        domain: &Domain,
+        function: usize,
+        mut row: EnclosureRow,
+    ) {
+        let term = &self.of.terms[function];
+        match &term.shape {
+            Shape::Elementary { of, .. } => {
+                if term.result == *of {
+                    return;
+                }
+                let [lower, upper] = domain.bounds(*of);
+                let reach = [lower, upper].into_iter().filter(|end| end.is_finite());
+                let reach = reach.fold(0.0, |most: f64, end| most.max(end.abs()));
+                let limit = if row.lower.is_finite() { row.lower } else { row.upper };
+                let size = limit.abs() + row.slopes[0].abs() * reach;
+                let spare = LOOSE_ROW * size + f64::MIN_POSITIVE;
+                row.lower -= spare;
+                row.upper += spare;
+            }
+            // Sums of coefficients of one column are rounded.
+            Shape::Bilinear([a, b]) | Shape::Quotient([a, b]) => {
+                if a == b || term.result == *a || term.result == *b {
+                    return;
+                }
+            }
+        }
+        let reduced = &mut relaxed.reduced;
+        reduced.rows.push(row.entries.iter().copied());
+        reduced.row_lower.push(row.lower);
+        reduced.row_upper.push(row.upper);
+        let count = &mut relaxed.counts[function];
+        let first = self.of.program.row_count() + function * NAMES;
+        reduced.origin.push(first + (*count).min(NAMES - 1));
+        *count += 1;
+        relaxed.rows.push(FunctionRow { function, row });
+    }
+
+    /// The facts behind the rows of a relaxation, with their multipliers in the log.
+    pub(super) fn gather(&self, y: &[f64], last: Option<usize>) -> FactRefutation {
+        let (rows, first) = (self.of.program.row_count(), self.facts.len());
+        let mut found = FactRefutation::default();
+        for (k, &multiplier) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+            let (fact, multiplier) = match k.checked_sub(rows) {
+                None => (k, -multiplier),
+                Some(own) if last == Some(own) => (self.relaxer.objective[0].fact, -multiplier),
+                Some(own) => (first + own, -multiplier),
+            };
+            found.facts.push((fact, multiplier));
+        }
+        found
+    }
+
+    /// Adds the rows of functions to the facts, for sums of them.
+    pub(super) fn lend(&mut self, rows: &[FunctionRow]) {
+        for FunctionRow { row, .. } in rows {
+            self.facts.push(row.entries.iter().copied(), [row.lower, row.upper]);
+        }
+    }
+
+    /// Removes multipliers of sides that facts do not have.
+    pub(super) fn keep_sides(&self, found: &mut FactRefutation) {
+        found.facts.retain(|&(fact, y)| {
+            let [lower, upper] = self.facts.limits(fact);
+            let side = if y > 0.0 { lower } else { upper };
+            side.is_finite()
+        });
+    }
+
+    /// Relaxes the present box, in rounds.
+    pub(super) fn relax(&mut self, node: &BoxNode) -> Result<BoxOutcome, Limit> {
+        let domain = self.domain();
+        let at = node.x.as_ref().map(|x| x.as_slice());
+        let mut relaxed = self.relaxation(&domain, at);
+        let cutoff = match self.relaxer.claim {
+            Claim::Bound(bound) => bound,
+            Claim::Infeasible => f64::INFINITY,
+        };
+        let rounds = ROUNDS[usize::from(!node.is_root)];
+        let bound = f64::NEG_INFINITY;
+        let mut open = OpenBox { bound, x: None, warm: node.warm.clone(), sum: None };
+        let known = self.facts.len();
+        for round in 0..=rounds {
+            let question = RelaxationQuestion {
+                purpose: if open.warm.is_some() { Purpose::Node } else { Purpose::Root },
+                cutoff,
+                options: self.relaxer.options,
+                constant: self.of.program.constant,
+                look_for_descent: false,
+                token: self.relaxer.token,
+                warm: open.warm.as_ref(),
+            };
+            let verdict = self.relaxer.cascade.solve(&mut relaxed.reduced, &question);
+            let (bound, x, y, converged, state) = match verdict {
+                RelaxationVerdict::Refuted(y) => {
+                    let mut found = self.gather(&y, None);
+                    self.lend(&relaxed.rows);
+                    self.keep_sides(&mut found);
+                    let is_closed = self.relaxer.closes(&self.facts, &self.bounds, &mut found);
+                    self.facts.truncate(known);
+                    if is_closed {
+                        return Ok(BoxOutcome::Closed(Closing { rows: relaxed.rows, found }));
+                    }
+                    break;
+                }
+                RelaxationVerdict::Stopped if self.relaxer.token.is_over() => return Err(Limit),
+                RelaxationVerdict::Stopped | RelaxationVerdict::Descent => break,
+                RelaxationVerdict::Relaxed { bound, x, y, converged, warm } => {
+                    (bound, x, y, converged, warm)
+                }
+            };
+            let last = open.bound;
+            open.warm = state.or(open.warm.take());
+            let point = converged.then(|| relaxed.reduced.lift(&x));
+            open.x = point.clone().or(open.x.take());
+            if bound >= last && !y.is_empty() {
+                open.bound = bound;
+                let mut found = self.gather(&y, None);
+                self.lend(&relaxed.rows);
+                self.keep_sides(&mut found);
+                let is_closed = bound > cutoff
+                    && self
+                        .relaxer
+                        .check_objective(&self.facts, &self.bounds, &mut found)
+                        .is_some();
+                self.facts.truncate(known);
+                let closing = Closing { rows: relaxed.rows.clone(), found };
+                if is_closed {
+                    return Ok(BoxOutcome::Closed(closing));
+                }
+                open.sum = Some(closing);
+            }
+            let room = if cutoff.is_finite() { cutoff - last } else { last.abs().max(1.0) };
+            let is_enough = round > 1 && bound - last < LEAST_LIFT * room;
+            let Some(point) = point.filter(|_| !is_enough) else { break };
+            let mut is_new = false;
+            for (function, term) in self.of.terms.iter().enumerate() {
+                let size = point[term.result].abs().max(1.0);
+                if term.violation(&point) > 1e-7 * size
+                    && let Some(row) = separate(term, &domain, &point)
+                {
+                    self.push(&mut relaxed, &domain, function, row);
+                    is_new = true;
+                }
+            }
+            if !is_new {
+                break;
+            }
+        }
+        Ok(BoxOutcome::Open(open))
+    }
+
+    /// Writes a sum that closes the context, with the bounds and rows that it needs.
+    pub(super) fn write_closing(&mut self, closing: &Closing) {
+        self.write_sum(&closing.rows, &closing.found, 0);
+    }
+
+    /// Writes a sum, behind so many further facts of the context.
+    pub(super) fn write_sum(
+        &mut self,
+        rows: &[FunctionRow],
+        found: &FactRefutation,
+        further: usize,
+    ) {
+        let known = self.facts.len();
+        let mut used: Vec<usize> =
+            found.facts.iter().filter_map(|(fact, _)| fact.checked_sub(known)).collect();
+        used.sort_unstable();
+        let mut sides: Vec<Side> = found.sides.clone();
+        for &k in &used {
+            let term = &self.of.terms[rows[k].function];
+            let columns = match &term.shape {
+                Shape::Elementary { of, .. } => vec![*of],
+                Shape::Bilinear([a, b]) => vec![*a, *b],
+                Shape::Quotient([_, b]) => vec![term.result, *b],
+            };
+            sides.extend(columns.into_iter().flat_map(|j| [(j, false), (j, true)]));
+        }
+        self.write_bounds(sides.into_iter());
+        for &k in &used {
+            let FunctionRow { function, row } = &rows[k];
+            let is_upper = row.upper.is_finite();
+            let value = if is_upper { row.upper } else { row.lower };
+            let count = match &self.of.terms[*function].shape {
+                Shape::Elementary { .. } => 1,
+                _ => 2,
+            };
+            self.log.enclosure(*function, is_upper, value, &row.slopes[..count]);
+        }
+        let number = |fact: usize| match fact.checked_sub(known) {
+            None => fact,
+            Some(own) => known + further + used.partition_point(|k| *k < own),
+        };
+        let sum: Vec<(usize, f64)> =
+            found.facts.iter().map(|&(fact, y)| (number(fact), y)).collect();
+        self.log.contradiction(sum.into_iter());
+    }
+}
+
+/// A point of a box without a relaxed one.
+pub(super) fn middle(domain: &Domain) -> Vec<f64> {
+    let middle = |j: usize| {
+        let [lower, upper] = domain.bounds(j);
+        match (lower.is_finite(), upper.is_finite()) {
+            (true, true) => 0.5 * lower + 0.5 * upper,
+            (true, false) => lower,
+            (false, true) => upper,
+            (false, false) => 0.0,
+        }
+    };
+    (0..domain.column_count()).map(middle).collect()
+}
