@@ -23,7 +23,7 @@ pub(super) fn is_nonlinear(model: &Model) -> bool {
 /// # Errors
 ///
 /// [`ErrorKind::Unsupported`] for what this search cannot do: rows that are found while it runs,
-/// proof logs with cones, other processes. Those of lowering.
+/// other processes. Those of lowering.
 pub(super) fn solve_nonlinear(
     model: &Model,
     options: &Options,
@@ -42,12 +42,6 @@ pub(super) fn solve_nonlinear(
     let has_proof = options.proof_path().is_some();
     let rows = lowered.model().clone();
     let program = SpatialProgram::new(stated, rows, &ties(stated)?, has_proof)?;
-    if has_proof && program.has_cones() {
-        return unsupported(
-            "a proof log of a model with smooth functions and cones",
-            "state norms by `hypot`, or solve it without a proof",
-        );
-    }
     let (sign, count) = (model.sense().sign(), model.variable_count());
     let refusals = Refusals::default();
     let restored = |x: &[f64]| {

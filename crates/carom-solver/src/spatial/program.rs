@@ -84,11 +84,6 @@ impl SpatialProgram {
         Ok(SpatialProgram { program, terms, arguments, base, cones, spatial, names })
     }
 
-    /// Whether it has cones.
-    pub(crate) fn has_cones(&self) -> bool {
-        !self.cones.is_empty()
-    }
-
     /// The names of its columns and rows, for people.
     pub(crate) fn names(&self) -> [&[String]; 2] {
         [&self.names[0], &self.names[1]]

@@ -20,6 +20,7 @@ use std::rc::Rc;
 
 use super::bounds::{Bounds, Clash};
 use super::claim::Claim;
+use super::cones::ConeRow;
 use super::facts::Facts;
 use super::log::{Names, ProofLog};
 use super::relaxed::Relaxer;
@@ -81,9 +82,9 @@ impl BoxProofRequest<'_> {
         let bounds = Bounds::new(&program);
         let history = SplitHistory::new(program.column_count());
         let relaxer = Relaxer::new(program, claim, (options, token), cascades);
-        let splits_left = most_splits;
+        let (log_of, splits_left, cone_rows) = (&mut log, most_splits, Vec::new());
         let mut prover =
-            BoxProver { log: &mut log, of, facts, bounds, relaxer, history, splits_left };
+            BoxProver { log: log_of, of, facts, bounds, relaxer, history, splits_left, cone_rows };
         let result = prover.run();
         cascades.give_back(prover.relaxer.cascade);
         let (commands, bytes) = match result {
@@ -130,6 +131,8 @@ struct BoxProver<'a, 'b> {
     relaxer: Relaxer<'a>,
     history: SplitHistory,
     splits_left: u64,
+    /// Rows of cones, which hold in all boxes.
+    cone_rows: Vec<ConeRow>,
 }
 
 impl BoxProver<'_, '_> {

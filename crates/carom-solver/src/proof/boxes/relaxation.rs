@@ -4,10 +4,12 @@ use super::{BoxNode, BoxProver};
 use crate::presolve::{Domain, Reduced};
 use crate::proof::bounds::Side;
 use crate::proof::claim::Claim;
+use crate::proof::cones::ConeRow;
 use crate::proof::relaxed::FactRefutation;
 use crate::proof::tree::Limit;
-use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
+use crate::relaxation::{ConeCut, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use crate::spatial::{EnclosureRow, Shape, rows, separate};
+use crate::tolerance::largest_magnitude;
 
 /// Most rounds of rows at the root, and at other boxes.
 const ROUNDS: [usize; 2] = [20, 5];
@@ -22,18 +24,26 @@ const LOOSE_ROW: f64 = 1e-11;
 /// Names of rows for each function, by which a basis knows them.
 const NAMES: usize = 64;
 
-/// A row about a function, of the present box.
+/// The part of the largest value by which a point may be outside of a cone (no unit).
+const CONE_MISS: f64 = 1e-9;
+
+/// Most rows of cones that all relaxations begin with.
+const MOST_CONE_ROWS: usize = 300;
+
+/// A row of a relaxation that is no fact of the context.
 #[derive(Debug, Clone)]
-pub(super) struct FunctionRow {
-    pub(super) function: usize,
-    pub(super) row: EnclosureRow,
+pub(super) enum BoxRow {
+    /// A row about a function over the present box.
+    Function(usize, EnclosureRow),
+    /// A row that holds in a cone.
+    Cone(ConeRow),
 }
 
 /// A sum of facts that closes a box. The rows of functions are the facts behind those of the
 /// context.
 #[derive(Debug)]
 pub(super) struct Closing {
-    pub(super) rows: Vec<FunctionRow>,
+    pub(super) rows: Vec<BoxRow>,
     pub(super) found: FactRefutation,
 }
 
@@ -56,7 +66,7 @@ pub(super) enum BoxOutcome {
 /// The relaxation of a box: its program, and the rows of functions in it.
 pub(super) struct RelaxedProgram {
     pub(super) reduced: Reduced,
-    pub(super) rows: Vec<FunctionRow>,
+    pub(super) rows: Vec<BoxRow>,
     counts: Vec<usize>,
 }
 
@@ -73,6 +83,9 @@ impl BoxProver<'_, '_> {
         reduced.wants_vertex = true;
         let counts = vec![0; self.of.terms.len()];
         let mut relaxed = RelaxedProgram { reduced, rows: Vec::new(), counts };
+        for row in &self.cone_rows {
+            self.push_cone_row(&mut relaxed, row.clone());
+        }
         for (function, term) in self.of.terms.iter().enumerate() {
             for row in rows(term, domain, at) {
                 self.push(&mut relaxed, domain, function, row);
@@ -118,7 +131,35 @@ impl BoxProver<'_, '_> {
         let first = self.of.program.row_count() + function * NAMES;
         reduced.origin.push(first + (*count).min(NAMES - 1));
         *count += 1;
-        relaxed.rows.push(FunctionRow { function, row });
+        relaxed.rows.push(BoxRow::Function(function, row));
+    }
+
+    fn push_cone_row(&self, relaxed: &mut RelaxedProgram, row: ConeRow) {
+        let reduced = &mut relaxed.reduced;
+        reduced.rows.push(row.terms(&self.of.program));
+        reduced.row_lower.push(0.0);
+        reduced.row_upper.push(f64::INFINITY);
+        reduced.origin.push(usize::MAX);
+        relaxed.rows.push(BoxRow::Cone(row));
+    }
+
+    /// Cuts off the cones that a point is outside of. Whether there is one.
+    fn cut_cones(&mut self, relaxed: &mut RelaxedProgram, x: &[f64]) -> bool {
+        let mut is_new = false;
+        for (k, cone) in self.of.cones.iter().enumerate() {
+            let Some(cut) = ConeCut::at(cone, x) else { continue };
+            if cut.violation(x) <= CONE_MISS * largest_magnitude(x).max(1.0) {
+                continue;
+            }
+            if let Some(row) = ConeRow::of(&cut, k, &self.of.program) {
+                if self.cone_rows.len() < MOST_CONE_ROWS {
+                    self.cone_rows.push(row.clone());
+                }
+                self.push_cone_row(relaxed, row);
+                is_new = true;
+            }
+        }
+        is_new
     }
 
     /// The facts behind the rows of a relaxation, with their multipliers in the log.
@@ -137,9 +178,16 @@ impl BoxProver<'_, '_> {
     }
 
     /// Adds the rows of functions to the facts, for sums of them.
-    pub(super) fn lend(&mut self, rows: &[FunctionRow]) {
-        for FunctionRow { row, .. } in rows {
-            self.facts.push(row.entries.iter().copied(), [row.lower, row.upper]);
+    pub(super) fn lend(&mut self, rows: &[BoxRow]) {
+        for row in rows {
+            match row {
+                BoxRow::Function(_, row) => {
+                    self.facts.push(row.entries.iter().copied(), [row.lower, row.upper]);
+                }
+                BoxRow::Cone(row) => {
+                    self.facts.push(row.terms(&self.of.program), [0.0, f64::INFINITY]);
+                }
+            }
         }
     }
 
@@ -218,7 +266,7 @@ impl BoxProver<'_, '_> {
             let room = if cutoff.is_finite() { cutoff - last } else { last.abs().max(1.0) };
             let is_enough = round > 1 && bound - last < LEAST_LIFT * room;
             let Some(point) = point.filter(|_| !is_enough) else { break };
-            let mut is_new = false;
+            let mut is_new = self.cut_cones(&mut relaxed, &point);
             for (function, term) in self.of.terms.iter().enumerate() {
                 let size = point[term.result].abs().max(1.0);
                 if term.violation(&point) > 1e-7 * size
@@ -241,19 +289,15 @@ impl BoxProver<'_, '_> {
     }
 
     /// Writes a sum, behind so many further facts of the context.
-    pub(super) fn write_sum(
-        &mut self,
-        rows: &[FunctionRow],
-        found: &FactRefutation,
-        further: usize,
-    ) {
+    pub(super) fn write_sum(&mut self, rows: &[BoxRow], found: &FactRefutation, further: usize) {
         let known = self.facts.len();
         let mut used: Vec<usize> =
             found.facts.iter().filter_map(|(fact, _)| fact.checked_sub(known)).collect();
         used.sort_unstable();
         let mut sides: Vec<Side> = found.sides.clone();
         for &k in &used {
-            let term = &self.of.terms[rows[k].function];
+            let BoxRow::Function(function, _) = &rows[k] else { continue };
+            let term = &self.of.terms[*function];
             let columns = match &term.shape {
                 Shape::Elementary { of, .. } => vec![*of],
                 Shape::Bilinear([a, b]) => vec![*a, *b],
@@ -263,7 +307,13 @@ impl BoxProver<'_, '_> {
         }
         self.write_bounds(sides.into_iter());
         for &k in &used {
-            let FunctionRow { function, row } = &rows[k];
+            let (function, row) = match &rows[k] {
+                BoxRow::Function(function, row) => (function, row),
+                BoxRow::Cone(row) => {
+                    self.log.cone_row(row.cone, &row.head, &row.tail);
+                    continue;
+                }
+            };
             let is_upper = row.upper.is_finite();
             let value = if is_upper { row.upper } else { row.lower };
             let count = match &self.of.terms[*function].shape {
