@@ -166,7 +166,8 @@ impl Difference {
     /// A point of a convex part near which the difference is least.
     fn flat_place(&self, x: FloatRange) -> f64 {
         let slope = |at: f64| self.sign * self.function.guessed_slope(at) - self.slope;
-        let (mut lower, mut upper) = (x.lower.max(-1e300), x.upper.min(1e300));
+        let within = |end: f64| end.clamp(-1e300, 1e300).max(x.lower).min(x.upper);
+        let (mut lower, mut upper) = (within(x.lower), within(x.upper));
         if slope(lower) >= 0.0 {
             return lower;
         }

@@ -142,6 +142,10 @@ fn lines_over_ranges_without_an_end_or_with_a_pole_are_rejected() {
         ("power -1", [0.0, 1.0], "n 0 U 1e300 0"),
         ("power 3", WIDE, "n 0 L -1e300 0"),
         ("sin", [0.0, f64::INFINITY], "n 0 L -2 0.1"),
+        ("atan", [-1e305, -1e304], "n 0 L -1.5 0"),
+        ("atan", [-1e305, -1e304], "n 0 U -1.6 1e-305"),
+        ("power 3", [-1e305, -1e304], "n 0 L -1e300 0"),
+        ("tanh", [-1e305, 1e305], "n 0 L -0.9 0"),
     ] {
         assert_eq!(said(name, x, WIDE, step), NOT_BELOW, "{name} {x:?} {step}");
     }

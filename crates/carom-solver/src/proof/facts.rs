@@ -17,21 +17,15 @@ pub(super) struct Facts {
     is_whole: Vec<bool>,
     /// By column, the facts that it is in.
     of_column: Vec<Vec<u32>>,
-    /// By function of the program, its columns.
-    functions: Vec<FunctionColumns>,
+    /// By function of the program, its columns: the result first.
+    functions: Vec<Vec<usize>>,
 }
 
 /// The numbers from here on stand for functions, where those below are facts.
 const FIRST_FUNCTION: u32 = 1 << 31;
 
 /// The number of places in a function: its result and up to two arguments.
-const PLACES: u32 = 3;
-
-/// The columns of a function: the result first.
-#[derive(Debug, Clone)]
-pub(super) struct FunctionColumns {
-    pub(super) columns: Vec<usize>,
-}
+const FUNCTION_PLACES: u32 = 3;
 
 /// The source of a bound that is derived.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +40,10 @@ impl BoundSource {
     pub(super) fn from_code(code: u32) -> Self {
         match code.checked_sub(FIRST_FUNCTION) {
             None => BoundSource::Fact(code as usize),
-            Some(own) => BoundSource::Function((own / PLACES) as usize, (own % PLACES) as usize),
+            Some(own) => BoundSource::Function(
+                (own / FUNCTION_PLACES) as usize,
+                (own % FUNCTION_PLACES) as usize,
+            ),
         }
     }
 
@@ -54,7 +51,7 @@ impl BoundSource {
         match self {
             BoundSource::Fact(fact) => fact as u32,
             BoundSource::Function(function, place) => {
-                FIRST_FUNCTION + function as u32 * PLACES + place as u32
+                FIRST_FUNCTION + function as u32 * FUNCTION_PLACES + place as u32
             }
         }
     }
@@ -117,13 +114,13 @@ impl Facts {
     }
 
     /// Names the columns of the functions of a program.
-    pub(super) fn set_functions(&mut self, functions: Vec<FunctionColumns>) {
+    pub(super) fn set_functions(&mut self, functions: Vec<Vec<usize>>) {
         self.functions = functions;
     }
 
     /// The columns whose bounds a bound of a function rests on.
     pub(super) fn function_needs(&self, function: usize, place: usize) -> Vec<usize> {
-        let columns = &self.functions[function].columns;
+        let columns = &self.functions[function];
         let others = columns.iter().enumerate().filter(|(k, _)| *k != place);
         // A bound of the only argument rests on its other bound, too.
         let own = columns.get(place).filter(|_| columns.len() == 2 && place == 1);

@@ -212,7 +212,7 @@ impl Builder {
 }
 
 /// A point of a box without a relaxed one.
-pub(super) fn middle(domain: &Domain) -> Vec<f64> {
+pub(crate) fn middle(domain: &Domain) -> Vec<f64> {
     let middle = |j: usize| {
         let [lower, upper] = domain.bounds(j);
         match (lower.is_finite(), upper.is_finite()) {

@@ -31,7 +31,7 @@ use crate::presolve::Domain;
 use crate::relaxation::{CascadePool, WarmState};
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
-use crate::spatial::{BoxSplit, SpatialProgram, SplitHistory, choose};
+use crate::spatial::{BoxSplit, SpatialProgram, SplitHistory, choose, middle};
 use relaxation::BoxOutcome;
 
 /// The largest value at which a column is split.
@@ -215,7 +215,7 @@ impl BoxProver<'_, '_> {
         }
         let domain = self.domain();
         let x = found.x.map(Rc::new).or(node.x);
-        let guess = x.as_ref().map_or_else(|| relaxation::middle(&domain), |x| x.to_vec());
+        let guess = x.as_ref().map_or_else(|| middle(&domain), |x| x.to_vec());
         let integrality = self.relaxer.options.integrality;
         let split = choose(self.of, &self.history, &domain, &guess, integrality);
         let Some(BoxSplit { column, at }) = split else { return Err(Limit) };

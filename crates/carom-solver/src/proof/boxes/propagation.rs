@@ -8,7 +8,7 @@ use super::BoxProver;
 use crate::elementary::Elementary;
 use crate::interval::Interval;
 use crate::proof::bounds::Clash;
-use crate::proof::facts::{BoundSource, FunctionColumns};
+use crate::proof::facts::BoundSource;
 use crate::spatial::{Shape, SpatialProgram};
 
 /// Most turns between functions and facts.
@@ -22,12 +22,12 @@ const LOOSE_BESIDE: f64 = 1e-14;
 const LOOSE_ARGUMENT: f64 = 1e-9;
 
 /// The columns of the functions of a program: results first.
-pub(super) fn function_columns(program: &SpatialProgram) -> Vec<FunctionColumns> {
+pub(super) fn function_columns(program: &SpatialProgram) -> Vec<Vec<usize>> {
     let columns = program.terms.iter().map(|term| {
         let arguments = term.arguments().iter().copied();
         std::iter::once(term.result).chain(arguments).collect()
     });
-    columns.map(|columns| FunctionColumns { columns }).collect()
+    columns.collect()
 }
 
 impl BoxProver<'_, '_> {

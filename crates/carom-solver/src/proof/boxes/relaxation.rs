@@ -8,24 +8,18 @@ use crate::proof::cones::ConeRow;
 use crate::proof::relaxed::FactRefutation;
 use crate::proof::tree::Limit;
 use crate::relaxation::{ConeCut, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
-use crate::spatial::{EnclosureRow, Shape, rows, separate};
+use crate::spatial::{CONE_MISS, EnclosureRow, ROW_NAMES, Shape, rows, separate};
 use crate::tolerance::largest_magnitude;
 
 /// Most rounds of rows at the root, and at other boxes.
 const ROUNDS: [usize; 2] = [20, 5];
 
 /// The lift of the bound by a round, as a part of the gap, below which no other one follows.
-const LEAST_LIFT: f64 = 0.01;
+const LEAST_ROW_LIFT: f64 = 0.01;
 
 /// By how much a row of a function is loosened, relative to its terms (no unit): a checker encloses
 /// the function with a rounding of its own.
 const LOOSE_ROW: f64 = 1e-11;
-
-/// Names of rows for each function, by which a basis knows them.
-const NAMES: usize = 64;
-
-/// The part of the largest value by which a point may be outside of a cone (no unit).
-const CONE_MISS: f64 = 1e-9;
 
 /// Most rows of cones that all relaxations begin with.
 const MOST_CONE_ROWS: usize = 300;
@@ -42,7 +36,7 @@ pub(super) enum BoxRow {
 /// A sum of facts that closes a box. The rows of functions are the facts behind those of the
 /// context.
 #[derive(Debug)]
-pub(super) struct Closing {
+pub(super) struct BoxClosing {
     pub(super) rows: Vec<BoxRow>,
     pub(super) found: FactRefutation,
 }
@@ -54,12 +48,12 @@ pub(super) struct OpenBox {
     pub(super) x: Option<Vec<f64>>,
     pub(super) warm: Option<WarmState>,
     /// The sum that proves the bound, as far as there is one.
-    pub(super) sum: Option<Closing>,
+    pub(super) sum: Option<BoxClosing>,
 }
 
 #[derive(Debug)]
 pub(super) enum BoxOutcome {
-    Closed(Closing),
+    Closed(BoxClosing),
     Open(OpenBox),
 }
 
@@ -128,8 +122,8 @@ impl BoxProver<'_, '_> {
         reduced.row_lower.push(row.lower);
         reduced.row_upper.push(row.upper);
         let count = &mut relaxed.counts[function];
-        let first = self.of.program.row_count() + function * NAMES;
-        reduced.origin.push(first + (*count).min(NAMES - 1));
+        let first = self.of.program.row_count() + function * ROW_NAMES;
+        reduced.origin.push(first + (*count).min(ROW_NAMES - 1));
         *count += 1;
         relaxed.rows.push(BoxRow::Function(function, row));
     }
@@ -232,7 +226,7 @@ impl BoxProver<'_, '_> {
                     let is_closed = self.relaxer.closes(&self.facts, &self.bounds, &mut found);
                     self.facts.truncate(known);
                     if is_closed {
-                        return Ok(BoxOutcome::Closed(Closing { rows: relaxed.rows, found }));
+                        return Ok(BoxOutcome::Closed(BoxClosing { rows: relaxed.rows, found }));
                     }
                     break;
                 }
@@ -257,14 +251,14 @@ impl BoxProver<'_, '_> {
                         .check_objective(&self.facts, &self.bounds, &mut found)
                         .is_some();
                 self.facts.truncate(known);
-                let closing = Closing { rows: relaxed.rows.clone(), found };
+                let closing = BoxClosing { rows: relaxed.rows.clone(), found };
                 if is_closed {
                     return Ok(BoxOutcome::Closed(closing));
                 }
                 open.sum = Some(closing);
             }
             let room = if cutoff.is_finite() { cutoff - last } else { last.abs().max(1.0) };
-            let is_enough = round > 1 && bound - last < LEAST_LIFT * room;
+            let is_enough = round > 1 && bound - last < LEAST_ROW_LIFT * room;
             let Some(point) = point.filter(|_| !is_enough) else { break };
             let mut is_new = self.cut_cones(&mut relaxed, &point);
             for (function, term) in self.of.terms.iter().enumerate() {
@@ -284,7 +278,7 @@ impl BoxProver<'_, '_> {
     }
 
     /// Writes a sum that closes the context, with the bounds and rows that it needs.
-    pub(super) fn write_closing(&mut self, closing: &Closing) {
+    pub(super) fn write_closing(&mut self, closing: &BoxClosing) {
         self.write_sum(&closing.rows, &closing.found, 0);
     }
 
@@ -330,18 +324,4 @@ impl BoxProver<'_, '_> {
             found.facts.iter().map(|&(fact, y)| (number(fact), y)).collect();
         self.log.contradiction(sum.into_iter());
     }
-}
-
-/// A point of a box without a relaxed one.
-pub(super) fn middle(domain: &Domain) -> Vec<f64> {
-    let middle = |j: usize| {
-        let [lower, upper] = domain.bounds(j);
-        match (lower.is_finite(), upper.is_finite()) {
-            (true, true) => 0.5 * lower + 0.5 * upper,
-            (true, false) => lower,
-            (false, true) => upper,
-            (false, false) => 0.0,
-        }
-    };
-    (0..domain.column_count()).map(middle).collect()
 }

@@ -5,7 +5,7 @@ use crate::spatial::{Shape, SpatialProgram};
 
 /// By how much a point may miss rows, bounds and functions to be stated in a log (no unit): less
 /// than the checker allows.
-const NEAR: f64 = 5e-4;
+const MOST_MISS: f64 = 5e-4;
 
 /// The functions of a program, a line each.
 pub(super) fn functions(program: &SpatialProgram) -> Vec<String> {
@@ -25,10 +25,11 @@ pub(super) fn functions(program: &SpatialProgram) -> Vec<String> {
 /// Whether a point misses nothing by more than a checker allows.
 pub(super) fn is_near(of: &SpatialProgram, x: &[f64]) -> bool {
     let program = &of.program;
-    let is_within =
-        |value: f64, lower: f64, upper: f64| value >= lower - NEAR && value <= upper + NEAR;
+    let is_within = |value: f64, lower: f64, upper: f64| {
+        value >= lower - MOST_MISS && value <= upper + MOST_MISS
+    };
     let columns = (0..program.column_count()).all(|j| {
-        let is_whole = !program.integral[j] || (x[j] - x[j].round()).abs() <= NEAR;
+        let is_whole = !program.integral[j] || (x[j] - x[j].round()).abs() <= MOST_MISS;
         is_whole && is_within(x[j], program.lower[j], program.upper[j])
     });
     let row = |i: usize| {
@@ -38,5 +39,5 @@ pub(super) fn is_near(of: &SpatialProgram, x: &[f64]) -> bool {
     };
     columns
         && (0..program.row_count()).all(row)
-        && of.terms.iter().all(|term| (x[term.result] - term.value(x)).abs() <= NEAR)
+        && of.terms.iter().all(|term| (x[term.result] - term.value(x)).abs() <= MOST_MISS)
 }

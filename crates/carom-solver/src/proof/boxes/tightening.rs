@@ -2,18 +2,18 @@
 //! multipliers of a box leave.
 
 use super::BoxProver;
-use super::relaxation::{Closing, OpenBox, RelaxedProgram};
+use super::relaxation::{BoxClosing, OpenBox, RelaxedProgram};
 use crate::proof::bounds::Clash;
 use crate::proof::relaxed::FactRefutation;
 use crate::proof::tree::Limit;
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 
 /// Most passes over all columns at the root.
-const PASSES: usize = 3;
+const ROOT_PASSES: usize = 3;
 
 /// The part of its range that a column has to lose for a lemma.
 const LEAST_ROOT_GAIN: f64 = 0.02;
-const LEAST_GAIN: f64 = 0.1;
+const LEAST_LEMMA_GAIN: f64 = 0.1;
 
 /// The part of a range by which a lemma is looser than the relaxation says.
 const LOOSE_LEMMA: f64 = 1e-7;
@@ -39,7 +39,7 @@ impl BoxProver<'_, '_> {
         };
         let most = self.relaxer.cascade.iterations() + MOST_PIVOTS;
         let (mut moves, mut warm) = (false, None);
-        for _ in 0..PASSES {
+        for _ in 0..ROOT_PASSES {
             let mut gains = false;
             for (&column, is_upper) in columns.iter().flat_map(|j| [(j, false), (j, true)]) {
                 if self.relaxer.token.is_over() {
@@ -66,7 +66,8 @@ impl BoxProver<'_, '_> {
         Ok(Ok(moves))
     }
 
-    /// A bound of a column over the relaxation of the present box, as a lemma. Whether there is one.
+    /// A bound of a column over the relaxation of the present box, as a lemma. Whether there is
+    /// one.
     fn tighten_side(
         &mut self,
         column: usize,
@@ -106,7 +107,7 @@ impl BoxProver<'_, '_> {
             return false;
         }
         let found = self.gather(&y, last);
-        let closing = Closing { rows, found };
+        let closing = BoxClosing { rows, found };
         self.lemma(closing, (column, is_upper, value), LEAST_ROOT_GAIN)
     }
 
@@ -144,7 +145,7 @@ impl BoxProver<'_, '_> {
             let value = if a > 0.0 { upper - reach } else { lower + reach };
             let is_spatial = self.of.spatial.binary_search(&column).is_ok();
             let is_whole = self.of.program.integral[column];
-            if (is_spatial || is_whole) && reach < (1.0 - LEAST_GAIN) * (upper - lower) {
+            if (is_spatial || is_whole) && reach < (1.0 - LEAST_LEMMA_GAIN) * (upper - lower) {
                 wanted.push((column, a < 0.0, value));
             }
         }
@@ -152,7 +153,11 @@ impl BoxProver<'_, '_> {
         for goal in wanted {
             let mut own = FactRefutation::default();
             own.facts = found.facts.clone();
-            moves |= self.lemma(Closing { rows: sum.rows.clone(), found: own }, goal, LEAST_GAIN);
+            moves |= self.lemma(
+                BoxClosing { rows: sum.rows.clone(), found: own },
+                goal,
+                LEAST_LEMMA_GAIN,
+            );
         }
         moves
     }
@@ -161,7 +166,7 @@ impl BoxProver<'_, '_> {
     /// the reverse. Whether it was written.
     fn lemma(
         &mut self,
-        mut closing: Closing,
+        mut closing: BoxClosing,
         (column, is_upper, value): (usize, bool, f64),
         least: f64,
     ) -> bool {
