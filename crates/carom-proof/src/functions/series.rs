@@ -4,6 +4,7 @@
 //! no function of the standard library is trusted.
 
 use super::range::FloatRange;
+use std::f64::consts::FRAC_PI_2;
 
 /// ln 2 is `LN2_HIGH`, whose last 20 bits are 0, and a number in `LN2_LOW`.
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
@@ -13,9 +14,8 @@ const LN2_LOW: FloatRange = FloatRange::new(1.908_214_929_270_587_7e-10, 1.908_2
 const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11];
 const HALF_PI_REST: FloatRange = FloatRange::new(2.022_266_248_71e-21, 2.022_266_248_96e-21);
 
-/// The range of π/2 between two floats.
-pub(super) const RIGHT_ANGLE: FloatRange =
-    FloatRange::new(1.570_796_326_794_896_6, 1.570_796_326_794_896_8);
+/// The range of π/2: the nearest float is below it.
+pub(super) const RIGHT_ANGLE: FloatRange = FloatRange::new(FRAC_PI_2, FRAC_PI_2.next_up());
 
 /// Angles beyond this are not reduced: their sines are from -1 to 1 (rad).
 const LARGEST_ANGLE: f64 = 1e6;
@@ -141,7 +141,7 @@ fn atan_of(x: f64) -> FloatRange {
     }
     // t < 0.199: what follows is less than t times 0.0397^15 / 31 < 1e-22, of either sign.
     let term = |n: u32| {
-        let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
         FloatRange::point(sign).divided_by(FloatRange::point(f64::from(2 * n + 1)))
     };
     let terms: Vec<FloatRange> = (0..15).map(term).collect();

@@ -114,6 +114,7 @@ impl Facts {
     }
 
     /// Names the columns of the functions of a program.
+    #[cfg(feature = "nonlinear")]
     pub(super) fn set_functions(&mut self, functions: Vec<Vec<usize>>) {
         self.functions = functions;
     }

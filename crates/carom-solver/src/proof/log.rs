@@ -185,12 +185,14 @@ impl<'a> ProofLog<'a> {
     }
 
     /// A bound that a fact of one column is.
+    #[cfg(feature = "nonlinear")]
     pub(super) fn decided(&mut self, column: usize, is_upper: bool, value: f64, fact: usize) {
         let side = if is_upper { 'U' } else { 'L' };
         self.put(format_args!("b {column} {side} {} {fact}", Number(value)));
     }
 
     /// A row of a function.
+    #[cfg(feature = "nonlinear")]
     pub(super) fn enclosure(
         &mut self,
         function: usize,
@@ -205,6 +207,7 @@ impl<'a> ProofLog<'a> {
     }
 
     /// A split of the range of a column.
+    #[cfg(feature = "nonlinear")]
     pub(super) fn split_range(&mut self, column: usize, value: f64) {
         self.put(format_args!("c {column} {}", Number(value)));
     }
