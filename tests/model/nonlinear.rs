@@ -233,10 +233,6 @@ fn what_rows_cannot_say_is_refused() {
     let error = carom::reformulate::lower(&model).unwrap_err();
     assert!(error.code() == "unsupported" && error.to_string().contains("row_part1"), "{error}");
     assert!(carom::model::lp::write(&model).is_err() && carom::model::mps::write(&model).is_err());
-    let mut solver = BranchAndBound::default();
-    *solver.options_mut() = Options::default().with_proof("never.proof");
-    let error = solver.solve(&model).unwrap_err();
-    assert!(error.to_string().contains("proof log of a model with smooth functions"), "{error}");
     // A variable of another model.
     let mut other = Model::new("other");
     let foreign = other.add("row", x.sin().le(0.5)).unwrap_err();

@@ -181,7 +181,7 @@ fn wave((l, u): Span, crest: f64, f: fn(f64) -> f64) -> Span {
 /// `min cost` over a box, with one row `row <= limit`, and another one that a binary switches on
 /// for a reward.
 #[derive(Debug, Clone)]
-struct NonlinearCase {
+pub(crate) struct NonlinearCase {
     cost: Tree,
     row: Tree,
     limit: f64,
@@ -190,7 +190,7 @@ struct NonlinearCase {
     whole: bool,
 }
 
-fn case() -> impl Strategy<Value = NonlinearCase> {
+pub(crate) fn case() -> impl Strategy<Value = NonlinearCase> {
     (1..=2_usize).prop_flat_map(|n| {
         let bounds = proptest::collection::vec((-3..=1_i32, 1..=3_i32), n);
         let switched = (tree(2, n), -1.0..1.0_f64, 0.1..1.0_f64);
@@ -214,7 +214,7 @@ fn case() -> impl Strategy<Value = NonlinearCase> {
 }
 
 impl NonlinearCase {
-    fn model(&self) -> Result<(Model, Vec<Variable>), Error> {
+    pub(crate) fn model(&self) -> Result<(Model, Vec<Variable>), Error> {
         let mut model = Model::new("case");
         let mut x = Vec::new();
         for (k, &(l, u)) in self.bounds.iter().enumerate() {
@@ -241,7 +241,7 @@ impl NonlinearCase {
 
     /// A lower and an upper bound on the optimum; the upper one is infinite if no sample is a
     /// point. Points that miss a row by up to `miss` count for the lower bound.
-    fn bracket(&self, miss: f64) -> Span {
+    pub(crate) fn bracket(&self, miss: f64) -> Span {
         let mut best = f64::INFINITY;
         let mut boxes = vec![self.bounds.clone()];
         let (mut lower, mut count) = (f64::INFINITY, 0);

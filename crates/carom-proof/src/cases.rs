@@ -20,6 +20,8 @@ pub(crate) enum Kind {
     Claim,
     /// The other side of the split, `form >= value + 1`.
     FirstSide(Form, f64),
+    /// The other side of the split of a range, `column >= value`.
+    FirstPart(usize, f64),
     /// The context around it is closed as well.
     SecondSide,
     /// The row is a fact of the context around it.
@@ -44,6 +46,15 @@ impl Checker {
             return rejected(format!("column {} is not integral", self.name(column)));
         }
         self.split(Form::Column(column), value)
+    }
+
+    /// A column is at most a value, or at least it.
+    pub(crate) fn split_range(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
+        let column = words.index("column", self.bounds.len())?;
+        let value = words.number("the value")?;
+        self.open(Kind::FirstPart(column, value));
+        self.tighten(column, Side::Upper, value);
+        Ok(())
     }
 
     pub(crate) fn split_form(&mut self, words: &mut Words<'_>) -> Result<(), Refusal> {
@@ -120,6 +131,11 @@ impl Checker {
                 Kind::FirstSide(Form::Column(column), value) => {
                     self.open(Kind::SecondSide);
                     self.tighten(column, Side::Lower, value + 1.0);
+                    break;
+                }
+                Kind::FirstPart(column, value) => {
+                    self.open(Kind::SecondSide);
+                    self.tighten(column, Side::Lower, value);
                     break;
                 }
                 Kind::FirstSide(Form::Entries(entries), value) => {

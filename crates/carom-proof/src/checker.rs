@@ -1,5 +1,5 @@
-//! The commands of a proof; those that open and close contexts are in `cases`, declarations in
-//! `moves`.
+//! The commands of a proof; those that open and close contexts are in `cases`, those about functions
+//! in `terms`, declarations in `moves`.
 //!
 //! Context 0 assumes a point of the program, with an objective less than b if that is the bound of
 //! the claim; most rules only use that it is at most b. A context holds bounds of columns, and
@@ -16,6 +16,7 @@ use crate::program::{Claim, Program};
 use crate::quadratic_rules::{self, Quadratic, ZeroProduct};
 use crate::rows::Row;
 use crate::text::{Refusal, Words, rejected, unreadable};
+use std::collections::BTreeMap;
 
 /// The deficits of a command `p`, and the columns of its factor so far.
 type Convexity = (Vec<(u32, f64)>, Vec<Vec<(u32, f64)>>);
@@ -29,6 +30,8 @@ pub(crate) struct Checker {
     pub(crate) objective: Quadratic,
     pub(crate) bounds: Bounds,
     pub(crate) moves: Moves,
+    /// How many enclosures were assumed of each function that the checker does not know.
+    pub(crate) assumed: BTreeMap<String, u64>,
     /// Whether nothing was derived, and whether the program has forgotten a part of it.
     pub(crate) is_plain: bool,
     pub(crate) has_forgotten: bool,
@@ -54,6 +57,7 @@ impl Checker {
             sums: Sums::default(),
             bounds,
             moves,
+            assumed: BTreeMap::new(),
             is_plain: true,
             has_forgotten: false,
             contexts: vec![root],
@@ -89,6 +93,9 @@ impl Checker {
             "w" => self.curvature_bounds(words)?,
             "s" => self.split_column(words)?,
             "f" => self.split_form(words)?,
+            "c" => self.split_range(words)?,
+            "n" => self.enclosure(words)?,
+            "y" => self.inverse(words)?,
             "m" => self.lemma(words)?,
             "u" => self.round(words)?,
             "v" => self.shift(words)?,

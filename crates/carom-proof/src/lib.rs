@@ -5,7 +5,7 @@
 //!
 //! To read the checker in an order: [`exact`] (numbers and sums), `rows` (combinations),
 //! `linear_rules`, `quadratic_rules`, `curvature` and `moves` (each rule with its reason),
-//! `bounds`, `cases` (contexts), `checker` (commands); `text`, `program` and `point` read and judge
+//! `functions` and `terms` (functions that are neither affine nor piecewise affine), `bounds`, `cases` (contexts), `checker` (commands); `text`, `program` and `point` read and judge
 //! what is beside the proof. [`compare`] is another tool, which none of these knows.
 
 mod bounds;
@@ -14,6 +14,7 @@ mod checker;
 pub mod compare;
 mod curvature;
 pub mod exact;
+mod functions;
 mod linear_rules;
 mod moves;
 mod point;
@@ -21,6 +22,7 @@ mod program;
 mod quadratic_rules;
 mod rows;
 mod table;
+mod terms;
 mod text;
 
 pub use point::Point;
@@ -31,6 +33,7 @@ pub use text::Failure;
 use checker::Checker;
 use exact::Plain;
 use program::Program;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io::BufRead;
 use text::{Lines, Refusal, rejected, unreadable};
@@ -46,11 +49,21 @@ pub struct Proved {
     pub steps: u64,
     /// The points of the log, judged.
     pub points: Vec<Point>,
+    /// How many enclosures were assumed, by the name of a function that the checker does not know.
+    pub assumed: BTreeMap<String, u64>,
 }
 
 impl fmt::Display for Proved {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "proved: ")?;
+        write!(f, "proved")?;
+        for (k, (name, count)) in self.assumed.iter().enumerate() {
+            let ending = if *count == 1 { "" } else { "s" };
+            match k {
+                0 => write!(f, " under {count} assumed enclosure{ending} of {name}")?,
+                _ => write!(f, " and {count} of {name}")?,
+            }
+        }
+        write!(f, ": ")?;
         match self.claim {
             Claim::Infeasible => write!(f, "no point")?,
             Claim::Bound(bound) if self.is_maximisation => {
@@ -92,7 +105,8 @@ fn check_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Proved, Refusal> {
                 return unreadable("the log goes on behind `end`");
             }
             let Program { claim, is_maximisation, .. } = checker.program;
-            return Ok(Proved { claim, is_maximisation, steps, points });
+            let assumed = checker.assumed;
+            return Ok(Proved { claim, is_maximisation, steps, points, assumed });
         }
     }
 }

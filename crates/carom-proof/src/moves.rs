@@ -22,8 +22,8 @@ use std::collections::HashSet;
 pub(crate) struct Moves {
     /// Columns that take whole numbers at every point of S.
     pub(crate) whole: HashSet<usize>,
-    /// Columns in a cone or in a quadratic term, and those that were declared to be 0: they must
-    /// not move.
+    /// Columns in a cone, in a quadratic term or in a function, and those that were declared to be 0:
+    /// they must not move.
     held: HashSet<usize>,
     /// By column, the rows of the program that it is in.
     rows: Vec<Vec<usize>>,
@@ -44,7 +44,9 @@ impl Moves {
         let has_costs = program.claim != Claim::Infeasible;
         let curved = program.objective.triangle.iter().filter(|_| has_costs);
         let curved = curved.flat_map(|(row, column, _)| [row, column]);
-        let held = conic.chain(curved).map(|column| *column as usize).collect();
+        let functions = program.terms.iter().flat_map(|term| term.columns());
+        let held = conic.chain(curved).copied().chain(functions);
+        let held = held.map(|column| column as usize).collect();
         Moves { whole, held, rows }
     }
 }

@@ -17,7 +17,8 @@ const ROUNDING: f64 = 1e-12;
 pub struct Point {
     /// In the sense of the model.
     pub objective: Dyadic,
-    /// The largest violation of bounds, rows, cones and integrality, of cones up to rounding.
+    /// The largest violation of bounds, rows, cones, functions and integrality, of cones and functions
+    /// up to rounding.
     pub violation: f64,
 }
 
@@ -77,6 +78,11 @@ impl Point {
                 let beyond = if is_upper { beyond } else { beyond.negated() };
                 judged(beyond.nearest(), size, &what)?;
             }
+        }
+        for (index, term) in program.terms.iter().enumerate() {
+            let (own, Some(value)) = (at(term.result), term.value_near(at)) else { continue };
+            let miss = if value.is_nan() { f64::INFINITY } else { (own - value).abs() };
+            judged(miss, own.abs(), &|| format!("the function of term {index}"))?;
         }
         for cone in &program.cones {
             let (first, second) = (at(cone.head), at(cone.second.unwrap_or(cone.head)));

@@ -2,10 +2,11 @@
 
 use crate::exact::Dyadic;
 use crate::rows::Row;
+use crate::terms::FunctionTerm;
 use crate::text::{Lines, Refusal, Words, unreadable};
 use std::io::BufRead;
 
-/// A minimisation over columns between bounds, some of them integral, with rows and cones.
+/// A minimisation over columns between bounds, some of them integral, with rows, cones and functions.
 #[derive(Debug)]
 pub(crate) struct Program {
     /// Whether the model maximises: then the objective below is the negated one.
@@ -14,6 +15,7 @@ pub(crate) struct Program {
     pub(crate) rows: Vec<Row>,
     pub(crate) row_names: Vec<String>,
     pub(crate) cones: Vec<Cone>,
+    pub(crate) terms: Vec<FunctionTerm>,
     pub(crate) objective: Objective,
     pub(crate) claim: Claim,
 }
@@ -75,7 +77,8 @@ impl Program {
             section(lines, "rows", &["r"], |words, _| row(words, many))?.into_iter().unzip();
         let cones =
             section(lines, "cones", &["q", "r"], |words, kind| cone(words, many, kind == "r"))?;
-        let objective = objective(lines, many)?;
+        let (terms, constant) = terms_and_constant(lines, many)?;
+        let objective = objective(lines, constant, many)?;
         let mut words = lines.expect("claim")?;
         let claim = match words.word("the claim")? {
             "bound" => Claim::Bound(words.number("the bound")?),
@@ -84,7 +87,7 @@ impl Program {
         };
         words.end()?;
         lines.expect("proof")?.end()?;
-        Ok(Program { is_maximisation, columns, rows, row_names, cones, objective, claim })
+        Ok(Program { is_maximisation, columns, rows, row_names, cones, terms, objective, claim })
     }
 }
 
@@ -147,10 +150,33 @@ fn cone(words: &mut Words<'_>, many: usize, is_rotated: bool) -> Result<Cone, Re
     Ok(Cone { head, second, tail })
 }
 
-fn objective<R: BufRead>(lines: &mut Lines<R>, many: usize) -> Result<Objective, Refusal> {
-    let mut words = lines.expect("objective")?;
+/// The lines `terms N` and N terms, if there are any, and the line `objective`.
+fn terms_and_constant<R: BufRead>(
+    lines: &mut Lines<R>,
+    many: usize,
+) -> Result<(Vec<FunctionTerm>, f64), Refusal> {
+    let mut terms = Vec::new();
+    let (mut words, keyword) = lines.expect_any(&["objective", "terms"])?;
+    if keyword == "terms" {
+        let count = words.count("the number of terms")?;
+        words.end()?;
+        for _ in 0..count {
+            let mut words = lines.expect("f")?;
+            terms.push(FunctionTerm::read(&mut words, many)?);
+            words.end()?;
+        }
+        words = lines.expect("objective")?;
+    }
     let constant = words.number("the constant")?;
     words.end()?;
+    Ok((terms, constant))
+}
+
+fn objective<R: BufRead>(
+    lines: &mut Lines<R>,
+    constant: f64,
+    many: usize,
+) -> Result<Objective, Refusal> {
     let mut words = lines.expect("g")?;
     let linear = words.entries(many)?;
     words.end()?;

@@ -3,6 +3,8 @@
 mod alternation;
 mod answer;
 mod blocks;
+#[cfg(feature = "nonlinear")]
+mod box_proof;
 mod convex_objective;
 mod cut;
 mod cutoff;

@@ -66,7 +66,8 @@ fn is_proved<P>(found: &ShortestHorizon<P>, folder: &Path) -> HashMap<String, f6
 
 /// The values of the point of a log, by the names of the columns.
 fn values(log: &str) -> HashMap<String, f64> {
-    let columns = log.lines().filter_map(|line| line.strip_prefix("c "));
+    let header = log.lines().take_while(|line| *line != "proof");
+    let columns = header.filter_map(|line| line.strip_prefix("c "));
     let names: Vec<&str> = columns.map(|line| line.splitn(4, ' ').nth(3).unwrap()).collect();
     let mut values: HashMap<String, f64> =
         names.iter().map(|name| ((*name).to_owned(), 0.0)).collect();
@@ -373,4 +374,20 @@ fn solvers_without_logs_are_asked_once() -> Result<(), Error> {
     assert_eq!(found.unlogged().count(), 8);
     assert!(found.proofs.iter().all(|proof| proof.report.is_none() && !proof.path.exists()));
     Ok(())
+}
+
+#[test]
+fn horizons_of_a_nonlinear_system_are_proved() {
+    let mut pendulum = HybridSystem::new(0.25); // s
+    let angle = pendulum.state("angle", -1.0, 4.0).unwrap(); // rad from hanging
+    let rate = pendulum.state("rate", -8.0, 8.0).unwrap(); // rad/s
+    let motor = pendulum.input("motor", -15.0, 15.0).unwrap(); // rad/s²
+    let swing = [angle.is(rate), rate.is(motor - 9.81 * angle.sin())];
+    pendulum.mode("swing").unwrap().rates(swing).unwrap();
+    let start = [angle.equals(0.0), rate.equals(0.0)];
+    let goal: [carom::hybrid::SystemRow; 1] = [angle.cos().le(-0.9).into()];
+    let folder = folder("pendulum");
+    let found = pendulum.shortest(start, goal, &mut logging(&folder)).unwrap();
+    assert!(found.steps.is_some_and(|steps| steps > 1), "{:?}", found.steps);
+    is_proved(&found, &folder);
 }

@@ -7,6 +7,7 @@ mod cuts;
 mod damaged;
 mod declarations;
 mod facets;
+mod functions;
 mod lemmas;
 mod open_integers;
 mod past_mutations;

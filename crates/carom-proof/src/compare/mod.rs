@@ -132,6 +132,10 @@ pub fn compare(text: &str, format: Format, log: impl BufRead) -> Result<Comparis
     let mut lines = Lines::new(log);
     let program =
         Program::read(&mut lines).map_err(|refusal| Unreadable::Log(lines.at_line(refusal)))?;
+    if !program.terms.is_empty() {
+        let what = "the log has functions, which no format that is compared has";
+        return Ok(Comparison::Different(what.to_string()));
+    }
     let program = Model::from_program(program);
     let mut left_out = model.left_out.clone();
     let (columns, rows) = (model.columns.len(), model.rows.len());

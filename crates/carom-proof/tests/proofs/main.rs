@@ -8,6 +8,7 @@ mod convexity;
 mod enumeration;
 mod exact;
 mod format;
+mod functions;
 mod linear;
 mod log;
 mod moves;

@@ -10,6 +10,7 @@ use crate::solution::{Heuristic, Outcome, Point, Solution, Statistics, Terminati
 use crate::solver::{Control, Event, Incumbent, Options, PoolMode, Progress, StopToken};
 use crate::spatial::{Occasion, SearchFlaw, SearchNews, SpatialProgram, SpatialSearch};
 
+use super::box_proof::write_box_proof;
 use super::refusals::Refusals;
 
 /// Whether a model has functions that rows only enclose.
@@ -25,17 +26,17 @@ pub(super) fn is_nonlinear(model: &Model) -> bool {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Unsupported`] for what this search cannot do: rows that are found while it runs, a
-/// proof log, other processes. Those of lowering.
+/// [`ErrorKind::Unsupported`] for what this search cannot do: rows that are found while it runs,
+/// other processes. Those of lowering.
 pub(super) fn solve_nonlinear(
     model: &Model,
     options: &Options,
     control: &mut Control<'_>,
     last: Option<&[f64]>,
 ) -> Result<Solution, Error> {
-    refuse(model, options, control)?;
+    refuse(model, control)?;
     let token = &StopToken::new(options.time_limit, control.interrupt());
-    let restated = with_affine_objective(model)?;
+    let restated = with_affine_objective(model, options.proof_path().is_some())?;
     let stated = restated.as_ref().unwrap_or(model);
     let Some(lowered) = lower_around_functions(stated, token)? else {
         let reason = token.ended().unwrap_or(Termination::Interrupted);
@@ -43,7 +44,9 @@ pub(super) fn solve_nonlinear(
         let outcome = Outcome::new(reason, None, bound, Statistics::default());
         return Solution::new(model, outcome, options.feasibility);
     };
-    let program = SpatialProgram::new(stated, lowered.model().clone(), &ties(stated)?)?;
+    let has_proof = options.proof_path().is_some();
+    let rows = lowered.model().clone();
+    let program = SpatialProgram::new(stated, rows, &ties(stated)?, has_proof)?;
     let (sign, count) = (model.sense().sign(), model.variable_count());
     let refusals = Refusals::default();
     let restored = |x: &[f64]| {
@@ -93,6 +96,9 @@ pub(super) fn solve_nonlinear(
             }
         });
     }
+    let proof = options.proof_path().and_then(|path| {
+        write_box_proof(path, (&program, &found), (options, token), &mut watched.borrow_mut())
+    });
     let best = found.best.as_ref().and_then(|(x, _)| restored(x));
     let values = best.map(|point| point.as_slice().to_vec());
     let outcome = Outcome::new(found.termination, values, sign * found.bound, found.statistics);
@@ -100,7 +106,7 @@ pub(super) fn solve_nonlinear(
     let is_alone = options.pool == 1 && options.pool_mode == PoolMode::Best;
     let complete = is_alone && (solution.is_optimal() || solution.is_infeasible());
     let solution = solution.with_pool(model, std::iter::empty(), complete, options.feasibility)?;
-    Ok(solution.with_refused(refusals.take()))
+    Ok(solution.with_refused(refusals.take()).with_proof(proof))
 }
 
 /// The answer for a model whose objective falls without limit, if it has a point: a search without
@@ -115,6 +121,7 @@ fn unbounded(
     any.minimize(0.0)?;
     let mut options = options.clone();
     options.time_limit = options.time_limit.map(|limit| limit.saturating_sub(statistics.time));
+    options.proof = None;
     let mut quiet = Control::default().with_interrupt(control.interrupt());
     let found = solve_nonlinear(&any, &options, &mut quiet, None)?;
     let (sign, values) = (model.sense().sign(), found.point().map(|p| p.as_slice().to_vec()));
@@ -159,11 +166,12 @@ fn report(
 }
 
 /// The model with variables for the squares and products of its objective, if they are squares of
-/// single variables, which tangents cut off quickly, or if they are not convex; `None` otherwise.
-fn with_affine_objective(model: &Model) -> Result<Option<Model>, Error> {
+/// single variables, which tangents cut off quickly, if they are not convex, or if they must not
+/// stay; `None` otherwise.
+fn with_affine_objective(model: &Model, always: bool) -> Result<Option<Model>, Error> {
     let products = model.objective().products();
     let squares_only = products.iter().all(|(a, b, _)| a == b);
-    if products.is_empty() || !(squares_only || model.is_convex_within_bounds()) {
+    if products.is_empty() || !(always || squares_only || model.is_convex_within_bounds()) {
         return Ok(None);
     }
     let mut stated = model.clone();
@@ -172,21 +180,16 @@ fn with_affine_objective(model: &Model) -> Result<Option<Model>, Error> {
     Ok(Some(stated))
 }
 
-fn refuse(model: &Model, options: &Options, control: &Control<'_>) -> Result<(), Error> {
-    let unsupported = |what: &str, help: &str| {
-        let (solver, what, help) = ("carom".to_owned(), what.to_owned(), help.to_owned());
-        Err(ErrorKind::Unsupported { solver, what, help }.into())
-    };
+fn unsupported<T>(what: &str, help: &str) -> Result<T, Error> {
+    let (solver, what, help) = ("carom".to_owned(), what.to_owned(), help.to_owned());
+    Err(ErrorKind::Unsupported { solver, what, help }.into())
+}
+
+fn refuse(model: &Model, control: &Control<'_>) -> Result<(), Error> {
     if control.lazy_constraints().is_some() || control.user_cuts().is_some() {
         return unsupported(
             "rows that are found while a model with smooth functions is solved",
             "add all rows to the model",
-        );
-    }
-    if options.proof_path().is_some() {
-        return unsupported(
-            "a proof log of a model with smooth functions",
-            "solve it without one: its bound rests on enclosures that no log states",
         );
     }
     if model.relaxed_integers().next().is_some() {

@@ -35,7 +35,7 @@ pub(super) fn check_path(options: &Options) -> Result<(), Error> {
     })
 }
 
-fn cannot_write(path: &Path) -> String {
+pub(super) fn cannot_write(path: &Path) -> String {
     format!("the proof cannot be written to {}", path.display())
 }
 
@@ -111,7 +111,7 @@ impl Solve<'_> {
 }
 
 /// The file at a path, or a new one in it if it is a folder.
-fn create(path: &Path) -> io::Result<File> {
+pub(super) fn create(path: &Path) -> io::Result<File> {
     if path.is_dir() { create_in(path).map(|(file, _)| file) } else { File::create(path) }
 }
 

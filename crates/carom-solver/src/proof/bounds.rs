@@ -6,7 +6,7 @@
 
 use std::collections::BinaryHeap;
 
-use super::facts::{Facts, LARGEST_EXACT};
+use super::facts::{BoundSource, Facts, LARGEST_EXACT};
 use crate::activity::RowActivity;
 use crate::program::Program;
 
@@ -243,19 +243,19 @@ impl Bounds {
                     false => 4.0 * f64::EPSILON * value.abs() + f64::MIN_POSITIVE,
                 };
                 let value = if side { value + spare } else { value - spare };
-                self.offer(facts, (j, side), value, fact)?;
+                self.offer(facts, (j, side), value, BoundSource::Fact(fact))?;
             }
         }
         Ok(())
     }
 
     /// Takes a bound if it is enough of a change.
-    fn offer(
+    pub(super) fn offer(
         &mut self,
         facts: &Facts,
         (column, is_upper): Side,
         value: f64,
-        fact: usize,
+        source: BoundSource,
     ) -> Result<(), Clash> {
         let [lower, upper] = self.now[column];
         let (old, other) = if is_upper { (upper, lower) } else { (lower, upper) };
@@ -275,7 +275,7 @@ impl Bounds {
         if value.is_nan() || value.abs() > LARGEST || !(gain > least || (crosses && gain > 0.0)) {
             return Ok(());
         }
-        self.apply(facts, (column, is_upper), value + 0.0, fact as u32);
+        self.apply(facts, (column, is_upper), value + 0.0, source.code());
         if crosses { Err(Clash::Column(column)) } else { Ok(()) }
     }
 
@@ -331,11 +331,20 @@ impl Bounds {
             if change.fact == NOTHING {
                 continue;
             }
-            let (column, fact) = (change.column as usize, change.fact as usize);
-            let a = facts.terms(fact).find(|(j, _)| *j == column).map_or(1.0, |(_, a)| a);
-            let is_upper = (a > 0.0) == change.is_upper;
-            let needed = Bounds::sides_of(facts, fact, is_upper, Some(column));
-            open.extend(needed.filter_map(|side| self.in_force(side, at)));
+            let column = change.column as usize;
+            match BoundSource::from_code(change.fact) {
+                BoundSource::Fact(fact) => {
+                    let a = facts.terms(fact).find(|(j, _)| *j == column).map_or(1.0, |(_, a)| a);
+                    let is_upper = (a > 0.0) == change.is_upper;
+                    let needed = Bounds::sides_of(facts, fact, is_upper, Some(column));
+                    open.extend(needed.filter_map(|side| self.in_force(side, at)));
+                }
+                BoundSource::Function(function, place) => {
+                    let columns = facts.function_needs(function, place);
+                    let needed = columns.into_iter().flat_map(|j| [(j, false), (j, true)]);
+                    open.extend(needed.filter_map(|side| self.in_force(side, at)));
+                }
+            }
             found.push((change, change.fact));
         }
         found.reverse();

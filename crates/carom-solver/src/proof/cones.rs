@@ -30,7 +30,7 @@ impl ConeRow {
     }
 
     /// The row that a cut of a cone is; `None` if it is one of another cone.
-    fn of(cut: &ConeCut, cone: usize, program: &Program) -> Option<Self> {
+    pub(super) fn of(cut: &ConeCut, cone: usize, program: &Program) -> Option<Self> {
         let own = &program.cones[cone];
         let weight = |j: &usize| {
             let term = cut.terms.iter().find(|(column, _)| column == j);

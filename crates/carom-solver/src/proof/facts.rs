@@ -17,6 +17,44 @@ pub(super) struct Facts {
     is_whole: Vec<bool>,
     /// By column, the facts that it is in.
     of_column: Vec<Vec<u32>>,
+    /// By function of the program, its columns: the result first.
+    functions: Vec<Vec<usize>>,
+}
+
+/// The numbers from here on stand for functions, where those below are facts.
+const FIRST_FUNCTION: u32 = 1 << 31;
+
+/// The number of places in a function: its result and up to two arguments.
+const FUNCTION_PLACES: u32 = 3;
+
+/// The source of a bound that is derived.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum BoundSource {
+    /// A row.
+    Fact(usize),
+    /// A function of the program, and the place of the column in it.
+    Function(usize, usize),
+}
+
+impl BoundSource {
+    pub(super) fn from_code(code: u32) -> Self {
+        match code.checked_sub(FIRST_FUNCTION) {
+            None => BoundSource::Fact(code as usize),
+            Some(own) => BoundSource::Function(
+                (own / FUNCTION_PLACES) as usize,
+                (own % FUNCTION_PLACES) as usize,
+            ),
+        }
+    }
+
+    pub(super) fn code(self) -> u32 {
+        match self {
+            BoundSource::Fact(fact) => fact as u32,
+            BoundSource::Function(function, place) => {
+                FIRST_FUNCTION + function as u32 * FUNCTION_PLACES + place as u32
+            }
+        }
+    }
 }
 
 /// Whether a number is whole, and below [`LARGEST_EXACT`].
@@ -73,6 +111,21 @@ impl Facts {
         self.lower.truncate(count);
         self.upper.truncate(count);
         self.is_whole.truncate(count);
+    }
+
+    /// Names the columns of the functions of a program.
+    #[cfg(feature = "nonlinear")]
+    pub(super) fn set_functions(&mut self, functions: Vec<Vec<usize>>) {
+        self.functions = functions;
+    }
+
+    /// The columns whose bounds a bound of a function rests on.
+    pub(super) fn function_needs(&self, function: usize, place: usize) -> Vec<usize> {
+        let columns = &self.functions[function];
+        let others = columns.iter().enumerate().filter(|(k, _)| *k != place);
+        // A bound of the only argument rests on its other bound, too.
+        let own = columns.get(place).filter(|_| columns.len() == 2 && place == 1);
+        others.map(|(_, column)| *column).chain(own.copied()).collect()
     }
 
     pub(super) fn len(&self) -> usize {

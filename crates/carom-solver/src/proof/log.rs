@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use super::bounds::{BoundChange, Clash};
 use super::claim::Claim;
+use super::facts::BoundSource;
 use super::zero_products::ZeroProduct;
 use crate::program::{ConeShape, Program};
 
@@ -95,6 +96,12 @@ impl<'a> ProofLog<'a> {
             cone.tail().iter().for_each(|j| write_word(&mut log.line, j));
             log.end_line();
         }
+        if !names.functions.is_empty() {
+            log.put(format_args!("terms {}", names.functions.len()));
+        }
+        for function in names.functions {
+            log.put(format_args!("f {function}"));
+        }
         log.put(format_args!("objective {}", Number(program.offset)));
         let linear = program.linear.iter().copied().enumerate().filter(|(_, c)| *c != 0.0);
         log.line.push('g');
@@ -164,10 +171,45 @@ impl<'a> ProofLog<'a> {
         }
     }
 
-    /// A bound from a fact.
-    pub(super) fn bound(&mut self, change: &BoundChange, fact: u32) {
-        let side = if change.is_upper { 'U' } else { 'L' };
-        self.put(format_args!("b {} {side} {} {fact}", change.column, Number(change.value)));
+    /// A bound from a fact or a function.
+    pub(super) fn bound(&mut self, change: &BoundChange, source: u32) {
+        let (side, value) = (if change.is_upper { 'U' } else { 'L' }, Number(change.value));
+        match BoundSource::from_code(source) {
+            BoundSource::Fact(fact) => {
+                self.put(format_args!("b {} {side} {value} {fact}", change.column));
+            }
+            BoundSource::Function(function, place) => {
+                self.put(format_args!("y {function} {place} {side} {value}"));
+            }
+        }
+    }
+
+    /// A bound that a fact of one column is.
+    #[cfg(feature = "nonlinear")]
+    pub(super) fn decided(&mut self, column: usize, is_upper: bool, value: f64, fact: usize) {
+        let side = if is_upper { 'U' } else { 'L' };
+        self.put(format_args!("b {column} {side} {} {fact}", Number(value)));
+    }
+
+    /// A row of a function.
+    #[cfg(feature = "nonlinear")]
+    pub(super) fn enclosure(
+        &mut self,
+        function: usize,
+        is_upper: bool,
+        value: f64,
+        slopes: &[f64],
+    ) {
+        let side = if is_upper { 'U' } else { 'L' };
+        let _ = write!(self.line, "n {function} {side} {}", Number(value));
+        slopes.iter().for_each(|slope| write_word(&mut self.line, Number(*slope)));
+        self.end_line();
+    }
+
+    /// A split of the range of a column.
+    #[cfg(feature = "nonlinear")]
+    pub(super) fn split_range(&mut self, column: usize, value: f64) {
+        self.put(format_args!("c {column} {}", Number(value)));
     }
 
     /// The end of a context whose bounds contradict each other or a fact.
@@ -337,6 +379,8 @@ impl<'a> ProofLog<'a> {
 pub(super) struct Names<'a> {
     pub(super) columns: &'a [String],
     pub(super) rows: &'a [String],
+    /// The functions of the program, as the log states them.
+    pub(super) functions: &'a [String],
 }
 
 impl Names<'_> {

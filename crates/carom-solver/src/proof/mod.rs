@@ -26,11 +26,14 @@
 //! * `repaired_sums`, `pivoted_solution` - sums with signs that rounding has turned
 //! * `tree`, `guide`, `guided_splits`, `split_places`, `whole_splits`, `search` - the splits, those
 //!   of the search first
+//! * `boxes` - programs with functions, box by box
 //! * `log` - the text
 
 mod aggregated_row;
 mod block_lemmas;
 mod bounds;
+#[cfg(feature = "nonlinear")]
+mod boxes;
 mod case_bounds;
 mod claim;
 mod cones;
@@ -67,17 +70,16 @@ use crate::program::Program;
 use crate::relaxation::CascadePool;
 use crate::solution::ProofReport;
 use crate::solver::{Options, StopToken};
-use aggregated_row::AggregatedRow;
 pub(crate) use block_lemmas::count_blocks;
 use bounds::Bounds;
+#[cfg(feature = "nonlinear")]
+pub(crate) use boxes::BoxProofRequest;
 pub(crate) use claim::Claim;
-use cones::cones_by_column;
 use facts::Facts;
 pub(crate) use guide::Guide;
 use log::{Names, ProofLog};
 use relaxed::Relaxer;
 use tree::ProofWriter;
-use zero_products::ObjectiveTerms;
 
 /// A proof that is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -140,7 +142,7 @@ impl ProofRequest<'_> {
             most_splits,
             cascades,
         } = self;
-        let mut log = ProofLog::new(out, program, &Names { columns, rows }, claim);
+        let mut log = ProofLog::new(out, program, &Names { columns, rows, functions: &[] }, claim);
         if let Some(point) = point {
             log.point(point);
         }
@@ -156,28 +158,7 @@ impl ProofRequest<'_> {
         if claim == Claim::Infeasible {
             program.make_feasibility_problem();
         }
-        let cones_of = cones_by_column(&program);
-        let relaxer = Relaxer {
-            terms: ObjectiveTerms::of(&program),
-            within: program.clone(),
-            fact_of_row: (0..program.row_count()).collect(),
-            program,
-            claim,
-            options,
-            token,
-            cascade: cascades.take(),
-            cascades,
-            warm: None,
-            wants_vertex: false,
-            sum: AggregatedRow::default(),
-            tight_sum: AggregatedRow::default(),
-            is_inside: None,
-            cones_of,
-            keeps_multipliers: false,
-            multipliers: None,
-            deficits: Vec::new(),
-            objective: Vec::new(),
-        };
+        let relaxer = Relaxer::new(program, claim, (options, token), cascades);
         let mut writer = ProofWriter {
             log: &mut log,
             facts,

@@ -7,7 +7,7 @@
 use super::aggregated_row::AggregatedRow;
 use super::bounds::{Bounds, Side};
 use super::claim::Claim;
-use super::cones::ConeRow;
+use super::cones::{ConeRow, cones_by_column};
 use super::conjugate_gradients::curved_solution;
 use super::facts::Facts;
 use super::simple_sums::ObjectiveFact;
@@ -79,6 +79,38 @@ pub(super) struct Relaxer<'a> {
     pub(super) terms: ObjectiveTerms,
     /// The facts that a linear objective is, the strongest first.
     pub(super) objective: Vec<ObjectiveFact>,
+}
+
+impl<'a> Relaxer<'a> {
+    /// A relaxer of a program whose rows are the first facts.
+    pub(super) fn new(
+        program: Program,
+        claim: Claim,
+        (options, token): (&'a Options, &'a StopToken),
+        cascades: &'a CascadePool,
+    ) -> Self {
+        Relaxer {
+            terms: ObjectiveTerms::of(&program),
+            within: program.clone(),
+            fact_of_row: (0..program.row_count()).collect(),
+            cones_of: cones_by_column(&program),
+            program,
+            claim,
+            options,
+            token,
+            cascade: cascades.take(),
+            cascades,
+            warm: None,
+            wants_vertex: false,
+            sum: AggregatedRow::default(),
+            tight_sum: AggregatedRow::default(),
+            is_inside: None,
+            keeps_multipliers: false,
+            multipliers: None,
+            deficits: Vec::new(),
+            objective: Vec::new(),
+        }
+    }
 }
 
 impl Relaxer<'_> {
@@ -254,7 +286,12 @@ impl Relaxer<'_> {
 
     /// Whether the multipliers of a program without a point close the context, in one way or
     /// another.
-    fn closes(&mut self, facts: &Facts, bounds: &Bounds, found: &mut FactRefutation) -> bool {
+    pub(super) fn closes(
+        &mut self,
+        facts: &Facts,
+        bounds: &Bounds,
+        found: &mut FactRefutation,
+    ) -> bool {
         self.check(facts, bounds, found).is_some()
             || self.check_simpler(facts, bounds, found).is_some()
             || self.check(facts, bounds, found).is_some()

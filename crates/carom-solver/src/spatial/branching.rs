@@ -6,9 +6,9 @@ use crate::presolve::Domain;
 /// A split: the column and the value at which it is split. Whole columns are split between the
 /// value's neighbours.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct BoxSplit {
-    pub(super) column: usize,
-    pub(super) at: f64,
+pub(crate) struct BoxSplit {
+    pub(crate) column: usize,
+    pub(crate) at: f64,
 }
 
 /// The part of a range that each child has at least.
@@ -25,18 +25,18 @@ const LEAST_TERM_MISS: f64 = 1e-9;
 
 /// The gains of earlier splits, by column.
 #[derive(Debug)]
-pub(super) struct SplitHistory {
+pub(crate) struct SplitHistory {
     /// The lift of the bound per unit of what was split away, and the number of children.
     gains: Vec<(f64, u32)>,
 }
 
 impl SplitHistory {
-    pub(super) fn new(columns: usize) -> Self {
+    pub(crate) fn new(columns: usize) -> Self {
         SplitHistory { gains: vec![(0.0, 0); columns] }
     }
 
     /// Notes the lift of a child.
-    pub(super) fn note(&mut self, column: usize, lift: f64, distance: f64) {
+    pub(crate) fn note(&mut self, column: usize, lift: f64, distance: f64) {
         if lift.is_finite() && distance > 0.0 {
             let entry = &mut self.gains[column];
             entry.0 += lift.max(0.0) / distance;
@@ -61,7 +61,7 @@ impl SplitHistory {
 
 /// The split of a box at its relaxed point; `None` if all integers are whole and no range can be
 /// split.
-pub(super) fn choose(
+pub(crate) fn choose(
     program: &SpatialProgram,
     history: &SplitHistory,
     domain: &Domain,

@@ -10,15 +10,18 @@ use crate::presolve::Domain;
 
 /// The row `lower <= sum a_j x_j <= upper`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct EnclosureRow {
-    pub(super) entries: Vec<(usize, f64)>,
-    pub(super) lower: f64,
-    pub(super) upper: f64,
+pub(crate) struct EnclosureRow {
+    pub(crate) entries: Vec<(usize, f64)>,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    /// The multiples of the argument, or of the two factors, that are subtracted from the result,
+    /// or from the product.
+    pub(crate) slopes: [f64; 2],
 }
 
 impl EnclosureRow {
     /// By how much a point violates it.
-    pub(super) fn violation(&self, x: &[f64]) -> f64 {
+    pub(crate) fn violation(&self, x: &[f64]) -> f64 {
         let sum: f64 = self.entries.iter().map(|&(j, a)| a * x[j]).sum();
         (self.lower - sum).max(sum - self.upper)
     }
@@ -31,7 +34,7 @@ impl EnclosureRow {
 
 /// The rows about a term over a domain, tight at the ends of the ranges and at a point if there is
 /// one.
-pub(super) fn rows(term: &SmoothTerm, domain: &Domain, at: Option<&[f64]>) -> Vec<EnclosureRow> {
+pub(crate) fn rows(term: &SmoothTerm, domain: &Domain, at: Option<&[f64]>) -> Vec<EnclosureRow> {
     let mut rows = Vec::with_capacity(6);
     match &term.shape {
         Shape::Elementary { function, of } => {
@@ -72,7 +75,7 @@ pub(super) fn rows(term: &SmoothTerm, domain: &Domain, at: Option<&[f64]>) -> Ve
 
 /// The row about an elementary term that a point violates most; `None` if it violates none by more
 /// than a part of what it is off.
-pub(super) fn separate(term: &SmoothTerm, domain: &Domain, x: &[f64]) -> Option<EnclosureRow> {
+pub(crate) fn separate(term: &SmoothTerm, domain: &Domain, x: &[f64]) -> Option<EnclosureRow> {
     let Shape::Elementary { function, of } = &term.shape else { return None };
     let off = x[term.result] - term.value(x);
     if !off.is_finite() {
@@ -111,7 +114,7 @@ fn line_row(
         entries.push((of, -line.slope));
     }
     entries.sort_by_key(|entry| entry.0);
-    Some(EnclosureRow { entries, lower, upper })
+    Some(EnclosureRow { entries, lower, upper, slopes: [line.slope, 0.0] })
 }
 
 /// The four rows about a product of columns `x` and `y` (McCormick 1976): with `x >= a` and
@@ -140,12 +143,12 @@ fn product_rows(
         };
         let mut entries = vec![(result, 1.0), (x, -b), (y, -a)];
         merge_entries(&mut entries);
-        Some(EnclosureRow { entries, lower, upper })
+        Some(EnclosureRow { entries, lower, upper, slopes: [b, a] })
     })
 }
 
 /// Sorts entries by column and adds up those of one: it may be both factors, or result and factor.
-pub(super) fn merge_entries(entries: &mut Vec<(usize, f64)>) {
+pub(crate) fn merge_entries(entries: &mut Vec<(usize, f64)>) {
     entries.sort_by_key(|entry| entry.0);
     entries.dedup_by(|later, kept| {
         let is_same = later.0 == kept.0;

@@ -32,6 +32,11 @@ mod state;
 mod term;
 mod tree;
 
+pub(crate) use branching::{BoxSplit, SplitHistory, choose};
+pub(crate) use enclosure::{EnclosureRow, rows, separate};
 pub(crate) use flaw::SearchFlaw;
-pub(crate) use program::SpatialProgram;
+pub(crate) use program::{SpatialProgram, middle};
+pub(crate) use relaxation::{CONE_MISS, ROW_NAMES};
 pub(crate) use search::{Occasion, SearchNews, SpatialSearch};
+pub(crate) use state::SpatialResult;
+pub(crate) use term::Shape;

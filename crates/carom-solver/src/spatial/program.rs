@@ -17,19 +17,21 @@ use crate::solver::ProgramSize;
 /// and those of arguments.
 #[derive(Debug)]
 pub(crate) struct SpatialProgram {
-    pub(super) program: Program,
+    pub(crate) program: Program,
     /// By the order in which they depend on each other, those that others imply last.
-    pub(super) terms: Vec<SmoothTerm>,
+    pub(crate) terms: Vec<SmoothTerm>,
     /// Columns that equal affine expressions of columns.
     arguments: Vec<ArgumentColumn>,
     /// All rows and columns, without terms and cones.
-    pub(super) base: Reduced,
+    pub(crate) base: Reduced,
     /// The cones, which relaxations cut off.
-    pub(super) cones: Vec<ReducedCone>,
+    pub(crate) cones: Vec<ReducedCone>,
     /// Columns whose ranges enclosures depend on.
-    pub(super) spatial: Vec<usize>,
+    pub(crate) spatial: Vec<usize>,
     /// By column, whether rows, cones or functions have it.
     is_used: Vec<bool>,
+    /// The names of columns and rows, if they were asked for.
+    names: [Vec<String>; 2],
 }
 
 /// A column that equals an affine expression.
@@ -47,7 +49,14 @@ impl SpatialProgram {
     /// * `model`: for its smooth functions.
     /// * `rows`: the lowered model, to which the columns of arguments are added.
     /// * `ties`: by function of the model.
-    pub(crate) fn new(model: &Model, mut rows: Model, ties: &[Tie]) -> Result<Self, Error> {
+    /// * `has_log`: whether it is for a log, which has the names of columns and rows and states no
+    ///   implied terms.
+    pub(crate) fn new(
+        model: &Model,
+        mut rows: Model,
+        ties: &[Tie],
+        has_log: bool,
+    ) -> Result<Self, Error> {
         let mut builder = Builder { arguments: Vec::new(), known: BTreeMap::new() };
         let mut terms = Vec::new();
         for (function, &tie) in model.functions().zip(ties) {
@@ -64,7 +73,10 @@ impl SpatialProgram {
             };
             terms.push(SmoothTerm { result, shape, tie, is_implied: false });
         }
-        terms.extend(exponentials(&mut rows, &mut builder, &terms)?);
+        // A log states the program, and what is implied is no part of that.
+        if !has_log {
+            terms.extend(exponentials(&mut rows, &mut builder, &terms)?);
+        }
         let program = Program::assemble(&rows)?;
         let mut base = Reduced::whole(&program);
         let cones = std::mem::take(&mut base.cones);
@@ -77,7 +89,17 @@ impl SpatialProgram {
         let used = base.rows.index.iter().chain(&base.quadratic.index).chain(&spatial);
         used.chain(of_cones).for_each(|&column| is_used[column] = true);
         let arguments = builder.arguments;
-        Ok(SpatialProgram { program, terms, arguments, base, cones, spatial, is_used })
+        let mut names = [Vec::new(), Vec::new()];
+        if has_log {
+            names[0] = rows.variables().map(|variable| variable.name().to_string()).collect();
+            names[1] = rows.constraints().map(|row| row.name().to_string()).collect();
+        }
+        Ok(SpatialProgram { program, terms, arguments, base, cones, spatial, is_used, names })
+    }
+
+    /// The names of its columns and rows, for people.
+    pub(crate) fn names(&self) -> [&[String]; 2] {
+        [&self.names[0], &self.names[1]]
     }
 
     /// Its size, without the rows of terms.
@@ -146,7 +168,7 @@ impl SpatialProgram {
     }
 
     /// By column, how much the terms are off of which it is an argument, relative to their values.
-    pub(super) fn misses(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn misses(&self, x: &[f64]) -> Vec<f64> {
         let mut misses = vec![0.0; self.program.column_count()];
         for term in &self.terms {
             let miss = term.violation(x) / x[term.result].abs().max(1.0);
@@ -170,7 +192,7 @@ impl SpatialProgram {
 
     /// Puts the columns of terms and arguments of a point on their functions, in the order in which
     /// they depend on each other.
-    pub(super) fn settle(&self, x: &mut [f64]) {
+    pub(crate) fn settle(&self, x: &mut [f64]) {
         // Arguments follow from variables, and terms from arguments. Terms are in order; an
         // argument may depend on terms before it.
         let mut next = 0;
@@ -241,7 +263,7 @@ impl Builder {
 }
 
 /// A point of a box without a relaxed one.
-pub(super) fn middle(domain: &Domain) -> Vec<f64> {
+pub(crate) fn middle(domain: &Domain) -> Vec<f64> {
     let middle = |j: usize| {
         let [lower, upper] = domain.bounds(j);
         match (lower.is_finite(), upper.is_finite()) {

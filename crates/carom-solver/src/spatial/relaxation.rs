@@ -12,7 +12,7 @@ use crate::solver::{Options, StopToken};
 use crate::tolerance::largest_magnitude;
 
 /// Names of rows for each term, by which a basis knows them.
-const NAMES: usize = 64;
+pub(crate) const ROW_NAMES: usize = 64;
 
 /// Most rounds of rows at the root, and at other nodes.
 const ROOT_ROUNDS: usize = 20;
@@ -23,7 +23,7 @@ const NODE_ROUNDS: usize = 5;
 const LEAST_ROUND_LIFT: f64 = 0.01;
 
 /// The part of the largest value by which a point may be outside of a cone (no unit).
-const CONE_MISS: f64 = 1e-9;
+pub(crate) const CONE_MISS: f64 = 1e-9;
 
 /// The verdict on a box from its relaxation.
 pub(super) enum BoxVerdict {
@@ -97,7 +97,7 @@ impl<'a> BoxRelaxer<'a> {
         reduced.rows.push(cut.terms.iter().copied());
         reduced.row_lower.push(f64::NEG_INFINITY);
         reduced.row_upper.push(0.0);
-        let first = self.program.program.row_count() + self.program.terms.len() * NAMES;
+        let first = self.program.program.row_count() + self.program.terms.len() * ROW_NAMES;
         reduced.origin.push(first + k);
     }
 
@@ -141,8 +141,8 @@ impl<'a> BoxRelaxer<'a> {
         let (lower, upper) = (row.lower, row.upper);
         reduced.row_lower.push(if is_finite(lower) { lower - slack(lower) } else { lower });
         reduced.row_upper.push(if is_finite(upper) { upper + slack(upper) } else { upper });
-        let first = self.program.program.row_count() + term * NAMES;
-        reduced.origin.push(first + (*count).min(NAMES - 1));
+        let first = self.program.program.row_count() + term * ROW_NAMES;
+        reduced.origin.push(first + (*count).min(ROW_NAMES - 1));
         *count += 1;
     }
 

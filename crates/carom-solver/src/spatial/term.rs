@@ -7,18 +7,18 @@ use crate::reformulate::Tie;
 
 /// A column that equals a smooth function of one or two others.
 #[derive(Debug, Clone)]
-pub(super) struct SmoothTerm {
-    pub(super) result: usize,
-    pub(super) shape: Shape,
+pub(crate) struct SmoothTerm {
+    pub(crate) result: usize,
+    pub(crate) shape: Shape,
     /// Which side of the function matters, given what pushes the column.
-    pub(super) tie: Tie,
+    pub(crate) tie: Tie,
     /// Whether the other terms imply it, so that it is only there for its enclosure.
     pub(super) is_implied: bool,
 }
 
 /// The function of a term, with the columns of its arguments.
 #[derive(Debug, Clone)]
-pub(super) enum Shape {
+pub(crate) enum Shape {
     Elementary {
         function: Elementary,
         of: usize,
@@ -31,7 +31,7 @@ pub(super) enum Shape {
 
 impl SmoothTerm {
     /// The columns of the arguments.
-    pub(super) fn arguments(&self) -> &[usize] {
+    pub(crate) fn arguments(&self) -> &[usize] {
         match &self.shape {
             Shape::Elementary { of, .. } => std::slice::from_ref(of),
             Shape::Bilinear(of) | Shape::Quotient(of) => of,
@@ -39,7 +39,7 @@ impl SmoothTerm {
     }
 
     /// The value of the function at a point.
-    pub(super) fn value(&self, x: &[f64]) -> f64 {
+    pub(crate) fn value(&self, x: &[f64]) -> f64 {
         match &self.shape {
             Shape::Elementary { function, of } => function.value(x[*of]),
             Shape::Bilinear([a, b]) => x[*a] * x[*b],
@@ -48,7 +48,7 @@ impl SmoothTerm {
     }
 
     /// The derivatives by the arguments at a point, and the number of these.
-    pub(super) fn gradient(&self, x: &[f64]) -> ([(usize, f64); 2], usize) {
+    pub(crate) fn gradient(&self, x: &[f64]) -> ([(usize, f64); 2], usize) {
         match &self.shape {
             Shape::Elementary { function, of } => {
                 ([(*of, function.derivative(x[*of])), (*of, 0.0)], 1)
@@ -59,7 +59,7 @@ impl SmoothTerm {
     }
 
     /// The values over the bounds of a domain.
-    pub(super) fn range(&self, domain: &Domain) -> Interval {
+    pub(crate) fn range(&self, domain: &Domain) -> Interval {
         match &self.shape {
             Shape::Elementary { function, of } => function.range(bounds(domain, *of)),
             Shape::Bilinear([a, b]) => bounds(domain, *a) * bounds(domain, *b),
@@ -68,7 +68,7 @@ impl SmoothTerm {
     }
 
     /// By how much the column of a point is on a side of the function that matters.
-    pub(super) fn violation(&self, x: &[f64]) -> f64 {
+    pub(crate) fn violation(&self, x: &[f64]) -> f64 {
         let off = x[self.result] - self.value(x);
         match self.tie {
             Tie::Exact => off.abs(),
@@ -78,13 +78,13 @@ impl SmoothTerm {
     }
 
     /// Whether lines below the function matter (the column must not be below it), and lines above.
-    pub(super) fn sides(&self) -> [bool; 2] {
+    pub(crate) fn sides(&self) -> [bool; 2] {
         [self.tie != Tie::Below, self.tie != Tie::Above]
     }
 }
 
 /// The bounds of a column.
-pub(super) fn bounds(domain: &Domain, column: usize) -> Interval {
+pub(crate) fn bounds(domain: &Domain, column: usize) -> Interval {
     let [lower, upper] = domain.bounds(column);
     Interval::new(lower, upper)
 }
