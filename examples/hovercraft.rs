@@ -37,7 +37,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let path = &plan.bodies[0];
         for t in 0..=plan.steps() {
             let (x, v) = (&path.position[t], &path.velocity[t]);
-            println!("  {:.2} {:.2} m  {:.2} {:.2} m/s  {:.2} rad", x[0], x[1], v[0], v[1], path.heading[t]);
+            println!(
+                "  {:.2} {:.2} m  {:.2} {:.2} m/s  {:.2} rad",
+                x[0], x[1], v[0], v[1], path.heading[t]
+            );
         }
         if let (true, Some(file)) = (may_hit, std::env::args().nth(1)) {
             std::fs::write(file, plan.picture(&scene)?.to_svg())?;
