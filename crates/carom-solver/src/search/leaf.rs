@@ -163,6 +163,9 @@ fn offer_accepted(ctx: &Context<'_>, point: &[f64]) -> bool {
         ctx.tree.count(|s| s.excluded_by_rows += 1);
         return false;
     }
+    if ctx.node_cuts.exclude(point) {
+        ctx.tree.note_wrong_cut(point);
+    }
     ctx.tree.offer(task.value(point), point.to_vec());
     true
 }
