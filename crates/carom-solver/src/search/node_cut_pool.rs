@@ -75,6 +75,9 @@ impl NodeCutPool {
 
     /// Appends the cuts to a reduced program.
     pub(super) fn append_to(&mut self, reduced: &mut Reduced, domain: &Domain, rows: usize) {
+        if self.cuts.len() == self.free.len() {
+            return;
+        }
         let place = reduced.places();
         for (name, cut) in self.cuts.iter().enumerate() {
             if let Some((cut, _)) = cut {

@@ -31,6 +31,9 @@ const MOST_ENTRY_VISITS: [usize; 2] = [30_000_000, 80_000_000];
 /// of the matrix.
 const IDLE_VISITS_PER_ENTRY: usize = 200;
 
+/// Fewest columns of a program whose rounded point is mended: nodes of smaller ones are quick.
+const FEWEST_MENDED_COLUMNS: usize = 1000;
+
 /// Entries that are visited at most to mend a rounded point, by entry of the matrix.
 const MENDING_VISITS_PER_ENTRY: usize = 200;
 
@@ -92,7 +95,7 @@ pub(super) fn jump_to_feasibility(ctx: &mut Context<'_>) -> bool {
 /// accepted.
 pub(super) fn mend_rounded(ctx: &mut Context<'_>, point: &[f64]) -> bool {
     let program = ctx.program();
-    if !program.cones.is_empty() {
+    if !program.cones.is_empty() || program.column_count() < FEWEST_MENDED_COLUMNS {
         return false;
     }
     let bounds = bounds_of(ctx);

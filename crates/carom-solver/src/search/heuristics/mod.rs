@@ -103,7 +103,8 @@ pub(super) fn look_for_points(
         if on.rounding && !waits {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
-            if !round_and_propagate(ctx, point) && ctx.tree.cutoff() == f64::INFINITY {
+            let is_rounded = round_and_propagate(ctx, point);
+            if at_root && !is_rounded && ctx.tree.cutoff() == f64::INFINITY {
                 mend_rounded(ctx, point);
             }
             ctx.tree.end(before);
