@@ -134,7 +134,9 @@ pub(super) fn look_for_first_point(ctx: &mut Context<'_>) {
     span!(DEBUG, "heuristic", name = "first point");
     let activity = ctx.clock.switch(Activity::Heuristic);
     let before = ctx.tree.begin(Heuristic::Rounding);
-    let share = ctx.token.left().map(|left| left.mul_f64(HEURISTICS.cheap_ends_share));
+    // No jumps follow where there are cones.
+    let left = ctx.token.left().filter(|_| ctx.program().cones.is_empty());
+    let share = left.map(|left| left.mul_f64(HEURISTICS.cheap_ends_share));
     let part = ctx.token.child(share);
     let whole = std::mem::replace(&mut ctx.token, part);
     let found = fix_at_cheap_ends(ctx);
