@@ -30,6 +30,7 @@ mod large_coefficients;
 mod lazy_constraints;
 mod limits;
 mod multipliers;
+mod node_cuts;
 mod nonlinear;
 mod notes;
 mod open_integers;

@@ -7,6 +7,10 @@ use crate::program::Program;
 use crate::search::{Root, SolveTask};
 use crate::solver::{Options, StopToken};
 
+/// Largest share of the remaining time that each way of tightening big-Ms may take (no unit): a
+/// relaxation without them is better than none.
+const TIME_SHARE_OF_TIGHTENING: f64 = 0.05;
+
 /// A program with smaller big-Ms, and its root.
 #[derive(Debug)]
 pub(super) struct Tightened<'a> {
@@ -42,11 +46,12 @@ fn tighten<'a>(program: &'a Program, options: &Options, token: &StopToken) -> Co
     if options.parts().keep_leaves {
         return tight;
     }
+    let share = || token.child(token.left().map(|left| left.mul_f64(TIME_SHARE_OF_TIGHTENING)));
     if options.parts().disjunctive_tightening {
-        tight = tighten_by_disjunctions(&tight, token).map_or(tight, Cow::Owned);
+        tight = tighten_by_disjunctions(&tight, &share()).map_or(tight, Cow::Owned);
     }
     if options.parts().big_m_tightening {
-        tight = tighten_big_ms(&tight, token).map_or(tight, Cow::Owned);
+        tight = tighten_big_ms(&tight, &share()).map_or(tight, Cow::Owned);
     }
     tight
 }

@@ -32,6 +32,8 @@ pub enum Contradiction {
     Row(usize),
     /// The bounds of the column exclude it.
     Column(usize),
+    /// A cut that was found at a node excludes it.
+    NodeCut,
 }
 
 /// Compares the program of a task, and the bounds of its root, with the exact program at an
@@ -68,7 +70,7 @@ fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64) -> bool {
 /// was derived from it. Presolve makes equations of rows that hold as equations at an optimum, and
 /// expressions in cones are columns of which the model knows nothing: a point that the model
 /// accepts need not satisfy either.
-fn is_excluded(exact: &Program, x: &[f64]) -> bool {
+pub(super) fn is_excluded(exact: &Program, x: &[f64]) -> bool {
     let has_cones = !exact.cones.is_empty();
     let miss = if has_cones { ROOTED_MISS } else { [COEFFICIENT_MISS, TERMS_MISS] };
     let is_outside = |j| is_outside(exact.integral[j], [exact.lower[j], exact.upper[j]], x[j]);

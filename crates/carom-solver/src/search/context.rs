@@ -6,6 +6,7 @@ use super::clock::{Activity, ActivityClock};
 use super::cone_method::ConeRecord;
 use super::cone_pool::ConePool;
 use super::focus_node::FocusNode;
+use super::node_cut_pool::NodeCutPool;
 use super::root::Root;
 use super::task::SolveTask;
 use super::tree_view::TreeView;
@@ -26,6 +27,7 @@ pub(super) struct Context<'a> {
     pub(super) cascade: MethodCascade,
     pub(super) cone_pool: ConePool,
     pub(super) cone_record: ConeRecord,
+    pub(super) node_cuts: NodeCutPool,
     pub(super) clock: ActivityClock,
     /// This worker's own clone, which counts its work.
     pub(super) token: StopToken,
@@ -44,6 +46,7 @@ impl<'a> Context<'a> {
             cascade: task.cascades.take(),
             cone_pool: ConePool::default(),
             cone_record: ConeRecord::default(),
+            node_cuts: NodeCutPool::new(task.program, task.options),
             clock: ActivityClock::new(),
             token: task.token.clone(),
             iterations: 0,

@@ -100,7 +100,7 @@ pub fn search_unstrengthened(
     control: &mut Control<'_>,
 ) -> SearchResult {
     let program = task.exact.unwrap_or(task.program);
-    let options = &task.options.clone().with_probing(false);
+    let options = &task.options.clone().with_probing(false).with_cuts(false);
     let task = SolveTask { program, exact: Some(program), root: None, options, ..task };
     let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
     let point = before.points.into_iter().next();

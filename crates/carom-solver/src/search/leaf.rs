@@ -131,6 +131,16 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
     false
 }
 
+/// Offers a point as it is. Returns whether it was accepted.
+pub(super) fn offer_point(ctx: &mut Context<'_>, point: &[f64]) -> bool {
+    let activity = ctx.clock.switch(Activity::Verification);
+    let mut point = point.to_vec();
+    complete(ctx, &mut point);
+    let found = offer_accepted(ctx, &point);
+    ctx.clock.switch(activity);
+    found
+}
+
 /// Gives columns that follow from others their values.
 fn complete(ctx: &Context<'_>, point: &mut [f64]) {
     if let Some(determined) = ctx.tree.tree.determined() {
@@ -152,6 +162,9 @@ fn offer_accepted(ctx: &Context<'_>, point: &[f64]) -> bool {
     if task.judge.excludes(point) {
         ctx.tree.count(|s| s.excluded_by_rows += 1);
         return false;
+    }
+    if ctx.node_cuts.exclude(point) {
+        ctx.tree.note_wrong_cut(point);
     }
     ctx.tree.offer(task.value(point), point.to_vec());
     true

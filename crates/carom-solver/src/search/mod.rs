@@ -27,6 +27,7 @@
 //! * `outer_approximation`, `cone_pool` - cuts of cones, at the root and at nodes
 //! * `cone_method` - cuts or conic programs at nodes
 //! * `cuts` - rows that cut off the relaxed point of the root
+//! * `node_cuts`, `node_cut_pool` - those of nodes
 //!
 //! The focus node:
 //!
@@ -73,6 +74,8 @@ mod leaf;
 mod leaf_reduction;
 mod local_bounds;
 mod node;
+mod node_cut_pool;
+mod node_cuts;
 mod node_probing;
 mod node_relaxation;
 mod outer_approximation;

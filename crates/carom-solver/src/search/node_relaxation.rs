@@ -7,6 +7,7 @@ use super::cone_method::ConeMethod;
 use super::cone_pool::separate_cones;
 use super::context::Context;
 use super::leaf_reduction::reduce_leaf;
+use super::node_cuts::relax_with_cuts;
 use super::saved_tree::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::program::ConeRole;
@@ -198,7 +199,7 @@ pub(super) fn relax_and_keep(
     projection: &mut Projection,
     purpose: Purpose,
 ) -> (RelaxationVerdict, Option<Arc<ProofMultipliers>>) {
-    let verdict = relax(ctx, &mut projection.reduced, purpose);
+    let verdict = relax_with_cuts(ctx, projection, purpose);
     let (x, y) = match &verdict {
         RelaxationVerdict::Refuted(y) => (None, y),
         RelaxationVerdict::Relaxed { x, y, .. } => (Some(x), y),

@@ -227,18 +227,17 @@ impl<'a> Tree<'a> {
     pub(super) fn may_go_on(&self, state: &mut TreeState) -> bool {
         let options = self.task.options;
         let open = self.open.load(Ordering::Relaxed);
-        let bytes = self.bytes(state);
-        state.bytes = bytes;
+        state.bytes = self.bytes(state);
         let counts = &mut state.statistics;
         counts.max_open = counts.max_open.max(open as u64);
-        counts.tree_bytes = counts.tree_bytes.max(bytes);
+        counts.tree_bytes = counts.tree_bytes.max(state.bytes);
         if state.stop.is_none() && (open > 0 || state.floors.iter().any(Option::is_some)) {
             let nodes = state.started.max(state.statistics.nodes);
             state.stop = if let Some(reason) = self.task.token.ended() {
                 Some(reason)
             } else if options.node_limit.is_some_and(|limit| nodes >= limit) {
                 Some(Termination::NodeLimit)
-            } else if options.memory_limit.is_some_and(|limit| bytes >= limit) {
+            } else if options.memory_limit.is_some_and(|limit| state.bytes >= limit) {
                 Some(Termination::MemoryLimit)
             } else if has_enough_rows(state) {
                 Some(Termination::Stalled)
@@ -267,12 +266,10 @@ impl<'a> Tree<'a> {
 
     /// The best point and its value. In rounds it is that of the last one's end.
     pub(super) fn incumbent(&self) -> Option<(f64, Vec<f64>)> {
-        let state = self.lock();
-        state.points.incumbent().map(|best| (best.value, best.point.clone()))
+        self.lock().points.incumbent().map(|best| (best.value, best.point.clone()))
     }
 
-    /// The value of the best point of the pool with a key. In rounds it is that of the last one's
-    /// end.
+    /// The value of the best point of the pool with a key; in rounds that of the last one's end.
     pub(super) fn value_of(&self, key: &[i64]) -> Option<f64> {
         self.lock().points.value_of(key)
     }
@@ -282,16 +279,20 @@ impl<'a> Tree<'a> {
         self.task.options.memory_limit.is_some_and(|limit| self.bytes(state) >= limit / 2)
     }
 
+    /// Ends the search, because no bound holds.
+    pub(super) fn contradict(&self, state: &mut TreeState, what: Contradiction) {
+        event!(WARN, what = ?what, "contradiction");
+        state.contradiction = Some(what);
+        state.statistics.contradictions += 1;
+        state.stop.get_or_insert(Termination::Stalled);
+        self.wake.notify_all();
+    }
+
     /// Takes in a verified point; `true` when it is the new incumbent. Ends the search if the point
     /// contradicts the strengthened program, because then no bound holds.
     pub(super) fn accept(&self, state: &mut TreeState, accepted: Accepted) -> bool {
-        if let Some(what) = contradiction(&self.task, &self.root.domain, &accepted.point) {
-            event!(WARN, what = ?what, "contradiction");
-            state.contradiction = Some(what);
-            state.statistics.contradictions += 1;
-            state.stop.get_or_insert(Termination::Stalled);
-            self.wake.notify_all();
-        }
+        let wrong = contradiction(&self.task, &self.root.domain, &accepted.point);
+        wrong.into_iter().for_each(|what| self.contradict(state, what));
         let found_by = accepted.found_by;
         let news = accepted.clone();
         let better = state.points.offer(accepted);

@@ -11,6 +11,7 @@ use std::sync::atomic::Ordering;
 use web_time::Instant;
 
 use super::best_points::Accepted;
+use super::comparison::{Contradiction, is_excluded};
 use super::node::{Decision, Node, Path};
 use super::saved_tree::{SavedDuals, SavedSplit, SavedTree};
 use super::start::{Completion, Start};
@@ -212,6 +213,15 @@ impl<'a> TreeView<'a> {
     /// Notes the outcome of completing the integers of the start.
     pub(super) fn report_completion(&self, completion: Completion) {
         self.tree.lock().completion = Some(completion);
+    }
+
+    /// Ends the search, because an accepted point is beyond a cut of a node, unless the exact
+    /// program excludes that point, too.
+    pub(super) fn note_wrong_cut(&self, point: &[f64]) {
+        let exact = self.tree.task.exact.unwrap_or(self.tree.task.program);
+        if !is_excluded(exact, point) {
+            self.tree.contradict(&mut self.tree.lock(), Contradiction::NodeCut);
+        }
     }
 
     /// Notes that a visible part of the value of a point is due to limits that presolve has

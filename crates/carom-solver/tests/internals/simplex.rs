@@ -200,3 +200,33 @@ fn most_programs_are_settled() {
     }
     assert!(all > 50 && settled + 3 >= all, "{settled} of {all}");
 }
+
+/// Two rows that say the same up to rounding have a point, however exact a leaf is wanted.
+#[test]
+fn what_rounding_refutes_is_solved() {
+    let off = 1.0 + 1e-12;
+    let program = Reduced {
+        columns: vec![0, 1],
+        values: vec![0.0; 2],
+        linear: vec![1.0, 2.0],
+        lower: vec![0.0; 2],
+        upper: vec![5.0; 2],
+        rows: Compressed { start: vec![0, 2, 4], index: vec![0, 1, 0, 1], value: vec![1.0; 4] },
+        row_lower: vec![1.0, off],
+        row_upper: vec![1.0, off],
+        quadratic: Compressed { start: vec![0; 3], ..Compressed::default() },
+        ..Reduced::default()
+    };
+    let token = StopToken::default();
+    let effort = Effort {
+        iterations: u32::MAX,
+        tolerance: 1e-14,
+        refinements: 1,
+        cutoff: INF,
+        token: &token,
+        warm: None,
+    };
+    let answer = DualSimplex::new().solve(&program, &effort);
+    assert_eq!(answer.claim, RelaxationClaim::Solved);
+    assert!((answer.x[0] - 1.0).abs() < 1e-9 && answer.x[1].abs() < 1e-9, "{:?}", answer.x);
+}

@@ -20,8 +20,9 @@ const MIN_STEP: f64 = 1e-12;
 pub(super) struct Dual {
     pub(super) tableau: Tableau,
     violations: Violations,
-    /// The largest violation of a bound, relative.
+    /// The largest violation of a bound, relative, and the least that this may be.
     allowed: f64,
+    least_allowed: f64,
     /// The dual objective, scaled.
     pub(super) value: f64,
     /// Steps of length zero.
@@ -45,6 +46,7 @@ impl Dual {
             tableau,
             violations: Violations::default(),
             allowed: PRIMAL_TOLERANCE,
+            least_allowed: 0.0,
             value: 0.0,
             idle_steps: 0,
             candidates: Vec::new(),
@@ -86,6 +88,7 @@ impl Dual {
         if tolerance < PRIMAL_TOLERANCE {
             let size = self.tableau.value.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
             self.allowed = (0.1 * tolerance * size).clamp(tolerance, PRIMAL_TOLERANCE);
+            self.allowed = self.allowed.max(self.least_allowed);
         }
         self.violations.find(&self.tableau, self.allowed);
     }
@@ -168,6 +171,13 @@ impl Dual {
         let Some(entering) = entering else {
             if self.tableau.factors.exchanges() > 0 {
                 self.refresh();
+                return Iteration::Moved;
+            }
+            if violation(&self.tableau, slot, PRIMAL_TOLERANCE) == 0.0 {
+                // Rounding of the limits may be as large, so that this refutes nothing.
+                self.least_allowed = PRIMAL_TOLERANCE;
+                self.allowed = PRIMAL_TOLERANCE;
+                self.violations.find(&self.tableau, self.allowed);
                 return Iteration::Moved;
             }
             return Iteration::Infeasible(

@@ -111,7 +111,7 @@ impl Cut {
     }
 
     /// The largest magnitude of terms and limit at a point, at least 1.
-    pub(super) fn scale(&self, x: &[f64]) -> f64 {
+    pub(in crate::search) fn scale(&self, x: &[f64]) -> f64 {
         let terms = self.terms.iter().map(|&(j, a)| (a * x[j]).abs());
         terms.fold(self.limit.abs().max(1.0), f64::max)
     }

@@ -302,6 +302,13 @@ impl CutRounds<'_> {
     }
 }
 
+/// The deepest cuts, no two of them nearly parallel, and at most so many.
+pub(super) fn select_deepest(cuts: Vec<Cut>, most: usize, x: &[f64]) -> Vec<Cut> {
+    let mut chosen = select(cuts, &[], CUTS.most_cosine, x);
+    chosen.truncate(most);
+    chosen
+}
+
 /// The deepest cuts, no two of them nearly parallel, nor to those that there are.
 fn select(mut cuts: Vec<Cut>, others: &[Cut], most_cosine: f64, x: &[f64]) -> Vec<Cut> {
     cuts.sort_by(|a, b| b.depth(x).total_cmp(&a.depth(x)));

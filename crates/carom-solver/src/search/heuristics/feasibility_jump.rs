@@ -7,13 +7,14 @@
 //!
 //! Many timetables and assignments have a point that is found so long before their first relaxation
 //! is solved. Where there is no objective, or one of few columns, which then stay where they cost
-//! least, it is an optimum. Where time presses, it is a point in case that no other is found.
+//! least, it is an optimum. Where time presses, it is a point in case that no other is found. After
+//! a relaxation, the search begins with its rounded point, and mends what rounding has violated.
 
 use super::jump_value::Kinks;
 use crate::program::Program;
 use crate::random::SplitMix;
 use crate::search::context::Context;
-use crate::search::leaf::try_assignment;
+use crate::search::leaf::{offer_point, try_assignment};
 use crate::tolerance;
 
 /// Fewest binaries for which the search is worth its while: relaxations of fewer are quick.
@@ -28,7 +29,13 @@ const MOST_ENTRY_VISITS: [usize; 2] = [30_000_000, 80_000_000];
 
 /// Entries that are visited at most for other points since the fewest rows were violated, by entry
 /// of the matrix.
-const IDLE_VISITS_PER_ENTRY: usize = 50;
+const IDLE_VISITS_PER_ENTRY: usize = 200;
+
+/// Fewest columns of a program whose rounded point is mended: nodes of smaller ones are quick.
+const FEWEST_MENDED_COLUMNS: usize = 1000;
+
+/// Entries that are visited at most to mend a rounded point, by entry of the matrix.
+const MENDING_VISITS_PER_ENTRY: usize = 200;
 
 /// A search that has less time by entry of the matrix may not come to its first relaxed point (s).
 const PRESSING_SECONDS: f64 = 1e-4;
@@ -69,19 +76,57 @@ pub(super) fn jump_to_feasibility(ctx: &mut Context<'_>) -> bool {
     if !program.cones.is_empty() || !(is_answer || presses()) {
         return false;
     }
-    let bounds: Vec<[f64; 2]> =
-        (0..program.column_count()).map(|j| ctx.node.domain.bounds(j)).collect();
     let [for_answers, for_others] = MOST_ENTRY_VISITS;
     let (most, idle) = match is_answer {
         true => (for_answers, for_answers),
         false => (for_others, IDLE_VISITS_PER_ENTRY * entries),
     };
-    let mut search = LocalSearch::new(program, bounds, is_answer);
+    let bounds = bounds_of(ctx);
+    let begin = |([lower, upper], cost): (&[f64; 2], &f64)| {
+        let ends = if *cost < 0.0 { [upper, lower] } else { [lower, upper] };
+        ends.into_iter().find(|end| end.is_finite()).copied().unwrap_or(0.0)
+    };
+    let x = bounds.iter().zip(&program.linear).map(begin).collect();
+    let search = LocalSearch::new(program, bounds, x, is_answer);
+    jump_until(ctx, search, [most, idle])
+}
+
+/// Rounds a relaxed point of the domain, and looks for a point from there. Returns whether one was
+/// accepted.
+pub(super) fn mend_rounded(ctx: &mut Context<'_>, point: &[f64]) -> bool {
+    let program = ctx.program();
+    if !program.cones.is_empty() || program.column_count() < FEWEST_MENDED_COLUMNS {
+        return false;
+    }
+    let bounds = bounds_of(ctx);
+    let round = |(j, [lower, upper]): (usize, &[f64; 2])| {
+        let value = if program.integral[j] { point[j].round() } else { point[j] };
+        value.max(*lower).min(*upper)
+    };
+    let x = bounds.iter().enumerate().map(round).collect();
+    let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
+    let search = LocalSearch::new(program, bounds, x, false);
+    jump_until(ctx, search, [MENDING_VISITS_PER_ENTRY, IDLE_VISITS_PER_ENTRY].map(|v| v * entries))
+}
+
+/// The bounds of all columns in the domain.
+fn bounds_of(ctx: &Context<'_>) -> Vec<[f64; 2]> {
+    (0..ctx.program().column_count()).map(|j| ctx.node.domain.bounds(j)).collect()
+}
+
+/// Lets columns jump until a point is accepted, which is the result, or there are too many visits
+/// of entries: in all, and since the fewest rows were violated.
+fn jump_until(
+    ctx: &mut Context<'_>,
+    mut search: LocalSearch<'_>,
+    [most, idle]: [usize; 2],
+) -> bool {
     let (mut completions, mut next) = (0, 0);
     let (mut fewest, mut since) = (usize::MAX, 0);
     for jumps in 1.. {
         if search.violated.members.is_empty() {
-            return try_assignment(ctx, &search.x);
+            // What is solved for costs less, and may take longer than there is time.
+            return try_assignment(ctx, &search.x) || offer_point(ctx, &search.x);
         }
         if search.violated_whole == 0 && jumps >= next && completions < MOST_COMPLETIONS {
             if try_assignment(ctx, &search.x) {
@@ -165,17 +210,13 @@ struct LocalSearch<'a> {
 impl<'a> LocalSearch<'a> {
     /// # Arguments
     ///
-    /// * `holds_costs`: columns with costs stay where they cost least.
-    fn new(program: &'a Program, bounds: Vec<[f64; 2]>, holds_costs: bool) -> Self {
+    /// * `x`: the first point, within the bounds.
+    /// * `holds_costs`: columns with costs stay where they are.
+    fn new(program: &'a Program, bounds: Vec<[f64; 2]>, x: Vec<f64>, holds_costs: bool) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
         let is_switch =
             |(j, [lower, upper]): (usize, &[f64; 2])| program.integral[j] && upper - lower <= 1.0;
         let is_switch: Vec<bool> = bounds.iter().enumerate().map(is_switch).collect();
-        let begin = |([lower, upper], cost): (&[f64; 2], &f64)| {
-            let ends = if *cost < 0.0 { [upper, lower] } else { [lower, upper] };
-            ends.into_iter().find(|end| end.is_finite()).copied().unwrap_or(0.0)
-        };
-        let x: Vec<f64> = bounds.iter().zip(&program.linear).map(begin).collect();
         let step = |j: usize| match bounds[j] {
             [lower, upper] if is_switch[j] && !(holds_costs && program.linear[j] != 0.0) => {
                 lower + upper - 2.0 * x[j]

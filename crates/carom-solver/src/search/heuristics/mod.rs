@@ -15,8 +15,8 @@ mod rounding;
 pub use allowance::Allowance;
 pub(super) use completion::complete_start;
 use diving::dive_where_it_pays;
-use feasibility_jump::jump_to_feasibility;
 pub(super) use feasibility_jump::suits as suits_jumps;
+use feasibility_jump::{jump_to_feasibility, mend_rounded};
 pub use jump_value::Kinks;
 use near_origin::search_near_origin;
 use neighbourhood::search_near_incumbent;
@@ -103,7 +103,10 @@ pub(super) fn look_for_points(
         if on.rounding && !waits {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
-            round_and_propagate(ctx, point);
+            let is_rounded = round_and_propagate(ctx, point);
+            if at_root && !is_rounded && ctx.tree.cutoff() == f64::INFINITY {
+                mend_rounded(ctx, point);
+            }
             ctx.tree.end(before);
         }
         if on.roll_out && !waits && !ctx.program().is_feasibility_problem() {
@@ -131,7 +134,14 @@ pub(super) fn look_for_first_point(ctx: &mut Context<'_>) {
     span!(DEBUG, "heuristic", name = "first point");
     let activity = ctx.clock.switch(Activity::Heuristic);
     let before = ctx.tree.begin(Heuristic::Rounding);
-    if !fix_at_cheap_ends(ctx) {
+    // No jumps follow where there are cones.
+    let left = ctx.token.left().filter(|_| ctx.program().cones.is_empty());
+    let share = left.map(|left| left.mul_f64(HEURISTICS.cheap_ends_share));
+    let part = ctx.token.child(share);
+    let whole = std::mem::replace(&mut ctx.token, part);
+    let found = fix_at_cheap_ends(ctx);
+    ctx.token = whole;
+    if !found {
         jump_to_feasibility(ctx);
     }
     ctx.tree.end(before);

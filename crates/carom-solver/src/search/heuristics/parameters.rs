@@ -38,6 +38,9 @@ pub(super) struct HeuristicParameters {
     pub(super) prepared_relaxations: usize,
     /// Shares of the integers of a start, from its beginning, that are tried.
     pub(super) start_shares: [f64; 3],
+    /// Largest share of the time for a first point in which integers are tried at their cheap ends
+    /// (no unit).
+    pub(super) cheap_ends_share: f64,
     /// Largest width of a continuous column that counts as known in a roll-out, relative to the
     /// width at first; in the column's unit if it had no bounds.
     pub(super) known_width: f64,
@@ -60,5 +63,6 @@ pub(super) const HEURISTICS: HeuristicParameters = HeuristicParameters {
     completion_relaxations: 12,
     prepared_relaxations: 3,
     start_shares: [1.0, 0.5, 0.25],
+    cheap_ends_share: 0.2,
     known_width: 1e-4,
 };
