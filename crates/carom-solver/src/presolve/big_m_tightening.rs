@@ -131,6 +131,8 @@ struct TightenedRows<'a> {
     /// By column, the coefficients of the current row and of the row linked to it.
     line: Vec<f64>,
     linked: Vec<f64>,
+    /// By column, whether it is continuous and not fixed.
+    moves: Vec<bool>,
     witness: Witness,
     /// Rows that are known to be linked already.
     seen: Vec<bool>,
@@ -170,14 +172,20 @@ impl<'a> TightenedRows<'a> {
     fn new(program: &'a Program, domain: &Domain) -> Self {
         let (n, m) = (program.column_count(), program.row_count());
         let limits = program.row_lower.iter().zip(&program.row_upper);
+        let moves: Vec<bool> =
+            (0..n).map(|j| !program.integral[j] && !domain.is_fixed(j)).collect();
+        let values = program.rows.val().to_vec();
+        let rows = CurrentRows { program, values: &values, moves: &moves };
+        let witness = Witness::new(rows, domain);
         TightenedRows {
             program,
-            values: program.rows.val().to_vec(),
+            values,
             limits: limits.map(|(&lower, &upper)| [lower, upper]).collect(),
             changed: false,
             line: vec![0.0; n],
             linked: vec![0.0; n],
-            witness: Witness::new(program, domain),
+            moves,
+            witness,
             seen: vec![false; m],
             terms: Vec::new(),
             linked_terms: Vec::new(),
@@ -238,7 +246,7 @@ impl<'a> TightenedRows<'a> {
         }
         linked.truncate(kept);
         continuous(row).for_each(|j| self.line[j] = 0.0);
-        let rows = CurrentRows { program, values: &self.values };
+        let rows = CurrentRows { program, values: &self.values, moves: &self.moves };
         self.witness.keep_linked(rows, row, &linked[begin..]);
     }
 
@@ -255,11 +263,12 @@ impl<'a> TightenedRows<'a> {
         }
         let mut best = alone.value();
         let sought = SoughtLimit { row, sign, limit };
-        let rows = CurrentRows { program: self.program, values: &self.values };
+        let rows = CurrentRows { program: self.program, values: &self.values, moves: &self.moves };
         let step = self.witness.step(rows, domain, sought);
         for (k, &other) in linked.iter().enumerate() {
             let limits = self.limits[other];
-            let rows = CurrentRows { program: self.program, values: &self.values };
+            let rows =
+                CurrentRows { program: self.program, values: &self.values, moves: &self.moves };
             let has_point = step.is_some_and(|step| {
                 self.witness.satisfies(rows, domain, (sought, step), k, limits)
             });

@@ -26,6 +26,8 @@ const MIN_INDEPENDENT_PART: f64 = 1e-6;
 pub(super) struct CurrentRows<'a> {
     pub(super) program: &'a Program,
     pub(super) values: &'a [f64],
+    /// By column, whether the point can move along it: continuous columns that are not fixed.
+    pub(super) moves: &'a [bool],
 }
 
 impl<'a> CurrentRows<'a> {
@@ -34,12 +36,13 @@ impl<'a> CurrentRows<'a> {
         self.program.row(row).0.iter().copied().zip(values.iter().copied())
     }
 
-    fn continuous(self, row: usize) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
-        self.terms(row).filter(move |(j, _)| !self.program.integral[*j])
+    /// The terms along which the point can move.
+    fn moving(self, row: usize) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
+        self.terms(row).filter(move |(j, _)| self.moves[*j])
     }
 
     fn steepness(self, row: usize) -> f64 {
-        self.continuous(row).map(|(_, a)| a * a).sum()
+        self.moving(row).map(|(_, a)| a * a).sum()
     }
 }
 
@@ -75,7 +78,8 @@ pub(super) struct SoughtLimit {
 }
 
 impl Witness {
-    pub(super) fn new(program: &Program, domain: &Domain) -> Self {
+    pub(super) fn new(rows: CurrentRows<'_>, domain: &Domain) -> Self {
+        let program = rows.program;
         let mut witness = Witness {
             point: Vec::new(),
             rows: Vec::new(),
@@ -86,7 +90,6 @@ impl Witness {
         };
         let m = program.row_count();
         if (0..m).any(|row| is_dense(program, row)) {
-            let rows = CurrentRows { program, values: program.rows.val() };
             witness.point = interior_point(rows, domain);
             witness.rows.resize_with(m, || None);
             witness.steepness = (0..m).map(|row| rows.steepness(row)).collect();
@@ -106,10 +109,10 @@ impl Witness {
         if self.point.is_empty() || !is_dense(rows.program, row) {
             return;
         }
-        rows.continuous(row).for_each(|(j, a)| self.terms[j] = a);
+        rows.moving(row).for_each(|(j, a)| self.terms[j] = a);
         let slope = |row: &usize| rows.terms(*row).map(|(j, a)| a * self.terms[j]).sum();
         let slopes = linked.iter().map(slope).collect();
-        rows.continuous(row).for_each(|(j, _)| self.terms[j] = 0.0);
+        rows.moving(row).for_each(|(j, _)| self.terms[j] = 0.0);
         self.rows[row] = Some(DenseRow { linked: linked.to_vec(), slopes });
     }
 
@@ -131,7 +134,7 @@ impl Witness {
         let missing = limit - sign * self.sum(rows, domain, row);
         let step = sign * missing.max(0.0) / self.steepness[row];
         let stays = |(j, a)| self.is_within(domain, j, step * a);
-        (step.is_finite() && rows.continuous(row).all(stays)).then_some(step)
+        (step.is_finite() && rows.moving(row).all(stays)).then_some(step)
     }
 
     /// Whether a point of the domain satisfies a row and is where another one has its limit.
@@ -165,8 +168,8 @@ impl Witness {
         }
         let along = own * (target - after) / independent;
         let step = step - along * slope / own;
-        let mut first = rows.continuous(sought.row).peekable();
-        let mut second = rows.continuous(row).peekable();
+        let mut first = rows.moving(sought.row).peekable();
+        let mut second = rows.moving(row).peekable();
         loop {
             let [i, j] = [first.peek(), second.peek()].map(|next| next.map_or(usize::MAX, |n| n.0));
             if i == usize::MAX && j == usize::MAX {
@@ -228,7 +231,7 @@ fn interior_point(rows: CurrentRows<'_>, domain: &Domain) -> Vec<f64> {
             if missing == 0.0 || length == 0.0 {
                 continue;
             }
-            for (j, a) in rows.continuous(row) {
+            for (j, a) in rows.moving(row) {
                 point[j] = clamped(j, point[j] + missing / length * a);
             }
         }
