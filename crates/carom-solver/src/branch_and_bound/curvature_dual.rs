@@ -14,14 +14,14 @@
 use crate::random::SplitMix;
 use crate::semidefinite::Product;
 
-/// Most rounds, in each of which all vectors turn.
-const MOST_ROUNDS: usize = 100;
+/// How often all vectors turn at most.
+const MOST_TURNS: usize = 100;
 
 /// The change of the value in a round, relative to the value, at which rounds end (no unit).
 const SETTLED_VALUE: f64 = 1e-5;
 
 /// Most multiplications of all rounds together.
-const MOST_PRODUCTS: usize = 400_000_000;
+const MOST_MULTIPLICATIONS: usize = 400_000_000;
 
 /// A row `terms <= limit`, or `terms = limit`, over the columns of a form by their places.
 #[derive(Debug, Clone)]
@@ -47,8 +47,8 @@ impl BinaryForm {
         let size = self.linear.len();
         // As many dimensions as a best point of the relaxation needs.
         let rank = (2.0 * (size + 1) as f64).sqrt().ceil() as usize + 1;
-        let work = MOST_ROUNDS * rank * (2 * self.products.len() + 4 * size);
-        (work <= MOST_PRODUCTS).then(|| Vectors::new(self, rank).settle())
+        let work = MOST_TURNS * rank * (2 * self.products.len() + 4 * size);
+        (work <= MOST_MULTIPLICATIONS).then(|| Vectors::new(self, rank).settle())
     }
 }
 
@@ -104,7 +104,7 @@ impl<'a> Vectors<'a> {
         let entries = self.neighbours.iter().flatten().map(|(_, q)| 4.0 * q.abs());
         let scale = mean(entries.chain(self.squares.iter().map(|q| q.abs())).sum());
         let mut before = f64::INFINITY;
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MOST_TURNS {
             let links = self.links();
             let value: f64 = (0..=size).map(|j| self.turn(j, &links)).sum();
             let has_moved = self.raise_multipliers(scale);
