@@ -159,10 +159,17 @@ impl ConvexChanges {
         if with_two.is_empty() {
             return Ok(());
         }
+        let crossing = |(a, b, _): &&Product| a != b;
+        let is_bounded =
+            |(a, b, _): &Product| columns.width(*a).is_finite() && columns.width(*b).is_finite();
+        let count = with_two.iter().filter(crossing).count();
+        let involved = with_two.iter().flat_map(|&(a, b, _)| [a, b]).collect::<BTreeSet<_>>();
+        let is_sparse =
+            2.0 * count as f64 <= FEW_PRODUCTS * involved.len() as f64 && count <= MOST_PRODUCTS;
         let own = members(block);
         let of_two = own.iter().copied().filter(|j| two(*j)).collect();
         let (mut equations, mut best) = (Vec::new(), None);
-        if of_two == own {
+        if of_two == own && !is_sparse {
             let rows = binary_rows(model, &own, columns);
             if may_square {
                 equations = squares_of_equations(block, &rows);
@@ -180,13 +187,6 @@ impl ConvexChanges {
             }
             _ => self.proof = None,
         }
-        let crossing = |(a, b, _): &&Product| a != b;
-        let is_bounded =
-            |(a, b, _): &Product| columns.width(*a).is_finite() && columns.width(*b).is_finite();
-        let count = with_two.iter().filter(crossing).count();
-        let involved = with_two.iter().flat_map(|&(a, b, _)| [a, b]).collect::<BTreeSet<_>>();
-        let is_sparse =
-            2.0 * count as f64 <= FEW_PRODUCTS * involved.len() as f64 && count <= MOST_PRODUCTS;
         let total: f64 = with_two.iter().map(|(.., q)| q.abs()).sum();
         let is_linear = with_two.iter().all(is_bounded);
         match shift {

@@ -4,24 +4,24 @@
 //! multiples with the highest one are those of a semidefinite relaxation (Billionnet, Elloumi and
 //! Plateau, Improving the performance of standard solvers for quadratic 0-1 programs by a tight
 //! convex reformulation: the QCR method, Discrete Applied Mathematics 157, 2009). With `2 z - 1`
-//! for `z`, that is a relaxation of the cut of a graph, in which each column is a unit vector; one
-//! vector after the other is turned to where it costs least, and the length of its gradient is its
-//! multiple (Wang and Kolter, Low-rank semidefinite programming for the MAX2SAT problem, AAAI 2019).
-//! Rows get multipliers, which rise while they are violated.
+//! for `z`, that is the relaxation of a largest cut of a graph, in which each column is a unit
+//! vector. One vector after the other turns to where it costs least, and the length of its gradient
+//! is its multiple (Wang and Kolter, Low-rank semidefinite programming for the MAX2SAT problem,
+//! AAAI 2019). Rows get multipliers, which rise while they are violated.
 //!
 //! The result is a guess. What makes the form convex is proved behind it, as for any other.
 
 use crate::random::SplitMix;
 use crate::semidefinite::Product;
 
-/// How often all vectors turn at most.
+/// How often each vector turns at most.
 const MOST_TURNS: usize = 100;
 
 /// The change of the value in a round, relative to the value, at which rounds end (no unit).
 const SETTLED_VALUE: f64 = 1e-5;
 
 /// Most multiplications of all rounds together.
-const MOST_MULTIPLICATIONS: usize = 400_000_000;
+const MOST_MULTIPLICATIONS: usize = 200_000_000;
 
 /// A row `terms <= limit`, or `terms = limit`, over the columns of a form by their places.
 #[derive(Debug, Clone)]
