@@ -163,7 +163,7 @@ impl Witness {
         // The shortest move along the terms of both that reaches the limits of both.
         let (own, other) = (self.steepness[sought.row], self.steepness[row]);
         let independent = own * other - slope * slope;
-        if !(independent > MIN_INDEPENDENT_PART * own * other) {
+        if independent.is_nan() || independent <= MIN_INDEPENDENT_PART * own * other {
             return false;
         }
         let along = own * (target - after) / independent;
