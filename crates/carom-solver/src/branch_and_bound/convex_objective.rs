@@ -12,10 +12,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::curvature_dual::{BinaryForm, BinaryRow};
-use super::equation_squares::{EquationSquare, rows_over, squares_of_equations, with_equations};
+use super::equation_squares::{EquationSquare, squares_of_equations, with_equations};
 use crate::error::Error;
 use crate::interval::{add_down, add_up};
-use crate::model::{Model, Name, Quadratic, StoredRow, Variable, VariableKind, WRITE_SQUARES};
+use crate::model::{
+    ConstraintRef, Model, Name, Quadratic, StoredRow, Variable, VariableKind, WRITE_SQUARES,
+};
 use crate::presolve::Domain;
 use crate::semidefinite::{
     Direction, Product, blocks, least_multiple, negative_direction, with_squares,
@@ -363,12 +365,16 @@ fn binary_rows(
     members: &BTreeSet<usize>,
     columns: &CurvedColumns<'_>,
 ) -> Vec<BinaryRow> {
-    let rows = model.constraints().map(|row| {
-        let terms = row.terms().iter().map(|&(variable, a)| (variable.index(), a)).collect();
-        (terms, [row.limits().lower, row.limits().upper])
-    });
     let fixed = |j: usize| (columns.width(j) == 0.0).then(|| columns.ends(j)[0]);
-    rows_over(rows, members, fixed).collect()
+    let is_over = |row: &ConstraintRef<'_>| {
+        let mut own = row.terms().iter().map(|(variable, _)| variable.index());
+        own.all(|j| members.contains(&j) || fixed(j).is_some())
+    };
+    let rows = model.constraints().filter(is_over).flat_map(|row| {
+        let terms = row.terms().iter().map(|&(variable, a)| (variable.index(), a));
+        BinaryRow::of(terms, [row.limits().lower, row.limits().upper], fixed)
+    });
+    rows.collect()
 }
 
 /// Amounts by which squares make a form convex, with a high bound; `None` if that takes too long.

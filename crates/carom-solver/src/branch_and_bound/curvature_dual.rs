@@ -31,6 +31,41 @@ pub(super) struct BinaryRow {
     pub(super) is_equation: bool,
 }
 
+impl BinaryRow {
+    /// The rows that a row with two limits is, without columns that have one value only.
+    ///
+    /// # Arguments
+    ///
+    /// * `terms`: with the numbers of columns.
+    /// * `fixed`: the value of a column that has one only.
+    pub(super) fn of(
+        terms: impl Iterator<Item = (usize, f64)>,
+        [mut lower, mut upper]: [f64; 2],
+        fixed: impl Fn(usize) -> Option<f64>,
+    ) -> Vec<BinaryRow> {
+        let mut open = Vec::new();
+        for (j, a) in terms {
+            match fixed(j) {
+                Some(value) => {
+                    lower -= a * value;
+                    upper -= a * value;
+                }
+                None => open.push((j, a)),
+            }
+        }
+        if open.is_empty() {
+            return Vec::new();
+        }
+        if lower == upper {
+            return vec![BinaryRow { terms: open, limit: upper, is_equation: true }];
+        }
+        let negated = open.iter().map(|&(j, a)| (j, -a)).collect();
+        let below = BinaryRow { terms: negated, limit: -lower, is_equation: false };
+        let above = BinaryRow { terms: open, limit: upper, is_equation: false };
+        [below, above].into_iter().filter(|row| row.limit.is_finite()).collect()
+    }
+}
+
 /// A quadratic form over columns between 0 and 1, to minimise.
 #[derive(Debug)]
 pub(super) struct BinaryForm {

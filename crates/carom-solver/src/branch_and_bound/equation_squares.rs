@@ -4,7 +4,7 @@
 //! of their squares, and needs less of what makes its relaxation weak (Billionnet, Elloumi and
 //! Plateau, Discrete Applied Mathematics 157, 2009).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::curvature_dual::BinaryRow;
 use crate::semidefinite::Product;
@@ -57,8 +57,11 @@ pub(super) fn squares_of_equations(form: &[Product], rows: &[BinaryRow]) -> Vec<
         let fill = row.terms.len() * (row.terms.len() + 1) / 2;
         let steepest = row.terms.iter().map(|(_, a)| a.abs()).fold(0.0, f64::max);
         let factor = SQUARE_OF_EQUATION * largest / (steepest * steepest);
-        if fill > room || !factor.is_normal() {
+        if fill > room {
             break;
+        }
+        if !factor.is_normal() {
+            continue;
         }
         room -= fill;
         squares.push(EquationSquare { terms: row.terms.clone(), limit: row.limit, factor });
@@ -74,40 +77,4 @@ pub(super) fn with_equations(form: &[Product], squares: &[EquationSquare]) -> Ve
         *sum.entry((a, b)).or_default() += q;
     }
     sum.into_iter().map(|((a, b), q)| (a, b, q)).collect()
-}
-
-/// Rows whose columns are all among some, but for fixed ones.
-///
-/// # Arguments
-///
-/// * `rows`: terms by the numbers of columns, in order, and limits.
-/// * `fixed`: the value of a column that has one only.
-pub(super) fn rows_over<'a>(
-    rows: impl Iterator<Item = (Vec<(usize, f64)>, [f64; 2])> + 'a,
-    columns: &'a BTreeSet<usize>,
-    fixed: impl Fn(usize) -> Option<f64> + 'a,
-) -> impl Iterator<Item = BinaryRow> + 'a {
-    rows.flat_map(move |(mut terms, [mut lower, mut upper])| {
-        for &(j, a) in &terms {
-            if let Some(value) = fixed(j) {
-                lower -= a * value;
-                upper -= a * value;
-            }
-        }
-        terms.retain(|&(j, _)| fixed(j).is_none());
-        let is_over = !terms.is_empty() && terms.iter().all(|(j, _)| columns.contains(j));
-        let negated = || terms.iter().map(|&(j, a)| (j, -a)).collect();
-        let mut found = Vec::new();
-        if is_over && lower == upper {
-            found.push(BinaryRow { terms, limit: upper, is_equation: true });
-        } else if is_over {
-            if lower.is_finite() {
-                found.push(BinaryRow { terms: negated(), limit: -lower, is_equation: false });
-            }
-            if upper.is_finite() {
-                found.push(BinaryRow { terms, limit: upper, is_equation: false });
-            }
-        }
-        found
-    })
 }
