@@ -27,8 +27,8 @@ struct Curved {
     continuous: Vec<(i32, i32, i32, i32)>,
     /// Products of a continuous column with one that has two values.
     ties: Vec<(usize, usize, i32)>,
-    /// Coefficients and right-hand side of `<=` rows over the columns with two values.
-    rows: Vec<(Vec<i32>, i32)>,
+    /// Coefficients and right-hand side of rows over the columns with two values, `<=` or equations.
+    rows: Vec<(Vec<i32>, i32, bool)>,
 }
 
 impl Curved {
@@ -49,10 +49,12 @@ impl Curved {
             })
             .collect::<Result<_, _>>()
             .expect("columns");
-        for (k, (row, rhs)) in self.rows.iter().enumerate() {
+        for (k, (row, rhs, is_equation)) in self.rows.iter().enumerate() {
             let terms = row.iter().zip(&two).map(|(&a, &v)| f64::from(a) * v);
             let sum = terms.fold(Affine::zero(), |sum, term| sum + term);
-            model.add(format!("r{k}"), sum.le(f64::from(*rhs))).expect("a row");
+            let rhs = f64::from(*rhs);
+            let row = if *is_equation { sum.equals(rhs) } else { sum.le(rhs) };
+            model.add(format!("r{k}"), row).expect("a row");
         }
         let sign = if self.maximize { -1.0 } else { 1.0 };
         let mut objective = Quadratic::from(3.0);
@@ -83,9 +85,9 @@ impl Curved {
         for bits in 0..1_u32 << n {
             let value =
                 |k: usize| f64::from(self.lower[k].unwrap_or(0) + i32::from(bits >> k & 1 == 1));
-            let holds = |(row, rhs): &(Vec<i32>, i32)| {
+            let holds = |(row, rhs, is_equation): &(Vec<i32>, i32, bool)| {
                 let sum: f64 = row.iter().enumerate().map(|(k, &a)| f64::from(a) * value(k)).sum();
-                sum <= f64::from(*rhs)
+                if *is_equation { sum == f64::from(*rhs) } else { sum <= f64::from(*rhs) }
             };
             if !self.rows.iter().all(holds) {
                 continue;
@@ -119,10 +121,10 @@ prop_compose! {
         products in prop::collection::vec((0..n, 0..n, -9..10), 0..=(n * n) * density as usize / 100 + 1),
         continuous in prop::collection::vec((-3..3, 1..5, -5..6, 0..4), m),
         ties in prop::collection::vec((0..m.max(1), 0..n, -9..10), if m > 0 { 0..6 } else { 0..1 }),
-        rows in prop::collection::vec((prop::collection::vec(-3..4, n), -4..9), 0..3),
+        rows in prop::collection::vec((prop::collection::vec(-3..4, n), -4..9, any::<bool>()), 0..3),
     ) -> Curved {
         // A row without a variable is an error of its own.
-        let rows = rows.into_iter().filter(|(row, _)| row.iter().any(|&a| a != 0)).collect();
+        let rows = rows.into_iter().filter(|(row, ..)| row.iter().any(|&a| a != 0)).collect();
         Curved { maximize, lower, cost, products, continuous, ties, rows }
     }
 }

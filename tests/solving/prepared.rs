@@ -157,22 +157,24 @@ fn options_change_between_solves_and_pools_are_complete() {
 
 /// Small steps of the state, as in a closed loop: the last point is a good start.
 #[test]
-fn the_shifted_point_costs_no_relaxations() {
+fn the_shifted_point_costs_one_relaxation_at_most() {
     let (mut model, parameters) = horizon(8, [1.0, 0.9], [1.0, 0.3, 0.05]).unwrap();
     let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
     let mut prepared = solver.prepare(&model).unwrap();
-    let (mut state, mut relaxations) = (3.0, [0, 0]);
-    for _ in 0..8 {
+    let (mut state, mut more) = (3.0, 0);
+    for step in 0..8 {
         model.set_parameter(parameters[0], state).unwrap();
         let one = cold.solve(&model).unwrap();
         let mut control = Control::default().with_steps_passed(1);
         let warm = prepared.solve(&[(parameters[0], state)], &mut control).unwrap();
         agree(&one, &warm);
-        relaxations[0] += one.statistics().relaxations;
-        relaxations[1] += warm.statistics().relaxations;
+        // Where it is not the answer, its leaf is relaxed in vain.
+        let [own, afresh] = [&warm, &one].map(|solution| solution.statistics().relaxations);
+        assert!(own <= afresh + 1, "{own} {afresh}");
+        more += own.saturating_sub(afresh);
         state = warm.value(model.variable_by_name(("x", 1)).unwrap()).unwrap().clamp(-3.0, 3.0);
     }
-    assert!(relaxations[1] <= relaxations[0], "{relaxations:?}");
+    assert!(more <= 2, "{more} of 8");
 }
 
 /// Any other backend can be asked as well.

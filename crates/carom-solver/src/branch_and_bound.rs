@@ -6,8 +6,10 @@ mod blocks;
 #[cfg(feature = "nonlinear")]
 mod box_proof;
 mod convex_objective;
+mod curvature_dual;
 mod cut;
 mod cutoff;
+mod equation_squares;
 mod events;
 mod facets;
 mod far;
@@ -38,6 +40,8 @@ mod verify;
 
 use crate::error::Error;
 use crate::model::Model;
+use crate::presolve::Domain;
+use crate::program::Program;
 use crate::reformulate;
 use crate::relaxation::CascadePool;
 use crate::search::{SearchResult, SolveTask};
@@ -141,4 +145,10 @@ impl Solver for BranchAndBound {
 /// Tightens, cuts and searches the program of a task, for `internals` only.
 pub(crate) fn search_tightened(task: SolveTask<'_>) -> SearchResult {
     search::search_once(task, &EarlierResults::default(), &mut Control::default())
+}
+
+/// A model that has only rows, with an objective that is convex, for `internals` only.
+pub(crate) fn convex_model(model: &Model) -> Result<Model, Error> {
+    let domain = Domain::new(&Program::assemble(model)?);
+    Ok(convex_objective::convex_form(model, &domain, true)?.model)
 }

@@ -2,7 +2,18 @@
 //! change in any release.
 
 pub mod branch_and_bound {
+    use crate::error::Error;
+    use crate::model::Model;
     use crate::search::{SearchResult, SolveTask};
+
+    /// A model that has only rows, with an objective that is convex.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) if there is none.
+    pub fn convex_model(model: &Model) -> Result<Model, Error> {
+        crate::branch_and_bound::convex_model(model)
+    }
 
     /// Tightens, cuts and searches the program of a task.
     pub fn search_tightened(task: SolveTask<'_>) -> SearchResult {

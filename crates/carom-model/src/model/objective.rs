@@ -12,7 +12,6 @@ use super::store::Model;
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::sum::Sum;
 
 impl Model {
     /// Minimises an affine or quadratic expression that is convex or has a convex form, replacing
@@ -112,16 +111,6 @@ impl Model {
             let bounds = self.variable_ref(variable).ok()?.bounds();
             (bounds.lower == bounds.upper).then_some(bounds.lower)
         };
-        let objective = self.objective();
-        let mut sum = Sum::new(objective.affine().offset());
-        for (variable, cost) in objective.affine().terms() {
-            sum.add_product(cost, fixed(variable).unwrap_or(0.0));
-        }
-        for (first, second, weight) in objective.products() {
-            if let (Some(a), Some(b)) = (fixed(first), fixed(second)) {
-                sum.add_product_of_three(a, b, weight);
-            }
-        }
-        sum.value()
+        self.objective().evaluate(|variable| fixed(variable).unwrap_or(0.0))
     }
 }

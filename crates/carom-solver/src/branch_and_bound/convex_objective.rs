@@ -11,9 +11,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::curvature_dual::{BinaryForm, BinaryRow};
+use super::equation_squares::{EquationSquare, squares_of_equations, with_equations};
 use crate::error::Error;
 use crate::interval::{add_down, add_up};
-use crate::model::{Model, Name, Quadratic, StoredRow, Variable, VariableKind, WRITE_SQUARES};
+use crate::model::{
+    ConstraintRef, Model, Name, Quadratic, StoredRow, Variable, VariableKind, WRITE_SQUARES,
+};
 use crate::presolve::Domain;
 use crate::semidefinite::{
     Direction, Product, blocks, least_multiple, negative_direction, with_squares,
@@ -71,6 +75,8 @@ impl CurvedColumns<'_> {
 /// The changes of an objective.
 #[derive(Default)]
 struct ConvexChanges {
+    /// Squares of equations, which come first.
+    equations: Vec<EquationSquare>,
     /// Multiples of `(x - l)(x - u)`.
     squares: Vec<(usize, f64)>,
     /// Products that get columns of their own.
@@ -82,11 +88,19 @@ struct ConvexChanges {
 
 /// The form of a model that has only rows.
 ///
+/// # Arguments
+///
+/// * `may_square`: whether squares of equations may be added, which proofs do not know.
+///
 /// # Errors
 ///
 /// [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) if there is none within these
 /// bounds.
-pub(super) fn convex_form(model: &Model, domain: &Domain) -> Result<ConvexForm, Error> {
+pub(super) fn convex_form(
+    model: &Model,
+    domain: &Domain,
+    may_square: bool,
+) -> Result<ConvexForm, Error> {
     let whole = model.variables().map(|variable| variable.kind().is_integral());
     let two = whole.enumerate().map(|(j, whole)| {
         let width = domain.upper(j) - domain.lower(j);
@@ -103,7 +117,7 @@ pub(super) fn convex_form(model: &Model, domain: &Domain) -> Result<ConvexForm, 
         let products = products.into_iter().map(|(a, b, q)| (names[a], names[b], q));
         let mut products: Vec<Product> = products.collect();
         products.sort_by_key(|&(a, b, _)| (a, b));
-        changes.add_block(model, &products, &columns)?;
+        changes.add_block(model, &products, &columns, may_square)?;
     }
     let (loss, squares) = (changes.loss, std::mem::take(&mut changes.proof));
     Ok(ConvexForm { model: changes.apply(model, &columns)?, loss, squares })
@@ -116,6 +130,7 @@ impl ConvexChanges {
         model: &Model,
         block: &[Product],
         columns: &CurvedColumns<'_>,
+        may_square: bool,
     ) -> Result<(), Error> {
         let Some(direction) = negative_direction(block, &|_| 0.0) else { return Ok(()) };
         let two = |j: usize| columns.has_two_values[j];
@@ -146,13 +161,6 @@ impl ConvexChanges {
         if with_two.is_empty() {
             return Ok(());
         }
-        let shift = least_shift(&raised, &members(block).into_iter().filter(|j| two(*j)).collect());
-        match (&shift, &mut self.proof) {
-            (Ok(amounts), Some(proof)) if amounts.iter().all(|(j, _)| columns.is_binary[*j]) => {
-                proof.extend(amounts);
-            }
-            _ => self.proof = None,
-        }
         let crossing = |(a, b, _): &&Product| a != b;
         let is_bounded =
             |(a, b, _): &Product| columns.width(*a).is_finite() && columns.width(*b).is_finite();
@@ -160,6 +168,27 @@ impl ConvexChanges {
         let involved = with_two.iter().flat_map(|&(a, b, _)| [a, b]).collect::<BTreeSet<_>>();
         let is_sparse =
             2.0 * count as f64 <= FEW_PRODUCTS * involved.len() as f64 && count <= MOST_PRODUCTS;
+        let own = members(block);
+        let of_two = own.iter().copied().filter(|j| two(*j)).collect();
+        let (mut equations, mut best) = (Vec::new(), None);
+        if of_two == own && !is_sparse {
+            let rows = binary_rows(model, &own, columns);
+            if may_square {
+                equations = squares_of_equations(block, &rows);
+                raised = with_equations(block, &equations);
+            }
+            best = dual_shift(model, &raised, &equations, &rows, columns);
+        }
+        let shift = match best {
+            Some(amounts) => Ok(amounts),
+            None => least_shift(&raised, &of_two),
+        };
+        match (&shift, &mut self.proof) {
+            (Ok(amounts), Some(proof)) if amounts.iter().all(|(j, _)| columns.is_binary[*j]) => {
+                proof.extend(amounts);
+            }
+            _ => self.proof = None,
+        }
         let total: f64 = with_two.iter().map(|(.., q)| q.abs()).sum();
         let is_linear = with_two.iter().all(is_bounded);
         match shift {
@@ -169,6 +198,7 @@ impl ConvexChanges {
                     || amounts.iter().map(|(_, a)| a).sum::<f64>() <= SLIGHT_SHIFT * total =>
             {
                 self.squares.extend(amounts);
+                self.equations.extend(equations);
             }
             Err(_) if !is_linear => return Err(refused(direction, GIVE_BOUNDS)),
             _ => self.products.extend(with_two),
@@ -210,6 +240,14 @@ impl ConvexChanges {
         let add_affine = |objective: &mut Quadratic, j: usize, a: f64| {
             objective.append(&Quadratic::from(sign * a * ids[j]), 1.0);
         };
+        for square in &self.equations {
+            for (a, b, q) in square.products() {
+                objective.add_product(sign * q, ids[a], ids[b]);
+            }
+            square.linear().for_each(|(j, a)| add_affine(&mut objective, j, a));
+            let constant = square.factor * square.limit * square.limit;
+            objective.append(&Quadratic::from(sign * constant), 1.0);
+        }
         for (j, amount) in self.squares {
             // a (x - l)(x - u)
             let [lower, upper] = columns.ends(j);
@@ -306,16 +344,90 @@ fn least_shift(
         (Ok(one), Err(_)) | (Err(_), Ok(one)) => one,
         (Err(direction), Err(_)) => return Err(direction),
     };
-    let square = |j: usize| {
-        let place = products.binary_search_by_key(&(j, j), |&(a, b, _)| (a, b));
-        place.map_or(0.0, |place| products[place].2)
-    };
     let amount = |(&j, &weight): (&usize, &f64)| {
+        let before = square_of(products, j);
+        let (amount, error) = exact_sum(before + multiple * weight, -before);
         // No digit of the sum is lost.
-        let before = square(j);
-        let after = before + multiple * weight;
-        let (amount, error) = exact_sum(after, -before);
         (j, if error == 0.0 { amount } else { multiple * weight })
     };
     Ok(weights.iter().filter(|(_, weight)| **weight > 0.0).map(amount).collect())
+}
+
+/// The coefficient of the square of a column in products that are in order.
+fn square_of(products: &[Product], j: usize) -> f64 {
+    let place = products.binary_search_by_key(&(j, j), |&(a, b, _)| (a, b));
+    place.map_or(0.0, |place| products[place].2)
+}
+
+/// The rows over columns with two values.
+fn binary_rows(
+    model: &Model,
+    members: &BTreeSet<usize>,
+    columns: &CurvedColumns<'_>,
+) -> Vec<BinaryRow> {
+    let fixed = |j: usize| (columns.width(j) == 0.0).then(|| columns.ends(j)[0]);
+    let is_over = |row: &ConstraintRef<'_>| {
+        let mut own = row.terms().iter().map(|(variable, _)| variable.index());
+        own.all(|j| members.contains(&j) || fixed(j).is_some())
+    };
+    let rows = model.constraints().filter(is_over).flat_map(|row| {
+        let terms = row.terms().iter().map(|&(variable, a)| (variable.index(), a));
+        BinaryRow::of(terms, [row.limits().lower, row.limits().upper], fixed)
+    });
+    rows.collect()
+}
+
+/// Amounts by which squares make a form convex, with a high bound; `None` if that takes too long.
+///
+/// # Arguments
+///
+/// * `products`: with those of `equations`.
+/// * `rows`: those over columns with two values.
+fn dual_shift(
+    model: &Model,
+    products: &[Product],
+    equations: &[EquationSquare],
+    rows: &[BinaryRow],
+    columns: &CurvedColumns<'_>,
+) -> Option<Vec<(usize, f64)>> {
+    let members = members(products);
+    let open: Vec<usize> = members.iter().copied().filter(|&j| columns.width(j) > 0.0).collect();
+    let place: BTreeMap<usize, usize> = open.iter().copied().zip(0..).collect();
+    let (sign, least) = (model.sense().sign(), |j: usize| columns.ends(j)[0]);
+    let mut linear = vec![0.0; open.len()];
+    let own = model.objective().affine().terms();
+    let own = own.into_iter().map(|(variable, cost)| (variable.index(), sign * cost));
+    for (j, cost) in own.chain(equations.iter().flat_map(EquationSquare::linear)) {
+        place.get(&j).into_iter().for_each(|&k| linear[k] += cost);
+    }
+    // x = l + t, and t is 0 or 1.
+    let mut inner = Vec::new();
+    for &(a, b, q) in products {
+        let (first, second) = (place.get(&a), place.get(&b));
+        first.iter().for_each(|k| linear[**k] += q * least(b));
+        second.iter().for_each(|k| linear[**k] += q * least(a));
+        inner.extend(first.zip(second).map(|(&i, &k)| (i, k, q)));
+    }
+    let moved = |row: &BinaryRow| {
+        let below: f64 = row.terms.iter().map(|&(j, a)| a * least(j)).sum();
+        let terms = row.terms.iter().map(|&(j, a)| (place[&j], a)).collect();
+        BinaryRow { terms, limit: row.limit - below, is_equation: row.is_equation }
+    };
+    let form = BinaryForm { linear, products: inner, rows: rows.iter().map(moved).collect() };
+    let multiples = form.multiples()?;
+    let mut shifted: BTreeMap<(usize, usize), f64> =
+        products.iter().map(|&(a, b, q)| ((a, b), q)).collect();
+    for (&j, multiple) in open.iter().zip(&multiples) {
+        *shifted.entry((j, j)).or_default() += multiple;
+    }
+    let shifted: Vec<Product> = shifted.into_iter().map(|((a, b), q)| (a, b, q)).collect();
+    let even: BTreeMap<usize, f64> = members.iter().map(|&j| (j, 1.0)).collect();
+    let more = least_multiple(&shifted, &even).ok()?;
+    let amount = |&j: &usize| {
+        let before = square_of(products, j);
+        let after = square_of(&shifted, j) + more;
+        let (amount, error) = exact_sum(after, -before);
+        (j, if error == 0.0 { amount } else { after - before })
+    };
+    Some(members.iter().map(amount).collect())
 }

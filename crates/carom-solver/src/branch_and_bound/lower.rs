@@ -132,7 +132,8 @@ pub(super) fn lower(
     };
     let rows = lowered.as_ref().map_or(model, Lowered::model);
     let names = names_of(rows);
-    let (program, form) = assemble(rows, false)?;
+    // A proof knows no squares of equations.
+    let (program, form) = assemble(rows, false, names.is_none())?;
     let way_back = lowered.map_or_else(|| WayBack::to_rows(model), Lowered::into_way_back);
     let mut lowered = LoweredProgram::new(program, Arc::new(way_back)).in_form(form);
     lowered.program.constant = lowered.program.sign * model.objective_constant();
@@ -146,6 +147,7 @@ pub(super) fn lower(
 /// # Arguments
 ///
 /// * `for_all_parameters`: whether parameters may take any value of their ranges.
+/// * `may_square`: whether squares of equations may be added to such an objective.
 ///
 /// # Errors
 ///
@@ -153,6 +155,7 @@ pub(super) fn lower(
 pub(super) fn assemble(
     rows: &Model,
     for_all_parameters: bool,
+    may_square: bool,
 ) -> Result<(Program, AssembledForm), Error> {
     let mut program = Program::assemble(rows)?;
     if !rows.is_convex_within_bounds() {
@@ -173,7 +176,7 @@ pub(super) fn assemble(
     if rows.concave_direction(|j| domain.upper(j) - domain.lower(j)).is_none() {
         return Ok((program, AssembledForm::default()));
     }
-    let form = convex_form(rows, &domain)?;
+    let form = convex_form(rows, &domain, may_square)?;
     let convex = Program::assemble(&form.model)?;
     let stated = Box::new(StatedProgram { program, squares: form.squares });
     Ok((convex, AssembledForm { loss: form.loss, stated: Some(stated) }))

@@ -67,7 +67,7 @@ impl<'a> PreparedProgram<'a> {
     pub(super) fn new(options: &'a mut Options, model: &Model) -> Result<Self, Error> {
         options.check()?;
         let rows = reformulate::lower(model)?;
-        let (program, form) = assemble(rows.model(), true)?;
+        let (program, form) = assemble(rows.model(), true, true)?;
         let parameters: Vec<Variable> = model.parameters().collect();
         let names: Vec<Name> = rows.model().variables().map(|v| v.name().clone()).collect();
         let lowered = LoweredProgram::new(program, Arc::new(rows.into_way_back()));

@@ -14,6 +14,7 @@
 
 use std::ops::Range;
 
+use super::big_m_witness::{CurrentRows, SoughtLimit, Witness};
 use super::domain::Domain;
 use super::propagation::Propagator;
 use crate::activity::term_ends;
@@ -69,7 +70,7 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
     let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
     let open: Vec<usize> =
         program.integers.iter().copied().filter(is_open).take(MAX_PROBED_BINARIES).collect();
-    let mut rows = TightenedRows::new(program);
+    let mut rows = TightenedRows::new(program, &domain);
     let (mut lines, mut linked): (Vec<SwitchedRow>, Vec<usize>) = (Vec::new(), Vec::new());
     for z in open {
         if token.is_over() {
@@ -92,6 +93,7 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
             let mark = domain.mark();
             domain.apply(z, value == 0, value as f64);
             *possible = propagator.propagate_since(program, &mut domain, mark).is_ok();
+            rows.witness.forget_sums();
             for line in lines.iter_mut().filter(|_| *possible) {
                 line.reach[value] = rows.reach(&domain, line.row, z, &linked[line.linked.clone()]);
             }
@@ -129,6 +131,9 @@ struct TightenedRows<'a> {
     /// By column, the coefficients of the current row and of the row linked to it.
     line: Vec<f64>,
     linked: Vec<f64>,
+    /// By column, whether it is continuous and not fixed.
+    moves: Vec<bool>,
+    witness: Witness,
     /// Rows that are known to be linked already.
     seen: Vec<bool>,
     /// Memory for the terms of the current row and of the row linked to it.
@@ -164,16 +169,23 @@ impl Reach {
 }
 
 impl<'a> TightenedRows<'a> {
-    fn new(program: &'a Program) -> Self {
+    fn new(program: &'a Program, domain: &Domain) -> Self {
         let (n, m) = (program.column_count(), program.row_count());
         let limits = program.row_lower.iter().zip(&program.row_upper);
+        let moves: Vec<bool> =
+            (0..n).map(|j| !program.integral[j] && !domain.is_fixed(j)).collect();
+        let values = program.rows.val().to_vec();
+        let rows = CurrentRows { program, values: &values, moves: &moves };
+        let witness = Witness::new(rows, domain);
         TightenedRows {
             program,
-            values: program.rows.val().to_vec(),
+            values,
             limits: limits.map(|(&lower, &upper)| [lower, upper]).collect(),
             changed: false,
             line: vec![0.0; n],
             linked: vec![0.0; n],
+            moves,
+            witness,
             seen: vec![false; m],
             terms: Vec::new(),
             linked_terms: Vec::new(),
@@ -206,6 +218,9 @@ impl<'a> TightenedRows<'a> {
     /// Appends the short rows that share enough continuous columns with a row.
     fn append_linked(&mut self, row: usize, linked: &mut Vec<usize>) {
         let program = self.program;
+        if let Some(known) = self.witness.linked(row) {
+            return linked.extend_from_slice(known);
+        }
         let continuous =
             |row: usize| program.row(row).0.iter().copied().filter(|&j| !program.integral[j]);
         continuous(row).for_each(|j| self.line[j] = 1.0);
@@ -231,11 +246,13 @@ impl<'a> TightenedRows<'a> {
         }
         linked.truncate(kept);
         continuous(row).for_each(|j| self.line[j] = 0.0);
+        let rows = CurrentRows { program, values: &self.values, moves: &self.moves };
+        self.witness.keep_linked(rows, row, &linked[begin..]);
     }
 
     /// The largest value in a domain of a row without one of its columns, as `<=`.
     fn reach(&mut self, domain: &Domain, row: usize, except: usize, linked: &[usize]) -> f64 {
-        let (sign, _) = self.one_side(row);
+        let (sign, limit) = self.one_side(row);
         let mut terms = std::mem::take(&mut self.terms);
         terms.clear();
         terms.extend(self.terms(row).filter(|(j, _)| *j != except).map(|(j, a)| (j, sign * a)));
@@ -245,8 +262,19 @@ impl<'a> TightenedRows<'a> {
             self.line[j] = a;
         }
         let mut best = alone.value();
-        for &other in linked {
-            best = best.min(self.reach_with(domain, &terms, other));
+        let sought = SoughtLimit { row, sign, limit };
+        let rows = CurrentRows { program: self.program, values: &self.values, moves: &self.moves };
+        let step = self.witness.step(rows, domain, sought);
+        for (k, &other) in linked.iter().enumerate() {
+            let limits = self.limits[other];
+            let rows =
+                CurrentRows { program: self.program, values: &self.values, moves: &self.moves };
+            let has_point = step.is_some_and(|step| {
+                self.witness.satisfies(rows, domain, (sought, step), k, limits)
+            });
+            if !has_point {
+                best = best.min(self.reach_with(domain, &terms, other));
+            }
         }
         terms.iter().for_each(|&(j, _)| self.line[j] = 0.0);
         self.terms = terms;
@@ -324,6 +352,7 @@ impl<'a> TightenedRows<'a> {
         self.values[place] = sign * coefficient;
         self.limits[row][usize::from(sign > 0.0)] = sign * limit;
         self.changed = true;
+        self.witness.forget_sums();
     }
 
     fn into_program(self) -> Option<Program> {

@@ -6,6 +6,7 @@
 //! before the search, with its postsolve, is in [`root`].
 
 mod big_m_tightening;
+mod big_m_witness;
 mod case_row;
 mod change_log;
 mod coefficients;

@@ -178,8 +178,9 @@ impl Program {
         for (j, &xj) in x.iter().enumerate() {
             sum.add_product(self.linear[j], xj);
             let (rows, entries) = self.quadratic_column(j);
-            for (&i, &p) in rows.iter().zip(entries) {
-                sum.add_product_of_three(x[i], xj, 0.5 * p);
+            // The matrix is symmetric.
+            for (&i, &p) in rows.iter().zip(entries).take_while(|(i, _)| **i <= j) {
+                sum.add_product_of_three(x[i], xj, if i < j { p } else { 0.5 * p });
             }
         }
         sum.value()

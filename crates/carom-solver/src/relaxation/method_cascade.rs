@@ -225,7 +225,7 @@ impl MethodCascade {
     fn warm_method(&self, program: &Reduced, asked: &RelaxationQuestion<'_>) -> Option<WarmMethod> {
         self.warm.as_ref()?;
         let starts = match asked.purpose {
-            Purpose::Separation if !self.separates_vertex(program) => return None,
+            Purpose::Separation if !self.separates_by_state(program) => return None,
             Purpose::Root | Purpose::Round | Purpose::Leaf | Purpose::Separation => true,
             // An interior-point method is many times slower in large programs.
             _ => asked.warm.is_some() || DualSimplex::suits_separation(program),
@@ -244,6 +244,12 @@ impl MethodCascade {
     /// Whether the point to cut off is a vertex, with the state of the simplex method.
     pub fn separates_vertex(&self, program: &Reduced) -> bool {
         self.warm.is_some() && DualSimplex::suits_separation(program)
+    }
+
+    /// Whether the method for a point to cut off leaves a state for nodes: at a vertex, or at the
+    /// one optimum of a program with curvature in every direction.
+    pub fn separates_by_state(&self, program: &Reduced) -> bool {
+        self.warm.is_some() && (ActiveSet::suits(program) || DualSimplex::suits_separation(program))
     }
 
     /// Takes back the vectors of a verdict, for their memory.

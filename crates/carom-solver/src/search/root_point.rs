@@ -155,7 +155,8 @@ impl RootPoint {
                 let (value, reduced_x) = (reduced.objective(&x), x);
                 let x = projection.lift(&reduced_x);
                 let is_vertex = cascade.separates_vertex(reduced);
-                let lacks_state = cascade.starts_warm(reduced) && !is_vertex;
+                let lacks_state =
+                    cascade.starts_warm(reduced) && !cascade.separates_by_state(reduced);
                 let state = warm.as_ref().filter(|_| is_vertex);
                 let inverse =
                     state.map(|state| fractional_rows(program, reduced, &reduced_x, state));

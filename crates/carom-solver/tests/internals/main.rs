@@ -6,6 +6,7 @@ mod common;
 mod active_set;
 mod congruence;
 mod conic_propagation;
+mod convex_forms;
 mod extended;
 mod linear_programs;
 mod open_columns;

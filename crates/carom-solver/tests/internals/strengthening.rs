@@ -43,6 +43,26 @@ fn an_excluded_case_that_decides_for_another_ends_the_hull() {
     assert_eq!(BranchAndBound::default().solve(&model).unwrap().objective(), Some(1.0));
 }
 
+/// A row with many binaries, of which one switches it off, and points that show that the others do
+/// not.
+#[test]
+fn a_big_m_among_many_binaries_becomes_what_a_linked_row_allows() {
+    let mut model = Model::new("dense");
+    let [x, y] = ["x", "y"].map(|name| model.continuous(name, 0.0, 10.0).unwrap());
+    let [z, a, b] = ["z", "a", "b"].map(|name| model.binary(name).unwrap());
+    model.add("off", (x + y - 50.0 * z + 0.1 * a + 0.1 * b).le(1.0)).unwrap();
+    model.add("linked", (x + y + 0.1 * a + 0.1 * b).le(6.0)).unwrap();
+    model.add("other", (x - y + 0.3 * z - 0.2 * a + 0.4 * b).le(3.0)).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let tight = tighten_big_ms(&program, &StopToken::default()).expect("a smaller M");
+    let (columns, values) = tight.row(0);
+    let at = columns.iter().position(|&j| j == z.index()).unwrap();
+    assert!(
+        (values[at] + 5.0).abs() < 1e-6 && (tight.row_upper[0] - 1.0).abs() < 1e-6,
+        "{values:?}"
+    );
+}
+
 #[derive(Debug, Clone)]
 struct Case {
     /// Coefficients of all columns, lower limit, upper limit.

@@ -100,7 +100,8 @@ pub(super) fn look_for_points(
         let start = ctx.tree.start().filter(|_| at_root);
         let good = has_good_point(ctx, bound);
         let waits = start.is_some_and(|start| start.is_rounded.unwrap_or(good));
-        if on.rounding && !waits {
+        // A point within the gap of the bound is the best one of the node.
+        if on.rounding && !waits && bound < ctx.tree.cutoff() {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
             let is_rounded = round_and_propagate(ctx, point);
@@ -109,7 +110,8 @@ pub(super) fn look_for_points(
             }
             ctx.tree.end(before);
         }
-        if on.roll_out && !waits && !ctx.program().is_feasibility_problem() {
+        let is_closed = bound >= ctx.tree.cutoff();
+        if on.roll_out && !waits && !is_closed && !ctx.program().is_feasibility_problem() {
             span!(DEBUG, "heuristic", name = "roll-out");
             let before = ctx.tree.begin(Heuristic::RollOut);
             roll_out(ctx, point);
