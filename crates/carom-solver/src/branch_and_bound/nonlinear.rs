@@ -164,8 +164,8 @@ fn report(
 }
 
 /// The model with variables for the squares and products of its objective, if they are squares of
-/// single variables, which tangents cut off quickly, if they are not convex, or always if a proof is
-/// written, which knows no such objective beside functions; `None` otherwise.
+/// single variables, which tangents cut off quickly, if they are not convex, or `always`: a proof
+/// knows no such objective beside functions. `None` otherwise.
 fn with_affine_objective(model: &Model, always: bool) -> Result<Option<Model>, Error> {
     let products = model.objective().products();
     let squares_only = products.iter().all(|(a, b, _)| a == b);
