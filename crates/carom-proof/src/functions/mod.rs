@@ -268,6 +268,10 @@ fn power(x: f64, p: f64) -> FloatRange {
             (true, false) => -positive,
         };
     }
+    if x == 0.0 && p < 0.0 && is_whole && !is_even(p) {
+        // The limit depends on the side.
+        return FloatRange::ALL;
+    }
     if x == 0.0 || x == f64::INFINITY {
         return if (x == 0.0) == (p > 0.0) { FloatRange::point(0.0) } else { infinite };
     }

@@ -124,6 +124,9 @@ fn lines_that_touch_are_accepted_up_to_rounding() {
         ("exp", [f64::NEG_INFINITY, 0.0], "n 0 L 0 0".to_string()),
         ("exp", [0.0, f64::INFINITY], format!("n 0 L {} 0.999", 1.0 - 1e-12)),
         ("ln", [1.0, f64::INFINITY], "n 0 L -1e-14 0".to_string()),
+        ("power -1", [0.0, 1.0], "n 0 L 0.999999999999 0".to_string()),
+        ("power -1", [-1.0, 0.0], "n 0 U -0.999999999999 0".to_string()),
+        ("power -2", [-1.0, 0.0], "n 0 L 0.999999999999 0".to_string()),
         ("ln", [1.0, f64::INFINITY], "n 0 U -1.000999999999 1.001".to_string()),
         ("power 0.5", [0.0, 4.0], "n 0 U 0.250000000001 1".to_string()),
     ] {
@@ -140,6 +143,8 @@ fn lines_over_ranges_without_an_end_or_with_a_pole_are_rejected() {
         ("tan", [1.0, 2.0], "n 0 L -1e300 0"),
         ("power -1", [-1.0, 1.0], "n 0 L -1e300 0"),
         ("power -1", [0.0, 1.0], "n 0 U 1e300 0"),
+        ("power -1", [-1.0, 0.0], "n 0 L -2 0"),
+        ("power -3", [-1.0, -0.0], "n 0 L -1e300 1"),
         ("power 3", WIDE, "n 0 L -1e300 0"),
         ("sin", [0.0, f64::INFINITY], "n 0 L -2 0.1"),
         ("atan", [-1e305, -1e304], "n 0 L -1.5 0"),

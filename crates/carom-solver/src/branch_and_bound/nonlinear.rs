@@ -36,7 +36,8 @@ pub(super) fn solve_nonlinear(
 ) -> Result<Solution, Error> {
     refuse(model, control)?;
     let token = &StopToken::new(options.time_limit, control.interrupt());
-    let restated = with_affine_objective(model, options.proof_path().is_some())?;
+    let has_proof = options.proof_path().is_some();
+    let restated = with_affine_objective(model, has_proof)?;
     let stated = restated.as_ref().unwrap_or(model);
     let Some(lowered) = lower_around_functions(stated, token)? else {
         let reason = token.ended().unwrap_or(Termination::Interrupted);
@@ -44,7 +45,6 @@ pub(super) fn solve_nonlinear(
         let outcome = Outcome::new(reason, None, bound, Statistics::default());
         return Solution::new(model, outcome, options.feasibility);
     };
-    let has_proof = options.proof_path().is_some();
     let rows = lowered.model().clone();
     let program = SpatialProgram::new(stated, rows, &ties(stated)?, has_proof)?;
     let (sign, count) = (model.sense().sign(), model.variable_count());
@@ -166,8 +166,8 @@ fn report(
 }
 
 /// The model with variables for the squares and products of its objective, if they are squares of
-/// single variables, which tangents cut off quickly, if they are not convex, or if they must not
-/// stay; `None` otherwise.
+/// single variables, which tangents cut off quickly, if they are not convex, or `always`: a proof
+/// knows no such objective beside functions. `None` otherwise.
 fn with_affine_objective(model: &Model, always: bool) -> Result<Option<Model>, Error> {
     let products = model.objective().products();
     let squares_only = products.iter().all(|(a, b, _)| a == b);
@@ -180,12 +180,11 @@ fn with_affine_objective(model: &Model, always: bool) -> Result<Option<Model>, E
     Ok(Some(stated))
 }
 
-fn unsupported<T>(what: &str, help: &str) -> Result<T, Error> {
-    let (solver, what, help) = ("carom".to_owned(), what.to_owned(), help.to_owned());
-    Err(ErrorKind::Unsupported { solver, what, help }.into())
-}
-
 fn refuse(model: &Model, control: &Control<'_>) -> Result<(), Error> {
+    let unsupported = |what: &str, help: &str| {
+        let (solver, what, help) = ("carom".to_owned(), what.to_owned(), help.to_owned());
+        Err(ErrorKind::Unsupported { solver, what, help }.into())
+    };
     if control.lazy_constraints().is_some() || control.user_cuts().is_some() {
         return unsupported(
             "rows that are found while a model with smooth functions is solved",

@@ -161,7 +161,10 @@ impl Bounds {
         while at < self.queue.len() && at < most && result.is_ok() {
             let fact = self.queue[at] as usize;
             self.is_queued[fact] = false;
-            result = self.visit(facts, fact);
+            // A fact may have gone with its context since it was queued.
+            if fact < facts.len() {
+                result = self.visit(facts, fact);
+            }
             at += 1;
         }
         self.queue.iter().for_each(|&fact| self.is_queued[fact as usize] = false);

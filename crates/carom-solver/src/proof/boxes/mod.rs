@@ -220,7 +220,7 @@ impl BoxProver<'_, '_> {
         let split = choose(self.of, &self.history, &domain, &guess, integrality);
         let Some(BoxSplit { column, at }) = split else { return Err(Limit) };
         let [lower, upper] = domain.bounds(column);
-        if !(at.abs() <= MOST_SPLIT) {
+        if at.is_nan() || at.abs() > MOST_SPLIT {
             // Columns without bounds are halved without end.
             return Err(Limit);
         }

@@ -119,9 +119,8 @@ impl BoxProver<'_, '_> {
         let objective = (objective.fact, -1.0);
         let known = self.facts.len();
         self.lend(&sum.rows);
-        let mut found = FactRefutation::default();
-        found.facts = sum.found.facts.clone();
-        found.facts.push(objective);
+        let facts = sum.found.facts.iter().copied().chain([objective]).collect();
+        let mut found = FactRefutation { facts, ..FactRefutation::default() };
         self.keep_sides(&mut found);
         let is_closed = self.relaxer.check(&self.facts, &self.bounds, &mut found).is_some();
         self.facts.truncate(known);
@@ -151,8 +150,7 @@ impl BoxProver<'_, '_> {
         }
         let mut moves = false;
         for goal in wanted {
-            let mut own = FactRefutation::default();
-            own.facts = found.facts.clone();
+            let own = FactRefutation { facts: found.facts.clone(), ..FactRefutation::default() };
             moves |= self.lemma(
                 BoxClosing { rows: sum.rows.clone(), found: own },
                 goal,
