@@ -6,6 +6,7 @@
 
 use web_time::{Duration, Instant};
 
+use super::Prover;
 use super::active_set::ActiveSet;
 use super::attempts::{MethodAttempt, Purpose, Stage, VERTEX, attempts};
 use super::borderline::{Doubt, WIDENINGS, is_torn, widened};
@@ -13,13 +14,11 @@ use super::clarabel::ClarabelRelaxation;
 use super::cone_cut::ConeCut;
 use super::conic::ConicMethod;
 use super::interior::InteriorPoint;
-use super::recession::{growth_program, is_descent_ray, recession_program, relaxed_along};
 use super::record::Record;
 use super::simplex::DualSimplex;
 use super::spent::Spent;
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
-use super::{Prover, polish};
 use crate::presolve::{Domain, Reduced, Reducer};
 use crate::program::Program;
 use crate::solution::RelaxationCounts;
@@ -460,38 +459,6 @@ impl MethodCascade {
         findings.x.resize(program.columns.len(), 0.0);
         let x = std::mem::take(&mut findings.x);
         (findings.relaxed(bound, x, converged), doubt)
-    }
-
-    /// Looks for a direction of descent without end, or for a curve, when no method named one.
-    pub(super) fn falls_forever(&mut self, program: &Reduced, token: &StopToken) -> bool {
-        let is_ray = |ray: &[f64]| is_descent_ray(program, ray);
-        if recession_program(program).is_some_and(|all| self.has_direction(&all, token, is_ray)) {
-            return true;
-        }
-        let Some(growth) = growth_program(program) else { return false };
-        let mut relaxed = None;
-        self.has_direction(&growth, token, |ray| {
-            relaxed = relaxed_along(program, ray);
-            relaxed.is_some()
-        });
-        let Some(relaxed) = relaxed else { return false };
-        let is_ray = |ray: &[f64]| is_descent_ray(&relaxed, ray);
-        recession_program(&relaxed).is_some_and(|all| self.has_direction(&all, token, is_ray))
-    }
-
-    /// Whether the steepest of some directions is accepted.
-    fn has_direction(
-        &mut self,
-        directions: &Reduced,
-        token: &StopToken,
-        mut accept: impl FnMut(&[f64]) -> bool,
-    ) -> bool {
-        if directions.is_conic() {
-            return self.steepest_conic(directions, token, accept);
-        }
-        let mut result = self.solve_once(directions, Purpose::Direction, token);
-        polish(directions, &mut result.x, token);
-        accept(&result.x)
     }
 }
 

@@ -18,6 +18,7 @@ mod cone_cut;
 mod conic;
 mod conic_form;
 mod correction;
+mod descent;
 mod extended;
 mod interior;
 mod method_cascade;

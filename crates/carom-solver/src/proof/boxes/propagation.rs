@@ -12,7 +12,7 @@ use crate::proof::facts::BoundSource;
 use crate::spatial::{Shape, SpatialProgram};
 
 /// Most turns between functions and facts.
-const MOST_TURNS: usize = 12;
+const MOST_SWEEPS_OF_A_BOX: usize = 12;
 
 /// By how much values of functions are loosened: relative to them, and beside (no unit).
 const LOOSE_VALUE: f64 = 1e-12;
@@ -33,7 +33,7 @@ pub(super) fn function_columns(program: &SpatialProgram) -> Vec<Vec<usize>> {
 impl BoxProver<'_, '_> {
     /// Tightens all bounds until little moves.
     pub(super) fn propagate(&mut self) -> Result<(), Clash> {
-        for _ in 0..MOST_TURNS {
+        for _ in 0..MOST_SWEEPS_OF_A_BOX {
             self.bounds.propagate(&self.facts)?;
             let mark = self.bounds.mark();
             let count = self.of.terms.len();
