@@ -162,7 +162,7 @@ fn the_shifted_point_costs_one_relaxation_at_most() {
     let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
     let mut prepared = solver.prepare(&model).unwrap();
     let (mut state, mut more) = (3.0, 0);
-    for step in 0..8 {
+    for _ in 0..8 {
         model.set_parameter(parameters[0], state).unwrap();
         let one = cold.solve(&model).unwrap();
         let mut control = Control::default().with_steps_passed(1);
