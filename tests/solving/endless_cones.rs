@@ -1,7 +1,7 @@
 //! Quadratic rows that leave a direction in which the objective falls without end.
 
 use crate::common::config;
-use carom::model::lp;
+use carom::model::{Affine, lp};
 use carom::prelude::*;
 use carom::solver::RelaxationMethod;
 use proptest::prelude::*;
@@ -117,6 +117,23 @@ fn squares(forms: &[Vec<i32>]) -> String {
         }
     }
     terms
+}
+
+/// Along `x`, the cost falls as much as the norm grows, so that it nears its infimum and does not
+/// fall for ever. (Case 7771630 of `torture`, family `cones-moved`.)
+#[test]
+fn a_direction_that_costs_nothing_is_no_fall() {
+    for (slope, price) in [(1.0 / 8192.0, 1024.0), (1.0 / 1024.0, 4096.0), (0.25, 8.0), (1.0, 1.0)] {
+        let mut model = Model::new("level");
+        let x = model.continuous("x", f64::NEG_INFINITY, f64::INFINITY).unwrap();
+        let length = model.continuous("length", 0.0, f64::INFINITY).unwrap();
+        model.add("cone", norm([slope * x + 0.003, Affine::constant(0.001)]).le(length)).unwrap();
+        model.minimize(price * length - price * slope * x).unwrap();
+        let solution = BranchAndBound::default().solve(&model).unwrap();
+        assert_ne!(solution.termination(), Termination::Unbounded, "{slope} {price}");
+        // The infimum, which no point has.
+        assert!(solution.bound() <= 0.003 * price + 1e-6, "{slope} {price}");
+    }
 }
 
 proptest! {

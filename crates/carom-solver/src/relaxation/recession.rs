@@ -173,7 +173,9 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
     let cost: f64 = costs().sum();
     let cost_scale = largest_magnitude(costs());
-    if cost.is_nan() || cost >= -1e-6 * cost_scale {
+    // A cone that the ray misses by a tolerance costs what its head must grow by.
+    let mended: f64 = program.cones.iter().map(|cone| mending_cost(program, cone, &d)).sum();
+    if cost.is_nan() || !(cost + mended < -1e-6 * cost_scale) {
         return false;
     }
     // The least curvature ends the fall somewhere, however far out.
@@ -237,10 +239,25 @@ fn keeps_rows(program: &Reduced, d: &[f64]) -> bool {
             && (change >= -slack || program.row_lower[i].is_infinite())
     });
     let inside = |cone: &ReducedCone| {
-        let at = |entry: &ConeEntry| if entry.is_fixed() { 0.0 } else { d[entry.place] };
-        let mut along = cone.clone();
-        along.entries.iter_mut().for_each(|entry| (entry.value, entry.place) = (at(entry), FIXED));
+        let along = along(cone, d);
         along.miss(&[]) <= RAY_TOLERANCE && along.head().iter().all(|e| e.value >= -RAY_TOLERANCE)
     };
     rows && program.cones.iter().all(inside)
+}
+
+/// A cone with a direction in the place of the point.
+fn along(cone: &ReducedCone, d: &[f64]) -> ReducedCone {
+    let at = |entry: &ConeEntry| if entry.is_fixed() { 0.0 } else { d[entry.place] };
+    let mut along = cone.clone();
+    along.entries.iter_mut().for_each(|entry| (entry.value, entry.place) = (at(entry), FIXED));
+    along
+}
+
+/// What it costs to raise the head of a cone by as much as a direction misses it.
+fn mending_cost(program: &Reduced, cone: &ReducedCone, d: &[f64]) -> f64 {
+    let miss = along(cone, d).miss(&[]).max(0.0);
+    let costs = cone.head().iter().filter(|entry| !entry.is_fixed());
+    let most = costs.fold(0.0_f64, |most, entry| most.max(program.linear[entry.place].abs()));
+    // Of a rotated cone, one factor grows by twice the miss.
+    2.0 * most * miss
 }
