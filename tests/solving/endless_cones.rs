@@ -123,7 +123,8 @@ fn squares(forms: &[Vec<i32>]) -> String {
 /// fall for ever. (Case 7771630 of `torture`, family `cones-moved`.)
 #[test]
 fn a_direction_that_costs_nothing_is_no_fall() {
-    for (slope, price) in [(1.0 / 8192.0, 1024.0), (1.0 / 1024.0, 4096.0), (0.25, 8.0), (1.0, 1.0)] {
+    for (slope, price) in [(1.0 / 8192.0, 1024.0), (1.0 / 1024.0, 4096.0), (0.25, 8.0), (1.0, 1.0)]
+    {
         let mut model = Model::new("level");
         let x = model.continuous("x", f64::NEG_INFINITY, f64::INFINITY).unwrap();
         let length = model.continuous("length", 0.0, f64::INFINITY).unwrap();
