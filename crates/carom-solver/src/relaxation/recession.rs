@@ -175,7 +175,8 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     let cost_scale = largest_magnitude(costs());
     // A cone that the ray misses by a tolerance costs what its head must grow by.
     let mended: f64 = program.cones.iter().map(|cone| mending_cost(program, cone, &d)).sum();
-    if cost.is_nan() || !(cost + mended < -1e-6 * cost_scale) {
+    let fall = cost + mended;
+    if fall.is_nan() || fall >= -1e-6 * cost_scale {
         return false;
     }
     // The least curvature ends the fall somewhere, however far out.
