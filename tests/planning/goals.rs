@@ -154,7 +154,7 @@ fn regions_that_cannot_be_ends_are_refused() {
     assert_eq!(
         text(vec![all].into()),
         "`the goal of vehicle` has 1 entries and the scene needs 2; give one per axis, and in starts \
-         and goals one per position, one per velocity, and one for a spin"
+         and goals one per position, one per velocity, one for a spin, and one for a heading"
     );
     assert_eq!(
         text([Interval::new(1.0, 0.0), all].into()),

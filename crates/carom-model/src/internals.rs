@@ -84,7 +84,6 @@ pub mod solution {
 
 pub mod solver {
     pub use crate::solver::control::RowSource;
-    pub use crate::solver::prepared::prepared_afresh;
     pub use crate::solver::stop_token::uninterrupted;
     pub use crate::solver::*;
 }

@@ -54,7 +54,7 @@ fn half_spaces_of_starts_are_named() {
     assert_eq!(
         start(Halfspace::new("side", [1.0, 0.0], 1.0)),
         "`the half-space side of the start of puck` has 2 entries and the scene needs 4; give one \
-         per axis, and in starts and goals one per position, one per velocity, and one for a spin"
+         per axis, and in starts and goals one per position, one per velocity, one for a spin, and one for a heading"
     );
     assert_eq!(
         start(Halfspace::new("side", [0.0; 4], 1.0)),

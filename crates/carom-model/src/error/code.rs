@@ -87,6 +87,7 @@ fn of_scene(error: &SceneError) -> &'static str {
         | SceneError::Course { .. }
         | SceneError::Surface { .. }
         | SceneError::Spin { .. }
+        | SceneError::Forces { .. }
         | SceneError::Rule { .. }
         | SceneError::NoDamageLimitRange { .. } => "scene",
     }

@@ -11,7 +11,7 @@ pub enum SceneError {
     /// A body, a normal or a course has another number of axes than the scene.
     #[error(
         "`{name}` has {found} entries and the scene needs {expected}; give one per axis, and in \
-         starts and goals one per position, one per velocity, and one for a spin"
+         starts and goals one per position, one per velocity, one for a spin, and one for a heading"
     )]
     Axes {
         /// The body or the obstacle.
@@ -19,7 +19,7 @@ pub enum SceneError {
         /// Its number of axes.
         found: usize,
         /// The number of axes of the scene, those of its first body, from 1 to 3; twice as many in
-        /// starts and goals, and one more for a spin.
+        /// starts and goals, and one more each for a spin and a heading.
         expected: usize,
     },
     /// A face of an obstacle has no direction.
@@ -117,6 +117,14 @@ pub enum SceneError {
     /// A spin that the scene cannot state.
     #[error("the spin of `{body}` cannot be used: {reason}")]
     Spin {
+        /// The body.
+        body: String,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
+    /// Forces or a heading that the scene cannot state.
+    #[error("the forces on `{body}` cannot be used: {reason}")]
+    Forces {
         /// The body.
         body: String,
         /// Why, and what to do.

@@ -59,7 +59,7 @@ pub trait Prepared {
 }
 
 /// A prepared model whose every solve begins from nothing.
-pub fn prepared_afresh<'a, S: Solver + ?Sized>(
+pub(super) fn prepared_afresh<'a, S: Solver + ?Sized>(
     solver: &'a mut S,
     model: &Model,
 ) -> Box<dyn Prepared + 'a> {

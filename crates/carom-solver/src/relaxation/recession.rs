@@ -254,7 +254,7 @@ fn along(cone: &ReducedCone, d: &[f64]) -> ReducedCone {
     along
 }
 
-/// What it costs to raise the head of a cone by as much as a direction misses it.
+/// The cost of raising the head of a cone by as much as a direction misses it.
 fn mending_cost(program: &Reduced, cone: &ReducedCone, d: &[f64]) -> f64 {
     let miss = along(cone, d).miss(&[]).max(0.0);
     let costs = cone.head().iter().filter(|entry| !entry.is_fixed());

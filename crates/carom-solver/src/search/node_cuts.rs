@@ -20,7 +20,7 @@ const MOST_NODE_CUTS: usize = 30;
 /// The least part of the gap to the cutoff that a round closes if another one follows.
 const FOLLOWED_SHARE: f64 = 0.05;
 
-/// What counts as the gap where there is no cutoff, relative to the bound.
+/// The gap that is assumed where there is no cutoff, relative to the bound.
 const SLIGHT_GAP: f64 = 1e-3;
 
 /// Relaxes a projected program with the cuts of the worker, and looks for more of them if it is

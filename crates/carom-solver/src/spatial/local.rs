@@ -35,7 +35,7 @@ const SMALL_GAIN: f64 = 1e-9;
 /// The least penalty, relative to the largest cost (no unit).
 const LEAST_PENALTY: f64 = 1e-3;
 
-/// What a search carries from step to step.
+/// The state of a search between its steps.
 struct Walk {
     /// The cost of what tangents miss.
     penalty: f64,

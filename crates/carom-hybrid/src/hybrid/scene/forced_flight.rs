@@ -19,7 +19,7 @@ impl BodyHandle {
     }
 }
 
-/// What functions of the motion make of free flight.
+/// Free flight with functions of the motion.
 pub(super) struct ForcedFlight {
     /// In the scene's units, with an input more for each function.
     pub(super) flow: LinearSystem,
@@ -93,7 +93,8 @@ impl Scene {
         Ok(Some(ForcedFlight { flow, user }))
     }
 
-    /// What is held over a step along each axis of a body, over the handles of the user's system.
+    /// The accelerations that are held over a step along each axis of a body, over the handles of
+    /// the user's system.
     fn held_rows(
         &self,
         user: &mut HybridSystem,

@@ -148,7 +148,7 @@ impl Body {
 
     /// Refuses forces and headings that nothing can have.
     pub(super) fn check_forces(&self) -> Result<(), Error> {
-        let refused = |reason| Err(SceneError::Spin { body: self.name.clone(), reason }.into());
+        let refused = |reason| Err(SceneError::Forces { body: self.name.clone(), reason }.into());
         if let Some(forces) = &self.forces {
             let (name, found) = (format!("the forces on {}", self.name), forces.rows.len());
             if found != self.axes() {

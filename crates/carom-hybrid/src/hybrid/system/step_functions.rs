@@ -181,18 +181,11 @@ impl StepFunctions {
 
     /// The ranges of all inputs, where those that are no functions have these.
     pub(crate) fn ranges(&self, states: &[Interval], inputs: &[Interval]) -> Vec<Interval> {
-        let mut inputs = inputs.to_vec();
-        for (number, function) in self.iter() {
-            let range = function.range(|variable| match self.slot(variable) {
-                Some(StepSlot::State(i)) => states.get(i).copied().unwrap_or(Interval::REALS),
-                Some(StepSlot::Input(u)) => inputs.get(u).copied().unwrap_or(Interval::REALS),
-                Some(StepSlot::Prediction(_)) | None => Interval::REALS,
-            });
-            if let Some(own) = inputs.get_mut(number) {
-                *own = range;
-            }
+        let mut open = inputs.to_vec();
+        for (number, _) in self.iter() {
+            open.iter_mut().skip(number).take(1).for_each(|own| *own = Interval::REALS);
         }
-        inputs
+        self.narrowed(states, &[], &open)
     }
 
     /// The ranges of all inputs, where those of functions are no wider than their values over
