@@ -461,3 +461,14 @@ fn grids_that_get_coarser_without_plans_end() {
     assert_eq!(steps(options.clone()), Some(9));
     assert_eq!(steps(options.with_coarse_guess(false)), Some(9));
 }
+
+/// Pushes change velocities alone, also of a body whose state has a spin.
+#[test]
+fn a_spinning_disc_may_be_pushed() {
+    let disc = Disc { mass: 1.0, inertia: 0.005, radius: 0.1 };
+    let body = disc.body("disc").with_pushes([-0.1..=0.1, 0.0..=0.0]);
+    let scene = Scene::new(0.1).with_body(body.with_start([0.0, 0.0, 1.0, 0.0, 2.0]));
+    let system = scene.hybrid_system().unwrap();
+    assert!(system.check().is_ok());
+    assert!(scene.program(2).unwrap().solve(&mut BranchAndBound::default()).is_ok());
+}

@@ -186,6 +186,7 @@ impl MethodCascade {
     }
 
     /// Whether there are methods that start from a state.
+    #[cfg(feature = "nonlinear")]
     pub(super) fn has_warm_methods(&self) -> bool {
         self.warm.is_some()
     }

@@ -30,6 +30,7 @@ mod record;
 mod scaling;
 mod simplex;
 mod spent;
+#[cfg(feature = "nonlinear")]
 mod unproved;
 mod verdict;
 mod warm_state;

@@ -78,18 +78,15 @@ pub(super) fn exponentials(
         let name = free_name(rows, "exponent");
         let of = builder.column(rows, &name, &sum)?;
         let shape = Shape::Elementary { function: Elementary::Exp, of };
-        let (mut result, mut tie) = (top.result, top.tie);
-        if constant != 1.0 {
-            let range = Elementary::Exp.range(bounds(rows, of)?);
-            let name = free_name(rows, "exponential");
-            let kind = VariableKind::Continuous;
-            let variable = rows.variable(name.clone(), kind, range.lower, range.upper)?;
-            let own = Variable::new(top.result, rows.tag());
-            let terms = vec![(own, 1.0), (variable, -constant)];
-            rows.push_constraint(name, StoredRow { terms, lower: 0.0, upper: 0.0 })?;
-            (result, tie) = (variable.index(), Tie::Exact);
-        }
-        found.push(SmoothTerm { result, shape, tie, is_implied: true });
+        let range = Elementary::Exp.range(bounds(rows, of)?);
+        let name = free_name(rows, "exponential");
+        let kind = VariableKind::Continuous;
+        let variable = rows.variable(name.clone(), kind, range.lower, range.upper)?;
+        let own = Variable::new(top.result, rows.tag());
+        let terms = vec![(own, 1.0), (variable, -constant)];
+        rows.push_constraint(name, StoredRow { terms, lower: 0.0, upper: 0.0 })?;
+        let result = variable.index();
+        found.push(SmoothTerm { result, shape, tie: Tie::Exact, is_implied: true });
     }
     Ok(found)
 }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use super::flaw::SearchFlaw;
 use super::logarithms::exponentials;
 use super::term::{Shape, SmoothTerm, bounds};
-use crate::elementary::Elementary;
 use crate::error::Error;
 use crate::model::{Affine, Function, Model, Name, StoredRow, VariableKind};
 use crate::presolve::{Domain, Reduced, ReducedCone};
@@ -28,7 +27,7 @@ pub(crate) struct SpatialProgram {
     pub(crate) cones: Vec<ReducedCone>,
     /// Columns whose ranges enclosures depend on.
     pub(crate) spatial: Vec<usize>,
-    /// By column, whether rows, cones or functions have it.
+    /// By column, whether stated rows, cones or functions have it.
     is_used: Vec<bool>,
     /// The names of columns and rows, if they were asked for.
     names: [Vec<String>; 2],
@@ -73,6 +72,7 @@ impl SpatialProgram {
             };
             terms.push(SmoothTerm { result, shape, tie, is_implied: false });
         }
+        let stated_rows = rows.constraint_count();
         // A log states the program, and what is implied is no part of that.
         if !has_log {
             terms.extend(exponentials(&mut rows, &mut builder, &terms)?);
@@ -86,7 +86,8 @@ impl SpatialProgram {
         spatial.dedup();
         let mut is_used = vec![false; program.column_count()];
         let of_cones = program.cones.iter().flat_map(|cone| &cone.columns);
-        let used = base.rows.index.iter().chain(&base.quadratic.index).chain(&spatial);
+        let of_rows = (0..stated_rows).flat_map(|row| base.rows.vector(row).0);
+        let used = of_rows.chain(&base.quadratic.index).chain(&spatial);
         used.chain(of_cones).for_each(|&column| is_used[column] = true);
         let arguments = builder.arguments;
         let mut names = [Vec::new(), Vec::new()];
@@ -204,12 +205,7 @@ impl SpatialProgram {
                 x[argument.column] = argument.of.evaluate(|v| x[v.index()]);
                 next += 1;
             }
-            // The result of a product is that of its factors.
-            if !(term.is_implied
-                && matches!(&term.shape, Shape::Elementary { function, .. } if *function == Elementary::Exp))
-            {
-                x[term.result] = term.value(x);
-            }
+            x[term.result] = term.value(x);
         }
     }
 }

@@ -14,9 +14,9 @@ pub(super) fn handles_of(row: &SystemRow) -> Vec<Variable> {
         SystemRow::Row(row) => all(row.expression()),
         SystemRow::Conic(row) => row.stored().for_each_variable(&mut |own| handles.push(own)),
         SystemRow::Nonlinear(row) => {
-            let _same = row.try_map(&mut |own: &Affine| {
+            let _never = row.expression().visit(&mut |own| {
                 all(own);
-                Ok(own.clone())
+                Ok(())
             });
         }
     }

@@ -8,7 +8,7 @@ use super::body::Body;
 use crate::error::{Error, ErrorKind, SceneError};
 use crate::hybrid::system::{Handles, Meaning, Measure, State};
 use crate::interval::Interval;
-use crate::model::{Affine, Nonlinear, Variable};
+use crate::model::{Nonlinear, Variable};
 
 /// The forces on a body, by its mass, as functions of its positions and velocities in the user's
 /// units.
@@ -155,17 +155,15 @@ impl Body {
                 return Err(SceneError::Axes { name, found, expected: self.axes() }.into());
             }
             for row in &forces.rows {
-                let _known = row.try_map(&mut |own: &Affine| {
-                    for (variable, _) in own.terms() {
-                        if forces.handles.meaning(variable).is_none() {
-                            let (kind, index) = ("state", variable.index());
-                            let (place, name) = (name.clone(), None);
-                            return Err(
-                                ErrorKind::ForeignHandle { kind, index, place, name }.into()
-                            );
-                        }
-                    }
-                    Ok(own.clone())
+                row.visit(&mut |own| {
+                    let foreign =
+                        |(own, _): &(Variable, f64)| forces.handles.meaning(*own).is_none();
+                    let Some((variable, _)) = own.terms().into_iter().find(foreign) else {
+                        return Ok(());
+                    };
+                    let (kind, index) = ("state", variable.index());
+                    let (place, name) = (name.clone(), None);
+                    Err(ErrorKind::ForeignHandle { kind, index, place, name }.into())
                 })?;
             }
         }

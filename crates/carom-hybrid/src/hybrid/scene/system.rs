@@ -75,14 +75,7 @@ impl Scene {
         let mut system = HybridSystem::new(scene.time_step);
         system.handles = scene.declared();
         let mut limits = Vec::new();
-        let mut domains: Vec<Interval> = Vec::new();
-        for body in &scene.bodies {
-            domains.extend(&body.domain);
-            domains
-                .extend(body.domain.iter().map(|_| Interval::new(-body.max_speed, body.max_speed)));
-        }
-        domains.extend(scene.spins().map(|(_, spin)| spin.rates()));
-        domains.extend(scene.headings().map(|(_, range)| range));
+        let mut domains = scene.domains();
         for contact in &contacts {
             limits.extend(outside(&scene, contact, &flow, &mut domains));
         }
@@ -110,6 +103,8 @@ impl Scene {
                 false => [&none[..], &body.pushes].concat(),
             });
             system.disturbance = pushes.collect();
+            // Nothing pushes spins and headings.
+            system.disturbance.resize(flow.states(), Interval::point(0.0));
         }
         for contact in &mut contacts {
             let writer = Writer { scene: &scene, contact, flow: &flow };
@@ -143,6 +138,17 @@ impl Scene {
         all.chain(spins).chain(headings).collect()
     }
 
+    /// The domains of the states.
+    fn domains(&self) -> Vec<Interval> {
+        let of = |body: &Body| -> Vec<Interval> {
+            let speed = Interval::new(-body.max_speed, body.max_speed);
+            body.domain.iter().copied().chain(body.domain.iter().map(|_| speed)).collect()
+        };
+        let spins = self.spins().map(|(_, spin)| spin.rates());
+        let headings = self.headings().map(|(_, range)| range);
+        self.bodies.iter().flat_map(of).chain(spins).chain(headings).collect()
+    }
+
     /// The inputs with their ranges: those along the axes of each body, and then torques.
     fn input_ranges(&self) -> Vec<(String, Interval)> {
         let of = |body: &Body| -> Vec<(String, Interval)> {
@@ -159,14 +165,7 @@ impl Scene {
     fn bare(&self, checked: &Scene) -> HybridSystem {
         let mut user = HybridSystem::new(self.time_step);
         user.handles = checked.declared();
-        let mut domains: Vec<Interval> = Vec::new();
-        for body in &self.bodies {
-            let speed = Interval::new(-body.max_speed, body.max_speed);
-            domains.extend(body.domain.iter().copied().chain(body.domain.iter().map(|_| speed)));
-        }
-        domains.extend(self.spins().map(|(_, spin)| spin.rates()));
-        domains.extend(self.headings().map(|(_, range)| range));
-        user.states = self.state_names().into_iter().zip(domains).collect();
+        user.states = self.state_names().into_iter().zip(self.domains()).collect();
         let inputs = self.input_ranges().into_iter();
         user.inputs = inputs.map(|(name, range)| (name, Schedule::from(range))).collect();
         user

@@ -214,12 +214,12 @@ impl HybridSystem {
     /// Whether a row is one of states alone.
     pub(super) fn is_of_states(&self, row: &NonlinearRow) -> bool {
         let mut is_of_states = true;
-        let visited = row.try_map(&mut |own: &Affine| {
+        let visited = row.expression().visit(&mut |own| {
             let is_state = |(handle, _): (Variable, f64)| {
                 matches!(self.handles.meaning(handle), Some(Meaning::State(_)))
             };
             is_of_states &= own.terms().into_iter().all(is_state);
-            Ok(own.clone())
+            Ok(())
         });
         visited.is_ok() && is_of_states
     }
@@ -238,7 +238,7 @@ impl HybridSystem {
         help: &'static str,
     ) -> Result<StateRow, Error> {
         let mut states: Vec<(Variable, usize)> = Vec::new();
-        let _visited = row.try_map(&mut |own: &Affine| {
+        row.expression().visit(&mut |own| {
             let numbers = own.raw_terms().iter().map(|&(_, factor)| factor);
             check_finite(place, "a number", numbers.chain([own.offset()]))?;
             for (handle, _) in own.terms() {
@@ -250,7 +250,7 @@ impl HybridSystem {
                     _ => return Err(self.misplaced(handle, place, help)),
                 }
             }
-            Ok(own.clone())
+            Ok(())
         })?;
         let text = name.map_or_else(|| self.nonlinear_text(row), |(name, _)| name.to_owned());
         let is_limit = name.is_some_and(|(_, is_limit)| is_limit);

@@ -257,6 +257,12 @@ impl Nonlinear {
         Ok(mapped)
     }
 
+    /// Shows its affine expressions.
+    #[doc(hidden)]
+    pub fn visit(&self, look: &mut dyn FnMut(&Affine) -> Result<(), Error>) -> Result<(), Error> {
+        self.try_map(&mut |own| look(own).map(|()| own.clone())).map(drop)
+    }
+
     /// The value at a point that is given as a function from variables to values; NaN where the
     /// expression has none.
     pub fn evaluate(&self, value: impl Fn(Variable) -> f64) -> f64 {
