@@ -27,14 +27,16 @@ mod output;
 #[path = "../crates/carom-cli/src/interrupts.rs"]
 mod interrupts;
 
+#[path = "common/clock.rs"]
+mod clock;
 #[path = "../tests/instances/mod.rs"]
 mod instances;
 
 use std::ops::ControlFlow;
 use std::process::ExitCode;
-use std::time::Instant;
 
 use carom::prelude::*;
+use clock::Clock;
 use instances::moving_walls::{self, GUST, Gust, Gusts, HORIZON, MovingWalls, STEP};
 use interrupts::{INTERRUPTED, Signals};
 
@@ -69,29 +71,6 @@ struct Run {
     agrees: bool,
 }
 
-/// Milliseconds: wall-clock time, and processor time of this thread where the system tells it.
-struct Clock(Instant, Option<f64>);
-
-impl Clock {
-    fn start() -> Self {
-        let cpu = processor_milliseconds();
-        Clock(Instant::now(), cpu)
-    }
-
-    fn elapsed(&self) -> f64 {
-        let wall = 1e3 * self.0.elapsed().as_secs_f64();
-        // Where the thread was not interrupted, the wall clock is the finer one.
-        let cpu = processor_milliseconds().zip(self.1).map(|(end, begin)| end - begin);
-        cpu.map_or(wall, |cpu| wall.min(cpu))
-    }
-}
-
-fn processor_milliseconds() -> Option<f64> {
-    std::thread::yield_now(); // brings the count up to date
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(1e-6 * text.split_whitespace().next()?.parse::<f64>().ok()?)
-}
-
 fn run(rate: f64, settings: &Settings, interrupt: &Interrupt) -> Result<Run, Error> {
     let MovingWalls { mut model, push } = MovingWalls::new(settings.horizon)?;
     let measured: Vec<Variable> = model.parameters().collect();
@@ -118,7 +97,7 @@ fn run(rate: f64, settings: &Settings, interrupt: &Interrupt) -> Result<Run, Err
         let mut first = None;
         let clock = Clock::start();
         let mut note = |_: &Incumbent<'_>| {
-            first.get_or_insert_with(|| clock.0.elapsed());
+            first.get_or_insert_with(|| clock.waited());
             ControlFlow::Continue(())
         };
         let mut control = Control::default()
@@ -126,7 +105,7 @@ fn run(rate: f64, settings: &Settings, interrupt: &Interrupt) -> Result<Run, Err
             .with_steps_passed(passed)
             .with_incumbent(&mut note);
         let solution = prepared.solve(&values, &mut control)?;
-        let milliseconds = clock.elapsed();
+        let milliseconds = clock.spent();
         if interrupt.is_triggered() {
             break;
         }
@@ -152,7 +131,7 @@ fn run(rate: f64, settings: &Settings, interrupt: &Interrupt) -> Result<Run, Err
         }
         let effort = Effort {
             milliseconds,
-            first: first.map_or(f64::NAN, |first| 1e3 * first.as_secs_f64()),
+            first: first.unwrap_or(f64::NAN),
             nodes: counts.nodes as f64,
             relaxations: counts.relaxations as f64,
             touches,
