@@ -73,19 +73,16 @@ def dense(numbers):
 
 def loop(numbers):
     program = Program()
-    states, steps = numbers.randint(2, 6), numbers.randint(3, 8)
-    binaries = numbers.randint(2, 8)
+    states, steps, binaries = numbers.randint(2, 6), numbers.randint(3, 8), numbers.randint(2, 8)
     flow = [
-        [numbers.gauss(0.0, 0.3) + (1.0 if i == k else 0.0) for k in range(states)]
+        [numbers.gauss(0.0, 0.2) + (0.8 if i == k else 0.0) for k in range(states)]
         for i in range(states)
     ]
     force = [numbers.gauss(0.0, 0.5) for _ in range(states)]
     push = [numbers.gauss(0.0, 1.0) for _ in range(states)]
-    state = []
-    for _ in range(states):
-        value = numbers.uniform(-2.0, 2.0)
-        state.append(program.column(value, value))
-    left = binaries
+    # A state is a value for every column that it depends on; None is the constant part.
+    state = [{None: numbers.uniform(-2.0, 2.0)} for _ in range(states)]
+    costs, left = {}, binaries
     for t in range(steps):
         u = program.column(-1.0, 1.0)
         program.squares[u, u] = 0.2
@@ -93,17 +90,34 @@ def loop(numbers):
         here = -(-left // (steps - t))
         left -= here
         modes = [program.column(0.0, 1.0, 0.05, True) for _ in range(here)]
-        after = [program.column(-100.0, 100.0) for _ in range(states)]
+        for mode in modes:
+            program.squares[mode, mode] = 0.02
+        after = []
         for i in range(states):
-            terms = [(after[i], 1.0), (u, -force[i])]
-            terms += [(state[k], -flow[i][k]) for k in range(states)]
-            terms += [(mode, -push[i] / (1 + m)) for m, mode in enumerate(modes)]
-            program.row(terms, "E", 0.0)
-            program.squares[after[i], after[i]] = 2.0
+            own = {u: force[i]}
+            own.update((mode, push[i] / (1 + m)) for m, mode in enumerate(modes))
+            for k in range(states):
+                for j, value in state[k].items():
+                    own[j] = own.get(j, 0.0) + flow[i][k] * value
+            after.append(own)
         for mode in modes:
             # Without the push, the first state does not fall by more than a tenth.
-            program.row([(after[0], -1.0), (state[0], 1.0), (mode, -200.0)], "L", 0.1)
+            fall = {j: value - after[0].get(j, 0.0) for j, value in state[0].items()}
+            fall.update((j, -value) for j, value in after[0].items() if j not in fall)
+            limit = 0.1 - fall.pop(None, 0.0)
+            fall[mode] = fall.get(mode, 0.0) - 20.0
+            program.row(fall.items(), "L", limit)
         state = after
+        for own in state:
+            constant = own.get(None, 0.0)
+            terms = [(j, value) for j, value in own.items() if j is not None]
+            for j, value in terms:
+                costs[j] = costs.get(j, 0.0) + 2.0 * constant * value
+                for i, other in terms:
+                    if i >= j:
+                        program.squares[i, j] = program.squares.get((i, j), 0.0) + 2.0 * value * other
+    for j, (lower, upper, cost, whole) in enumerate(program.columns):
+        program.columns[j] = (lower, upper, cost + costs.get(j, 0.0), whole)
     return program
 
 
