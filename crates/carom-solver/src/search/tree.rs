@@ -13,7 +13,7 @@ use super::saved_tree::{End, SavedDuals, SavedSplit, SavedTree};
 use super::start::{Completion, Start, StartPoint};
 use super::task::SolveTask;
 use super::trace::event;
-use crate::presolve::{DeterminedColumns, LeafColumns};
+use crate::presolve::LeafColumns;
 use crate::program::Program;
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -52,7 +52,7 @@ pub(super) struct Tree<'a> {
     /// The pseudocosts from all workers.
     pub(super) pseudocosts: Mutex<Pseudocosts>,
     /// The columns that equations determine in leaves; computed at the first request.
-    determined: LeafColumns,
+    pub(super) determined: LeafColumns,
 }
 
 pub(super) struct TreeState {
@@ -191,15 +191,6 @@ impl<'a> Tree<'a> {
     /// before the lock is released.
     pub(super) fn lock(&self) -> MutexGuard<'_, TreeState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The columns that equations determine in leaves; `None` where none needs care.
-    pub(super) fn determined(&self) -> Option<&DeterminedColumns> {
-        let program = self.task.exact.unwrap_or(self.task.program);
-        match self.task.leaf_columns {
-            Some((own, kept)) if std::ptr::eq(own, program) => kept.of(program),
-            _ => self.determined.of(program),
-        }
     }
 
     /// Ends the search.
