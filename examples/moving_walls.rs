@@ -64,6 +64,31 @@ struct Effort {
     is_optimal: bool,
 }
 
+impl Effort {
+    /// # Arguments
+    ///
+    /// * `binaries`: those of contacts.
+    fn of(
+        solution: &Solution,
+        binaries: &[Variable],
+        [milliseconds, first]: [f64; 2],
+    ) -> Result<Self, Error> {
+        let counts = solution.statistics();
+        let mut touches = false;
+        for &binary in binaries {
+            touches |= solution.value(binary)? > 0.5;
+        }
+        Ok(Effort {
+            milliseconds,
+            first,
+            nodes: counts.nodes as f64,
+            relaxations: counts.relaxations as f64,
+            touches,
+            is_optimal: solution.is_optimal(),
+        })
+    }
+}
+
 /// A loop: its plans, the states without one, and whether the optima agree.
 struct Run {
     efforts: Vec<Effort>,
@@ -124,19 +149,7 @@ fn run(rate: f64, settings: &Settings, interrupt: &Interrupt) -> Result<Run, Err
                 continue;
             }
         };
-        let counts = solution.statistics();
-        let mut touches = false;
-        for &binary in &binaries {
-            touches |= solution.value(binary)? > 0.5;
-        }
-        let effort = Effort {
-            milliseconds,
-            first: first.unwrap_or(f64::NAN),
-            nodes: counts.nodes as f64,
-            relaxations: counts.relaxations as f64,
-            touches,
-            is_optimal: solution.is_optimal(),
-        };
+        let effort = Effort::of(&solution, &binaries, [milliseconds, first.unwrap_or(f64::NAN)])?;
         if settings.each {
             println!(
                 "{number:>4} {state:.3?} force {force:.3}: {milliseconds:.3} ms, first {:.3} ms, \
