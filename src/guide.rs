@@ -79,6 +79,7 @@ pub mod explicit_control {}
 #[doc = include_str!("../docs/gallery.md")]
 pub mod gallery {}
 
+#[doc = "[chips]: crate::guide::explicit_control"]
 #[doc = "[decisions]: crate::guide::decisions"]
 #[doc = include_str!("../docs/benchmarks.md")]
 pub mod benchmarks {}

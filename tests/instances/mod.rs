@@ -5,6 +5,7 @@
 
 pub(crate) mod generators;
 pub(crate) mod large;
+pub(crate) mod moving_walls;
 pub(crate) mod random_miqp;
 mod riccati;
 pub(crate) mod suite;

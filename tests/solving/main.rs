@@ -29,6 +29,7 @@ mod kept_facets;
 mod large_coefficients;
 mod lazy_constraints;
 mod limits;
+mod moving_walls;
 mod multipliers;
 mod node_cuts;
 mod nonlinear;

@@ -76,7 +76,7 @@ pub(super) fn search_with_facets(
     }
     let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
     let point = std::mem::take(&mut before.points).into_iter().next();
-    let point = point.map(|values| StartPoint { values, found_by });
+    let point = point.map(|values| StartPoint { values, found_by, is_reported: false });
     let start = Start { point, is_rounded: Some(true), ..Start::default() };
     let left = |limit: u64| limit.saturating_sub(before.statistics.nodes);
     let options = &match options.node_limit {

@@ -20,8 +20,10 @@ use crate::solution::Termination;
 /// unit).
 const LEAST_CLOSED: f64 = 0.5;
 
-/// Solves without cuts after one in which they closed less.
+/// Solves without cuts after the first one in which they closed less; twice as many after each
+/// further one in a row, as often as the second number says.
 const SOLVES_WITHOUT_CUTS: u32 = 15;
+const MOST_DOUBLINGS: u32 = 6;
 
 /// Fewest nodes of the last solve after which the program is tightened for the values of the
 /// parameters, as without preparation; that costs as much as a few nodes.
@@ -43,6 +45,8 @@ pub(super) struct LastSolve {
     next: Vec<usize>,
     /// Solves until cuts are tried again.
     without_cuts: u32,
+    /// Solves in a row in which cuts were tried and closed too little.
+    idle_cuts: u32,
     /// Nodes of the last solve.
     nodes: Option<u64>,
     /// Whether a limit ended the last solve: then the time for nodes and points is short.
@@ -107,11 +111,14 @@ impl LastSolve {
         if found.facets.is_some() {
             self.facets = found.facets.take();
         }
-        self.without_cuts = match found.strengthened {
-            Some(closed) if closed >= LEAST_CLOSED => 0,
-            Some(_) => SOLVES_WITHOUT_CUTS,
-            None => self.without_cuts.saturating_sub(1),
-        };
+        match found.strengthened {
+            Some(closed) if closed >= LEAST_CLOSED => (self.without_cuts, self.idle_cuts) = (0, 0),
+            Some(_) => {
+                self.without_cuts = SOLVES_WITHOUT_CUTS << self.idle_cuts.min(MOST_DOUBLINGS);
+                self.idle_cuts += 1;
+            }
+            None => self.without_cuts = self.without_cuts.saturating_sub(1),
+        }
         self.nodes = Some(nodes);
         self.stopped = found.termination.is_limit();
         // A search without a point has nothing better to say than the last point.

@@ -6,7 +6,7 @@ use super::convex_objective::convex_form;
 use crate::error::Error;
 use crate::model::Model;
 use crate::presolve::root::Postsolve;
-use crate::presolve::{Domain, Propagator};
+use crate::presolve::{Domain, LeafColumns, Propagator};
 use crate::program::Program;
 use crate::reformulate::{self, Lowered, WayBack};
 use crate::solver::StopToken;
@@ -20,6 +20,8 @@ pub(super) struct LoweredProgram {
     pub(super) postsolve: Option<Postsolve>,
     /// The part of the objective that this presolve may have lost to rounding.
     pub(super) rounding: f64,
+    /// The columns that its equations determine in leaves.
+    pub(super) leaf_columns: LeafColumns,
     /// The names of the columns and of the rows, if they were asked for.
     pub(super) names: Option<[Vec<String>; 2]>,
     /// By how much the program's objective may be below that of the model at a point, in its unit.
@@ -44,6 +46,7 @@ impl LoweredProgram {
             way_back,
             postsolve: None,
             rounding: 0.0,
+            leaf_columns: LeafColumns::default(),
             names: None,
             loss: 0.0,
             stated: None,

@@ -130,8 +130,9 @@ impl Solve<'_> {
         let progress = Progress::new(0, 0, 0, None, -program.sign * f64::INFINITY, elapsed);
         control.report(&Event::Presolved(program.size(), progress));
         let judge = &ModelJudge::new(self, &presolved);
-        let task =
+        let mut task =
             SolveTask::new(presolved.program(), judge, self.cascades, self.options, self.token);
+        task.leaf_columns = Some((&lowered.program, &lowered.leaf_columns));
         let start = known.start.map(|start| presolved.carry(start));
         let carried = EarlierResults { start: start.as_ref(), ..*known };
         // A proof follows the blocks of the lowered program.

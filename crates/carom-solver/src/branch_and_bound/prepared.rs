@@ -219,9 +219,11 @@ impl ReducedProgram {
             Some(given) => Start { integers: given.integers, ..last.start() },
             None => last.start(),
         };
+        let within = last.expects_few_nodes();
+        let within = within.then(|| tightened.within_bounds(solve.options, solve.token));
         let known = EarlierResults {
             is_presolved: true,
-            tightened: last.expects_few_nodes().then_some(tightened),
+            tightened: within.as_ref(),
             start: Some(&start),
             cone_cuts: last.cone_cuts(),
             skips_cuts: last.skips_cuts(),

@@ -1,12 +1,9 @@
 //! The second phase: the program becomes smaller.
 
-use std::sync::OnceLock;
-
 use super::lower::LoweredProgram;
 use super::row_judge::RowJudge;
 use super::solve::{EarlierResults, Solve};
 use crate::error::Error;
-use crate::presolve::DeterminedColumns;
 use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve_around};
 use crate::search::{Start, with_perspective_cones};
 use crate::solver::PoolMode;
@@ -69,14 +66,11 @@ pub(super) struct Presolution<'a> {
     pub(super) lowered: &'a LoweredProgram,
     /// `None` if the lowered program is presolved already.
     pub(super) presolved: Option<Box<Presolved>>,
-    /// The columns of the lowered program that its equations determine; computed at the first
-    /// request.
-    determined: OnceLock<Option<DeterminedColumns>>,
 }
 
 impl<'a> Presolution<'a> {
     fn new(lowered: &'a LoweredProgram, presolved: Option<Box<Presolved>>) -> Self {
-        Presolution { lowered, presolved, determined: OnceLock::new() }
+        Presolution { lowered, presolved }
     }
 
     pub(super) fn program(&self) -> &crate::program::Program {
@@ -91,8 +85,7 @@ impl<'a> Presolution<'a> {
             None => x.to_vec(),
         };
         let program = &self.lowered.program;
-        let determined = self.determined.get_or_init(|| DeterminedColumns::of_leaf(program));
-        if let Some(determined) = determined {
+        if let Some(determined) = self.lowered.leaf_columns.of(program) {
             determined.follow(&mut point);
         }
         point

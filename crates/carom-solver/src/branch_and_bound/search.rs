@@ -19,9 +19,18 @@ pub(super) fn search_task(
     known: &EarlierResults<'_>,
     control: &mut Control<'_>,
 ) -> SearchResult {
-    let mut begun = PreliminaryResult::new(task, known.start);
+    let tight = known.tightened.map(|Tightened { program, root }| SolveTask {
+        program,
+        exact: Some(task.program),
+        root: Some(root),
+        ..task
+    });
+    let mut begun = PreliminaryResult::new(tight.unwrap_or(task), known.start);
     if let Some(begun) = begun.take_if(|begun| begun.suffices(task)) {
         return begun.into_answer(task, control);
+    }
+    if let Some(begun) = begun.take_if(|begun| begun.announce(task, control).is_break()) {
+        return begun.into_last_point();
     }
     let start = match &begun {
         Some(begun) => begun.start(known.start),
@@ -47,7 +56,9 @@ pub(super) fn search_once(
 ) -> SearchResult {
     let SolveTask { program: exact, options, token, .. } = task;
     let tightened = match known.tightened {
-        Some(tightened) => tightened.within_bounds(task),
+        Some(Tightened { program, root }) => {
+            Tightened { program: Cow::Borrowed(&**program), root: root.clone() }
+        }
         None => Tightened::new(exact, options, token),
     };
     let Tightened { program, mut root } = tightened;

@@ -32,8 +32,8 @@ pub(super) struct EarlierResults<'a> {
     pub(super) lowered: Option<&'a LoweredProgram>,
     /// Whether that program is presolved.
     pub(super) is_presolved: bool,
-    /// The tightened program and its root, for bounds that contain those of the program.
-    pub(super) tightened: Option<&'a Tightened<'static>>,
+    /// The tightened program and its root, within the bounds of the program.
+    pub(super) tightened: Option<&'a Tightened<'a>>,
     /// The start of the search, in columns of the program at hand.
     pub(super) start: Option<&'a Start>,
     /// The cuts of cones that an earlier solve began with, in columns of the program at hand.

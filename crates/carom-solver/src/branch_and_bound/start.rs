@@ -5,6 +5,8 @@
 //! has a better one; so does a program of binaries with few costs or none, whose first point is
 //! often the answer.
 
+use std::ops::ControlFlow;
+
 use crate::program::Program;
 use crate::search::{
     SearchResult, SolveTask, Start, StartPoint, complete, first_point, wants_first_point,
@@ -25,19 +27,24 @@ pub(super) struct PreliminaryResult {
     /// Whether the search begins with the point; else the point only serves where the search has
     /// none.
     is_start: bool,
+    /// Whether the user has been told of the point.
+    is_reported: bool,
 }
 
 impl PreliminaryResult {
     /// Looks for a point; `None` if there is no reason to.
     pub(super) fn new(task: SolveTask<'_>, start: Option<&Start>) -> Option<PreliminaryResult> {
         match start {
-            Some(start) if is_completed(task, start) => {
-                Some(PreliminaryResult { found: complete(task, start), is_start: true })
-            }
+            Some(start) if is_completed(task, start) => Some(PreliminaryResult {
+                found: complete(task, start),
+                is_start: true,
+                is_reported: false,
+            }),
             Some(Start { point: Some(_), .. }) => None,
             _ => {
                 let found = point_before_relaxing(task)?;
-                (!found.points.is_empty()).then_some(PreliminaryResult { found, is_start: false })
+                let begun = PreliminaryResult { found, is_start: false, is_reported: false };
+                (!begun.found.points.is_empty()).then_some(begun)
             }
         }
     }
@@ -47,7 +54,9 @@ impl PreliminaryResult {
         if !self.is_start {
             return given.cloned();
         }
+        let is_reported = self.is_reported;
         let point = start_point(&self.found, Heuristic::Start);
+        let point = point.map(|point| StartPoint { is_reported, ..point });
         Some(Start { integers: Vec::new(), point, ..given.cloned().unwrap_or_default() })
     }
 
@@ -58,13 +67,35 @@ impl PreliminaryResult {
         one_is_enough && self.found.points.first().is_some_and(|x| is_cheapest(program, x))
     }
 
+    /// Reports the point that the search begins with: a controller may take it while the search
+    /// looks for a better one. [`ControlFlow::Break`] ends the solve.
+    pub(super) fn announce(
+        &mut self,
+        task: SolveTask<'_>,
+        control: &mut Control<'_>,
+    ) -> ControlFlow<()> {
+        self.is_reported = self.is_start && !self.found.points.is_empty() && control.is_watched();
+        match self.is_reported {
+            true => report(task, &self.found, control),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    /// Becomes the answer of a solve that the user has ended.
+    pub(super) fn into_last_point(self) -> SearchResult {
+        SearchResult { termination: Termination::Interrupted, ..self.found }
+    }
+
     /// Becomes the answer without a search.
     pub(super) fn into_answer(
         self,
         task: SolveTask<'_>,
         control: &mut Control<'_>,
     ) -> SearchResult {
-        report(task, &self.found, control);
+        if !self.is_reported {
+            // The search is over.
+            let _ = report(task, &self.found, control);
+        }
         let bound =
             self.found.points.first().map_or(f64::NEG_INFINITY, |x| task.program.objective(x));
         SearchResult { termination: Termination::Optimal, bound, ..self.found }
@@ -77,7 +108,7 @@ impl PreliminaryResult {
         found: &mut SearchResult,
         control: &mut Control<'_>,
     ) {
-        let PreliminaryResult { found: begun, is_start } = self;
+        let PreliminaryResult { found: begun, is_start, is_reported } = self;
         let mut counts = begun.statistics;
         let value = |found: &SearchResult| found.points.first().map(|x| task.value(x));
         let is_less = |(own, other)| own < other;
@@ -85,7 +116,10 @@ impl PreliminaryResult {
             found.termination.is_limit() && value(&begun).zip(value(found)).is_some_and(is_less);
         let is_first = found.points.is_empty() && found.termination != Termination::Infeasible;
         if is_first || is_better {
-            report(task, &begun, control);
+            if !is_reported {
+                // The search is over.
+                let _ = report(task, &begun, control);
+            }
             found.points.splice(0..0, begun.points);
             found.points.truncate(task.options.pool);
             found.found_by = begun.found_by;
@@ -135,20 +169,21 @@ fn point_before_relaxing(task: SolveTask<'_>) -> Option<SearchResult> {
 /// The best point of a search, as the start of another one.
 pub(super) fn start_point(found: &SearchResult, otherwise: Heuristic) -> Option<StartPoint> {
     let values = found.points.first()?.clone();
-    Some(StartPoint { values, found_by: found.found_by.unwrap_or(otherwise) })
+    let found_by = found.found_by.unwrap_or(otherwise);
+    Some(StartPoint { values, found_by, is_reported: false })
 }
 
 /// Reports a point that was found before the search, once it is the best one.
-fn report(task: SolveTask<'_>, found: &SearchResult, control: &mut Control<'_>) {
-    let Some(values) = found.points.first().filter(|_| control.is_watched()) else { return };
+fn report(task: SolveTask<'_>, found: &SearchResult, control: &mut Control<'_>) -> ControlFlow<()> {
+    let none = ControlFlow::Continue(());
+    let Some(values) = found.points.first().filter(|_| control.is_watched()) else { return none };
     let program = task.program;
-    let Some(point) = task.judge.point(values) else { return };
+    let Some(point) = task.judge.point(values) else { return none };
     let value = program.sign * program.objective(values);
     let unknown = program.sign * f64::NEG_INFINITY;
     let mut figures = Progress::new(0, 0, 0, Some(value), unknown, task.token.elapsed());
     let found_by = found.found_by.unwrap_or(Heuristic::Rounding);
     (figures.found_by, figures.constant) = (Some(found_by), program.sign * program.constant);
     control.report(&Event::Incumbent(figures));
-    // The search is over.
-    let _ = control.report_incumbent(&Incumbent::new(&point, value, found_by, figures));
+    control.report_incumbent(&Incumbent::new(&point, value, found_by, figures))
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
-use crate::search::{Root, SolveTask};
+use crate::search::Root;
 use crate::solver::{Options, StopToken};
 
 /// Largest share of the remaining time that each way of tightening big-Ms may take (no unit): a
@@ -12,7 +12,7 @@ use crate::solver::{Options, StopToken};
 const TIME_SHARE_OF_TIGHTENING: f64 = 0.05;
 
 /// A program with smaller big-Ms, and its root.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Tightened<'a> {
     pub(super) program: Cow<'a, Program>,
     pub(super) root: Root,
@@ -28,9 +28,9 @@ impl<'a> Tightened<'a> {
     }
 
     /// The program, whose bounds may have become tighter, and its root for these bounds.
-    pub(super) fn within_bounds(&self, task: SolveTask<'_>) -> Tightened<'_> {
+    pub(super) fn within_bounds(&self, options: &Options, token: &StopToken) -> Tightened<'_> {
         let program = &*self.program;
-        let root = self.root.within(program, task.token, task.options.parts().probing);
+        let root = self.root.within(program, token, options.parts().probing);
         Tightened { program: Cow::Borrowed(program), root }
     }
 

@@ -35,7 +35,7 @@ pub use big_m_tightening::tighten_big_ms;
 pub(crate) use case_row::CaseRow;
 pub use coefficients::tighten_coefficients;
 pub use conditional_cones::tighten_conditional_cones;
-pub(crate) use determined::DeterminedColumns;
+pub(crate) use determined::{DeterminedColumns, LeafColumns};
 pub use disjunctive_tightening::tighten_by_disjunctions;
 pub(crate) use disjunctive_tightening::{
     CASE_COUNTS, MAX_CASE_TRIALS, covering_rows, narrow_to_hull, tighten_rows,

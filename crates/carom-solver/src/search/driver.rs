@@ -73,6 +73,9 @@ pub(crate) fn search_with_pauses<'a>(
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
     let tree = Tree::new(task, root, start, search_nested, workers);
     let mut reporter = Reporter::new(control);
+    if start.and_then(|start| start.point.as_ref()).is_some_and(|point| point.is_reported) {
+        reporter.skip_incumbent(&tree);
+    }
     (reporter.exchange, reporter.pauses) = (exchange, pauses);
     if let Some(exchange) = reporter.exchange.as_deref_mut() {
         reporter.drops_nodes = shared_tree::begin(&tree, exchange);
@@ -104,7 +107,7 @@ pub fn search_unstrengthened(
     let task = SolveTask { program, exact: Some(program), root: None, options, ..task };
     let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
     let point = before.points.into_iter().next();
-    let point = point.map(|values| StartPoint { values, found_by });
+    let point = point.map(|values| StartPoint { values, found_by, is_reported: false });
     let mut found = search(task, control, Some(&Start::from_point(point)));
     found.statistics.add(&before.statistics);
     found
@@ -132,17 +135,25 @@ pub(crate) fn first_point(task: SolveTask<'_>) -> SearchResult {
     at_root(task, None, look_for_first_point)
 }
 
-/// Runs a heuristic at the root, which is propagated and not probed, and returns its finds.
+/// Runs a heuristic at the root, and returns its finds. A root that is not known is propagated and
+/// not probed.
 fn at_root(
     task: SolveTask<'_>,
     start: Option<&Start>,
     look: impl FnOnce(&mut Context<'_>),
 ) -> SearchResult {
-    let root = Root::new(task.program, task.token, false);
+    let own;
+    let root = match task.root {
+        Some(root) => root,
+        None => {
+            own = Root::new(task.program, task.token, false);
+            &own
+        }
+    };
     if root.conflict.is_some() {
         return SearchResult::infeasible();
     }
-    let tree = Tree::new(task, &root, start, search_nested, 1);
+    let tree = Tree::new(task, root, start, search_nested, 1);
     let mut ctx = Context::new(TreeView::immediate(&tree, 0));
     look(&mut ctx);
     tree.take_in(&mut tree.lock(), ctx.tree.take_report());

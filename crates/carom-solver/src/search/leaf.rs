@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::clock::Activity;
 use super::context::Context;
-use super::leaf_reduction::reduce_leaf;
+use super::leaf_reduction::{determined, reduce_leaf};
 use super::local_bounds::propagate_since;
 use super::node_relaxation::relax;
 use crate::presolve::Reduced;
@@ -143,7 +143,7 @@ pub(super) fn offer_point(ctx: &mut Context<'_>, point: &[f64]) -> bool {
 
 /// Gives columns that follow from others their values.
 fn complete(ctx: &Context<'_>, point: &mut [f64]) {
-    if let Some(determined) = ctx.tree.tree.determined() {
+    if let Some(determined) = determined(ctx.tree.tree) {
         determined.follow(point);
     }
     exact_program(ctx).complete_parts(point);

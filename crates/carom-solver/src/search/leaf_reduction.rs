@@ -1,7 +1,8 @@
 //! The program of a leaf, in which columns that equations determine have the values that follow.
 
 use super::context::Context;
-use crate::presolve::Reduced;
+use super::tree::Tree;
+use crate::presolve::{DeterminedColumns, Reduced};
 use crate::program::Program;
 use crate::tolerance;
 
@@ -19,7 +20,7 @@ pub(super) fn reduce_leaf(ctx: &mut Context<'_>, program: &Program) -> Option<Re
 /// Fixes columns that equations determine. Returns `false` if a value contradicts the bounds.
 fn fix_determined(ctx: &mut Context<'_>) -> bool {
     let tree = ctx.tree.tree;
-    let Some(determined) = tree.determined() else { return true };
+    let Some(determined) = determined(tree) else { return true };
     let domain = &mut ctx.node.domain;
     let values = determined.values(|j| domain.lower(j));
     for &column in determined.blocks().iter().flat_map(|block| &block.columns) {
@@ -38,4 +39,13 @@ fn fix_determined(ctx: &mut Context<'_>) -> bool {
         }
     }
     true
+}
+
+/// The columns that equations determine in leaves; `None` where none needs care.
+pub(super) fn determined<'a>(tree: &'a Tree<'_>) -> Option<&'a DeterminedColumns> {
+    let program = tree.task.exact.unwrap_or(tree.task.program);
+    match tree.task.leaf_columns {
+        Some((own, kept)) if std::ptr::eq(own, program) => kept.of(program),
+        _ => tree.determined.of(program),
+    }
 }

@@ -34,6 +34,11 @@ impl<'w, 'c> Reporter<'w, 'c> {
         }
     }
 
+    /// The best point so far was reported before.
+    pub(super) fn skip_incumbent(&mut self, tree: &Tree<'_>) {
+        self.incumbent = tree.progress().incumbent;
+    }
+
     pub(super) fn report(&mut self, tree: &Tree<'_>) {
         let progress = tree.progress();
         let control = &mut *self.control;

@@ -28,6 +28,8 @@ pub struct StartPoint {
     pub values: Vec<f64>,
     /// The heuristic that found it.
     pub found_by: Heuristic,
+    /// Whether the user has been told of it.
+    pub is_reported: bool,
 }
 
 impl Start {

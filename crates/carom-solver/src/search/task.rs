@@ -1,6 +1,7 @@
 //! The task of a search, and the judgement of its points.
 
 use super::root::Root;
+use crate::presolve::LeafColumns;
 use crate::program::Program;
 use crate::relaxation::CascadePool;
 use crate::solution::Point;
@@ -57,6 +58,8 @@ pub struct SolveTask<'a> {
     /// The program before it was strengthened, with the same columns, for points that become
     /// answers.
     pub exact: Option<&'a Program>,
+    /// A program whose columns in leaves are kept from solve to solve, and these.
+    pub leaf_columns: Option<(&'a Program, &'a LeafColumns)>,
     /// The propagated and probed root of the program, if it is known.
     pub root: Option<&'a Root>,
     /// The judge of points.
@@ -81,7 +84,17 @@ impl<'a> SolveTask<'a> {
         token: &'a StopToken,
     ) -> Self {
         let cutoff = f64::INFINITY;
-        SolveTask { program, exact: None, root: None, judge, cascades, options, cutoff, token }
+        SolveTask {
+            program,
+            exact: None,
+            leaf_columns: None,
+            root: None,
+            judge,
+            cascades,
+            options,
+            cutoff,
+            token,
+        }
     }
 
     /// The (minimised) objective of a point, before the program was strengthened.

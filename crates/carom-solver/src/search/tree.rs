@@ -13,7 +13,7 @@ use super::saved_tree::{End, SavedDuals, SavedSplit, SavedTree};
 use super::start::{Completion, Start, StartPoint};
 use super::task::SolveTask;
 use super::trace::event;
-use crate::presolve::DeterminedColumns;
+use crate::presolve::LeafColumns;
 use crate::program::Program;
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -52,7 +52,7 @@ pub(super) struct Tree<'a> {
     /// The pseudocosts from all workers.
     pub(super) pseudocosts: Mutex<Pseudocosts>,
     /// The columns that equations determine in leaves; computed at the first request.
-    determined: OnceLock<Option<DeterminedColumns>>,
+    pub(super) determined: LeafColumns,
 }
 
 pub(super) struct TreeState {
@@ -168,15 +168,21 @@ impl<'a> Tree<'a> {
             ids: AtomicU32::new(1),
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
-            determined: OnceLock::new(),
+            determined: LeafColumns::default(),
         };
         let mut node = Node::relaxed_root(root.point.as_ref());
         node.bound = tree.strengthen(node.bound);
         tree.lock().queue.push(node);
-        if let Some(StartPoint { values, found_by }) = start.and_then(|start| start.point.clone()) {
+        if let Some(StartPoint { values, found_by, is_reported }) =
+            start.and_then(|start| start.point.clone())
+        {
             let value = task.value(&values);
             let accepted = tree.accepted(value, values, found_by);
-            tree.accept(&mut tree.lock(), accepted);
+            let state = &mut tree.lock();
+            tree.accept(state, accepted);
+            if is_reported {
+                state.news.clear();
+            }
         }
         tree
     }
@@ -185,12 +191,6 @@ impl<'a> Tree<'a> {
     /// before the lock is released.
     pub(super) fn lock(&self) -> MutexGuard<'_, TreeState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The columns that equations determine in leaves; `None` where none needs care.
-    pub(super) fn determined(&self) -> Option<&DeterminedColumns> {
-        let program = self.task.exact.unwrap_or(self.task.program);
-        self.determined.get_or_init(|| DeterminedColumns::of_leaf(program)).as_ref()
     }
 
     /// Ends the search.

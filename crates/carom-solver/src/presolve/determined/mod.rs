@@ -23,6 +23,8 @@ use linear_block::solve;
 pub(crate) use structure::DeterminedBlock;
 use structure::Structure;
 
+use std::sync::OnceLock;
+
 use crate::program::Program;
 
 /// The growth of an error from which on columns are computed: below, tolerances need no help (no
@@ -37,6 +39,18 @@ pub(crate) struct DeterminedColumns {
     /// By column, its position among the determined ones; past the end where it is none.
     place: Vec<usize>,
     count: usize,
+}
+
+/// The columns that the equalities of a program determine once its integers are fixed, found at the
+/// first request. They hold for all bounds that leave the same columns fixed.
+#[derive(Debug, Default)]
+pub struct LeafColumns(OnceLock<Option<DeterminedColumns>>);
+
+impl LeafColumns {
+    /// Those of a program, always the same; `None` where they multiply no error visibly.
+    pub(crate) fn of(&self, program: &Program) -> Option<&DeterminedColumns> {
+        self.0.get_or_init(|| DeterminedColumns::of_leaf(program)).as_ref()
+    }
 }
 
 impl DeterminedColumns {

@@ -61,7 +61,7 @@ pub(super) const HEURISTICS: HeuristicParameters = HeuristicParameters {
     fixed_share: 0.4,
     gap_share: 0.02,
     completion_relaxations: 12,
-    prepared_relaxations: 3,
+    prepared_relaxations: 1,
     start_shares: [1.0, 0.5, 0.25],
     cheap_ends_share: 0.2,
     known_width: 1e-4,

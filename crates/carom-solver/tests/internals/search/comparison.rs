@@ -30,7 +30,8 @@ fn contradiction(wrong: &Program, start: Option<Vec<f64>>) -> Option<Contradicti
         exact: Some(exact),
         ..SolveTask::new(wrong, &accept, cascades, options, token)
     };
-    let point = start.map(|values| StartPoint { values, found_by: Heuristic::Start });
+    let point =
+        start.map(|values| StartPoint { values, found_by: Heuristic::Start, is_reported: false });
     let start = Start::from_point(point);
     let found = search(task, &mut Control::default(), Some(&start));
     let what = found.contradiction?;
