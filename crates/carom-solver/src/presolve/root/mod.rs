@@ -13,9 +13,9 @@
 //!   that forces columns stays if one of them is in a cone: a cone may turn a rounding of its head
 //!   into a large change of its tail.
 //! * They put a column in terms of others, or fix or merge it: fixed columns (one of a cone leaves
-//!   rows and objective, and stays), complements, binary codes, doubletons, lineality, slack
-//!   columns, implied free columns, parallel columns, open integers. The columns that go or move
-//!   are in no cone, so that the cones do not change.
+//!   rows and objective, and stays), complements, far columns, binary codes, doubletons,
+//!   lineality, slack columns, implied free columns, parallel columns, open integers. The columns
+//!   that go or move are in no cone, so that the cones do not change.
 //! * They move a column while all others stay, at no cost, until something stops it: implied
 //!   binaries, held columns, dominated columns. Columns of cones are not moved, and cones do not
 //!   stop others. What needs multipliers is left out (see `dominated_columns`).
@@ -35,6 +35,7 @@ mod determined_columns;
 mod dominated_columns;
 mod doubletons;
 mod exclusive_rows;
+mod far_columns;
 mod fixed_columns;
 mod held_columns;
 mod implied_binaries;
@@ -66,6 +67,8 @@ use working_program::{Infeasible, WorkingProgram};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PresolveRule {
+    /// Columns far from 0 are measured from a bound.
+    FarColumns,
     /// Columns with one value left are put into rows and objective.
     FixedColumns,
     /// Rows over one column become bounds.
@@ -108,7 +111,8 @@ pub enum PresolveRule {
 
 impl PresolveRule {
     /// All rules, in the order of their application.
-    pub const ALL: [PresolveRule; 18] = [
+    pub const ALL: [PresolveRule; 19] = [
+        PresolveRule::FarColumns,
         PresolveRule::FixedColumns,
         PresolveRule::SingletonRows,
         PresolveRule::RedundantRows,
@@ -147,6 +151,9 @@ impl PresolveRule {
 
     fn apply(self, work: &mut WorkingProgram) -> Result<usize, Infeasible> {
         match self {
+            PresolveRule::FarColumns => {
+                Ok(work.each_column(work.live_columns(), far_columns::apply))
+            }
             PresolveRule::FixedColumns => Ok(fixed_columns::apply(work)),
             PresolveRule::SingletonRows => work.each_row(singleton_rows::apply),
             PresolveRule::RedundantRows => work.each_row(redundant_rows::apply),

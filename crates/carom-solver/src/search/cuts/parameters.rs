@@ -66,6 +66,9 @@ pub(super) struct CutParameters {
     pub(super) row_accuracy: f64,
     /// Fractions of the right side that are rounded.
     pub(super) right_fractions: std::ops::RangeInclusive<f64>,
+    /// The least fraction where a binary switches a continuous column of the aggregate: its bound
+    /// is as wide as the largest flow, of which the right side may be a small part.
+    pub(super) least_switched_fraction: f64,
     /// Least distance to the next multiple of the divisor, relative to the aggregate's size: more
     /// than tolerances of rows sum up to.
     pub(super) least_missing: f64,
@@ -144,6 +147,7 @@ pub(super) const CUTS: CutParameters = CutParameters {
     bound_distance: 1e-6,
     row_accuracy: 1e-10,
     right_fractions: 0.02..=0.98,
+    least_switched_fraction: 1e-3,
     least_missing: 1e-6,
     divisor_noise: 1e5,
     most_divisors: 12,

@@ -40,6 +40,8 @@ pub(super) struct Base {
     rest_sum: f64,
     rest_norm: f64,
     pub(super) right: f64,
+    /// Whether a column of the rest is measured from a variable bound.
+    is_switched: bool,
     /// The least change of the right side that is more than what limits of rows allow.
     least: f64,
     /// The sum of coefficient times value over continuous columns and slacks with positive ones.
@@ -300,6 +302,7 @@ impl Base {
         }
         self.rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
         self.rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
+        self.is_switched = rest.iter().any(|rest| rest.from.slope != 0.0);
         (self.right, self.slack) = (right, slack);
         self.least = CUTS.least_missing * aggregate.size;
         Some(())
@@ -343,7 +346,9 @@ fn floor(a: f64) -> f64 {
 pub(super) fn fraction(base: &Base, divisor: f64) -> Option<f64> {
     let quotient = base.right / divisor;
     let fraction = quotient - quotient.floor();
-    let gentle = CUTS.right_fractions.contains(&fraction);
+    let [least, most] = [CUTS.right_fractions.start(), CUTS.right_fractions.end()];
+    let least = if base.is_switched { &CUTS.least_switched_fraction } else { least };
+    let gentle = (least..=most).contains(&&fraction);
     // Without continuous terms, nothing is divided by what is missing to the next whole number.
     let whole = base.rest.is_empty() && fraction > *CUTS.right_fractions.end();
     let clear = whole && (1.0 - fraction) * divisor >= base.least;

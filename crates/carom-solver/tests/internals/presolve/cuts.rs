@@ -32,8 +32,9 @@ struct Case {
 }
 
 fn case() -> impl Strategy<Value = Case> {
-    // x <= m z: a variable bound.
-    let switch = (0..BINARIES, BINARIES..COLUMNS, 1i8..=3).prop_map(|(z, x, m)| {
+    // x <= m z: a variable bound, which may be much wider than x.
+    let width = prop_oneof![3 => 1i8..=3, 1 => Just(100i8)];
+    let switch = (0..BINARIES, BINARIES..COLUMNS, width).prop_map(|(z, x, m)| {
         let mut row = vec![0; COLUMNS];
         (row[x], row[z]) = (1, -m);
         (row, None, Some(0))
@@ -222,6 +223,29 @@ fn the_fraction_of_a_knapsack_is_rounded() {
     );
     assert_eq!(cuts.len(), 1);
     assert!((cuts[0].room(&[2.0])).abs() < 1e-6);
+}
+
+/// A place takes 5 from two arcs of width 1000, and passes on what else comes: whatever is open
+/// must be so by more than 5 in 1000.
+#[test]
+fn a_small_part_of_a_wide_arc_is_rounded() {
+    let mut model = Model::new("place");
+    let x = model.continuous_family("x", 3, 0.0, 1000.0).unwrap();
+    let z = model.binary_family("z", 2).unwrap();
+    model.add("place", (x[0] + x[1] - x[2]).equals(5.0)).unwrap();
+    for k in 0..2 {
+        model.add(format!("arc_{k}"), x[k].le(1000.0 * z[k])).unwrap();
+    }
+    let program = Program::assemble(&model).unwrap();
+    let (domain, token) = (Domain::new(&program), StopToken::default());
+    let point = [5.0, 0.0, 0.0, 0.005, 0.0];
+    let cuts = mixed_integer_rounding_cuts(&program, &domain, &point, MOST_ROWS, &token);
+    let whole = [[5.0, 0.0, 0.0, 1.0, 0.0], [0.0, 1000.0, 995.0, 0.0, 1.0]];
+    assert!(!cuts.is_empty());
+    for cut in &cuts {
+        assert!(cut.room(&point) < -1e-3);
+        assert!(whole.iter().all(|point| cut.room(point) >= -1e-9));
+    }
 }
 
 #[test]

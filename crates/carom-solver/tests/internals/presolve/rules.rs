@@ -52,8 +52,33 @@ pub(super) fn compare(case: &Case, rules: &[PresolveRule]) -> Result<(), TestCas
     Ok(())
 }
 
+/// Moves the columns that are in no square far away; the costs stay what they are.
+fn far(case: &mut Case, moves: &[i8], digits: i32) {
+    for (j, &by) in moves.iter().enumerate() {
+        let is_square = case.squares.iter().any(|square| square.coefficients[j] != 0.0);
+        if case.columns[j].kind == VariableKind::Binary || is_square {
+            continue;
+        }
+        let by = f64::from(by) * 10.0_f64.powi(digits);
+        case.columns[j].lower += by;
+        case.columns[j].upper += by;
+        for line in &mut case.lines {
+            line.lower += line.coefficients[j] * by;
+            line.upper += line.coefficients[j] * by;
+        }
+        case.constant -= case.linear[j] * by;
+    }
+}
+
 proptest! {
     #![proptest_config(config(100, REGRESSIONS))]
+
+    #[test]
+    fn far_columns(mut case in program(true), moves in prop::collection::vec(-9i8..=9, 7), digits in 4i32..7) {
+        far(&mut case, &moves, digits);
+        compare(&case, &[PresolveRule::FarColumns])?;
+        compare(&case, &PresolveRule::ALL)?;
+    }
 
     #[test]
     fn fixed_columns(case in program(true)) {
@@ -161,6 +186,31 @@ proptest! {
     fn all_rules_on_curved_programs(case in program(true)) {
         compare(&case, &PresolveRule::ALL)?;
     }
+}
+
+/// What stands far out, between bounds or by its rows, is a program of small numbers.
+#[test]
+fn far_columns_are_measured_from_their_bounds() {
+    let mut model = Model::new("far");
+    let x = model.continuous("x", 6e8, 6e8 + 6.0).unwrap();
+    let k = model.integer("k", -7e7 - 2.0, -7e7).unwrap();
+    let free = model.continuous("free", f64::NEG_INFINITY, f64::INFINITY).unwrap();
+    model.add("between", (free - x).ge(-3.5)).unwrap();
+    model.add("below", (free + k).le(6e8 - 7e7 + 1.0)).unwrap();
+    model.minimize(free + 2.0 * x - k).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let rules = [PresolveRule::FarColumns];
+    let Presolve::Presolved(presolved) = presolve(&program, &rules, &StopToken::default()).unwrap()
+    else {
+        panic!("nothing contradicts")
+    };
+    let small = &presolved.program;
+    let limits = small.row_lower.iter().chain(&small.row_upper).filter(|limit| limit.is_finite());
+    assert!(limits.chain(&small.lower[..2]).all(|number| number.abs() < 100.0));
+    assert_eq!((small.lower[2], small.upper[2]), (f64::NEG_INFINITY, f64::INFINITY));
+    let point = presolved.postsolve.point(&[2.0, 0.0, 1.5]);
+    assert_eq!(program.objective(&point), small.objective(&[2.0, 0.0, 1.5]));
+    assert_eq!(point[0], 6e8 + 2.0);
 }
 
 #[test]
