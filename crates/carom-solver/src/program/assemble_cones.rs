@@ -9,7 +9,7 @@ use crate::model::{Affine, Model};
 /// The factors of a rotated cone may differ by this factor, squared; as a power of two.
 const MOST_UNBALANCED: f64 = 3.0;
 
-/// What long norms become.
+/// The form of long norms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LongNorms {
     /// Wholes with their parts, which a reader of a proof finds again.

@@ -4,9 +4,10 @@
 //! column is at least the norm of two entries of the level below, and the head that of the last two
 //! (Ben-Tal and Nemirovski, On polyhedral approximations of the second-order cone, Mathematics of
 //! Operations Research 26, 2001; Vielma, Dunning, Huchette and Lubin, Extended formulations in
-//! mixed integer conic quadratic programming, Mathematical Programming Computation 9, 2017). Norms
-//! of the values below meet all of these cones wherever the whole is met, and together they imply
-//! the whole. A cut of a short norm bounds many directions of the whole.
+//! mixed integer conic quadratic programming, Mathematical Programming Computation 9, 2017). If
+//! each further column is the norm of its two entries, all of these cones are met wherever the
+//! whole is met, and together they imply the whole. A cut of a short norm bounds many directions
+//! of the whole.
 //!
 //! Where the head is a constant, parts by single entries say as much with fewer pivots, and a
 //! binary may switch each of them off. So towers are for heads that are open.
