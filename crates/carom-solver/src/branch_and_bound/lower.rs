@@ -135,7 +135,7 @@ pub(super) fn lower(
     };
     let rows = lowered.as_ref().map_or(model, Lowered::model);
     let names = names_of(rows);
-    // A proof knows no squares of equations.
+    // A proof knows no squares of equations and no towers.
     let (program, form) = assemble(rows, false, names.is_none())?;
     let way_back = lowered.map_or_else(|| WayBack::to_rows(model), Lowered::into_way_back);
     let mut lowered = LoweredProgram::new(program, Arc::new(way_back)).in_form(form);
@@ -150,7 +150,8 @@ pub(super) fn lower(
 /// # Arguments
 ///
 /// * `for_all_parameters`: whether parameters may take any value of their ranges.
-/// * `may_square`: whether squares of equations may be added to such an objective.
+/// * `may_restate`: whether squares of equations may be added to such an objective, and long norms
+///   may become towers. Proofs know neither.
 ///
 /// # Errors
 ///
@@ -158,9 +159,13 @@ pub(super) fn lower(
 pub(super) fn assemble(
     rows: &Model,
     for_all_parameters: bool,
-    may_square: bool,
+    may_restate: bool,
 ) -> Result<(Program, AssembledForm), Error> {
-    let mut program = Program::assemble(rows)?;
+    let assembled = |model: &Model| match may_restate {
+        true => Program::assemble_with_towers(model),
+        false => Program::assemble(model),
+    };
+    let mut program = assembled(rows)?;
     if !rows.is_convex_within_bounds() {
         return Ok((program, AssembledForm::default()));
     }
@@ -179,8 +184,8 @@ pub(super) fn assemble(
     if rows.concave_direction(|j| domain.upper(j) - domain.lower(j)).is_none() {
         return Ok((program, AssembledForm::default()));
     }
-    let form = convex_form(rows, &domain, may_square)?;
-    let convex = Program::assemble(&form.model)?;
+    let form = convex_form(rows, &domain, may_restate)?;
+    let convex = assembled(&form.model)?;
     let stated = Box::new(StatedProgram { program, squares: form.squares });
     Ok((convex, AssembledForm { loss: form.loss, stated: Some(stated) }))
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
 use super::Program;
-use super::assemble_cones::assemble_cones;
+use super::assemble_cones::{LongNorms, assemble_cones};
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::tolerance;
@@ -66,6 +66,16 @@ impl Entries {
         [self.lower[column], self.upper[column]]
     }
 
+    /// Whether a column is integral.
+    pub(super) fn is_integral(&self, column: usize) -> bool {
+        self.integral[column]
+    }
+
+    /// Whether there is an integral column.
+    pub(super) fn has_integers(&self) -> bool {
+        self.integral.contains(&true)
+    }
+
     /// Adds a row.
     pub(super) fn row(
         &mut self,
@@ -89,6 +99,19 @@ impl Program {
     /// [`ErrorKind::Unsupported`] when the model has anything but rows and cones,
     /// [`ErrorKind::Allocation`] when the matrices cannot be allocated.
     pub fn assemble(model: &Model) -> Result<Program, Error> {
+        Program::assemble_norms(model, LongNorms::Parts)
+    }
+
+    /// As [`assemble`](Self::assemble), with long norms as towers where these suit.
+    ///
+    /// # Errors
+    ///
+    /// As for [`assemble`](Self::assemble).
+    pub fn assemble_with_towers(model: &Model) -> Result<Program, Error> {
+        Program::assemble_norms(model, LongNorms::Towers)
+    }
+
+    fn assemble_norms(model: &Model, norms: LongNorms) -> Result<Program, Error> {
         if !model.has_only_rows() {
             return Err(ErrorKind::Unsupported {
                 solver: "the assembly of matrices".into(),
@@ -99,7 +122,7 @@ impl Program {
         }
         let sign = model.sense().sign();
         let mut built = Entries::of(model);
-        let cones = assemble_cones(model, &mut built)?;
+        let cones = assemble_cones(model, norms, &mut built)?;
         let Entries { entries, row_lower, row_upper, lower, upper, integral, step } = built;
         let (m, n) = (row_lower.len(), lower.len());
 

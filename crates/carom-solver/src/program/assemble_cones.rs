@@ -2,15 +2,29 @@
 
 use super::assemble::Entries;
 use super::cone::{Cone, ConeRole, ConeShape, LONGEST_TAIL};
+use super::cone_tower::{add_tower, suits_tower};
 use crate::error::Error;
 use crate::model::{Affine, Model};
 
 /// The factors of a rotated cone may differ by this factor, squared; as a power of two.
 const MOST_UNBALANCED: f64 = 3.0;
 
+/// The form of long norms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LongNorms {
+    /// Wholes with their parts, which a reader of a proof finds again.
+    Parts,
+    /// Towers where these suit, or else parts.
+    Towers,
+}
+
 /// Adds the cones of a model to the entries of its program. Expressions that are not single
 /// variables, each once in a cone, become columns with a row.
-pub(super) fn assemble_cones(model: &Model, entries: &mut Entries) -> Result<Vec<Cone>, Error> {
+pub(super) fn assemble_cones(
+    model: &Model,
+    norms: LongNorms,
+    entries: &mut Entries,
+) -> Result<Vec<Cone>, Error> {
     let mut cones = Vec::new();
     for conic in model.conic_constraints() {
         let standard = model.standard_cone(conic.conic(), conic.name())?;
@@ -22,7 +36,11 @@ pub(super) fn assemble_cones(model: &Model, entries: &mut Entries) -> Result<Vec
             let column = column(expression, k < heads, &columns, entries);
             columns.push(column);
         }
-        add(shape, columns, entries, &mut cones);
+        let may_be_tower = norms == LongNorms::Towers;
+        match may_be_tower && suits_tower(shape, &columns, &standard.tail, entries) {
+            true => add_tower(&columns, entries, &mut cones),
+            false => add(shape, columns, entries, &mut cones),
+        }
     }
     Ok(cones)
 }

@@ -10,6 +10,7 @@ mod append;
 mod assemble;
 mod assemble_cones;
 mod cone;
+mod cone_tower;
 mod steepness;
 
 pub(crate) use append::Addition;

@@ -4,6 +4,7 @@
 mod common;
 
 mod active_set;
+mod cone_towers;
 mod congruence;
 mod conic_propagation;
 mod convex_forms;
