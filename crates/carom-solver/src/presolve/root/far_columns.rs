@@ -10,6 +10,7 @@
 
 use super::postsolve::{ColumnMeaning, Restored, Undo};
 use super::working_program::WorkingProgram;
+use crate::sum::{exact_product, exact_sum};
 use crate::tolerance;
 use std::collections::BTreeMap;
 
@@ -70,22 +71,18 @@ fn shift(work: &WorkingProgram, column: usize) -> Option<f64> {
 /// Whether a shift changes the limits of all rows of a column without rounding.
 fn is_exact(work: &WorkingProgram, column: usize, shift: f64) -> bool {
     work.column(column).all(|(row, a)| {
-        let product = a * shift;
+        let (product, rest) = exact_product(a, shift);
         let limits = [work.row_lower[row], work.row_upper[row]];
-        a.mul_add(shift, -product) == 0.0
-            && limits.into_iter().all(|limit| less(limit, product).is_some())
+        rest == 0.0 && limits.into_iter().all(|limit| less(limit, product).is_some())
     })
 }
 
 /// `limit - by`, unless that is rounded.
 fn less(limit: f64, by: f64) -> Option<f64> {
-    let difference = limit - by;
     if limit.is_infinite() {
         return Some(limit);
     }
-    // What Knuth's sum of two numbers leaves.
-    let part = difference - limit;
-    let rest = (limit - (difference - part)) + (-by - part);
+    let (difference, rest) = exact_sum(limit, -by);
     (rest == 0.0).then_some(difference)
 }
 
