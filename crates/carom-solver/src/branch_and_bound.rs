@@ -2,6 +2,7 @@
 
 mod alternation;
 mod answer;
+mod binary_curvature;
 mod blocks;
 #[cfg(feature = "nonlinear")]
 mod box_proof;
@@ -151,4 +152,9 @@ pub(crate) fn search_tightened(task: SolveTask<'_>) -> SearchResult {
 pub(crate) fn convex_model(model: &Model) -> Result<Model, Error> {
     let domain = Domain::new(&Program::assemble(model)?);
     Ok(convex_objective::convex_form(model, &domain, true)?.model)
+}
+
+/// A program with other squares of binaries, for `internals` only.
+pub(crate) fn with_raised_squares(program: &Program) -> Option<Program> {
+    binary_curvature::with_raised_squares(program)
 }

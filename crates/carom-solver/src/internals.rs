@@ -4,6 +4,7 @@
 pub mod branch_and_bound {
     use crate::error::Error;
     use crate::model::Model;
+    use crate::program::Program;
     use crate::search::{SearchResult, SolveTask};
 
     /// A model that has only rows, with an objective that is convex.
@@ -13,6 +14,12 @@ pub mod branch_and_bound {
     /// [`ErrorKind::NotConvex`](crate::error::ErrorKind::NotConvex) if there is none.
     pub fn convex_model(model: &Model) -> Result<Model, Error> {
         crate::branch_and_bound::convex_model(model)
+    }
+
+    /// A program with other squares of binaries, which has the same objective where these are
+    /// whole; `None` if there is nothing to change.
+    pub fn with_raised_squares(program: &Program) -> Option<Program> {
+        crate::branch_and_bound::with_raised_squares(program)
     }
 
     /// Tightens, cuts and searches the program of a task.

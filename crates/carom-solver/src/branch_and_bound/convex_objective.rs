@@ -11,7 +11,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::curvature_dual::{BinaryForm, BinaryRow};
+use super::curvature_dual::{BinaryBlock, BinaryRow, proved_amounts, square_of, with_few_digits};
 use super::equation_squares::{EquationSquare, squares_of_equations, with_equations};
 use crate::error::Error;
 use crate::interval::{add_down, add_up};
@@ -183,6 +183,10 @@ impl ConvexChanges {
             Some(amounts) => Ok(amounts),
             None => least_shift(&raised, &of_two),
         };
+        let shift = shift.map(|amounts| {
+            let short = |(j, a)| (j, with_few_digits(a, square_of(&raised, j), columns.ends(j)));
+            amounts.into_iter().map(short).collect::<Vec<_>>()
+        });
         match (&shift, &mut self.proof) {
             (Ok(amounts), Some(proof)) if amounts.iter().all(|(j, _)| columns.is_binary[*j]) => {
                 proof.extend(amounts);
@@ -353,12 +357,6 @@ fn least_shift(
     Ok(weights.iter().filter(|(_, weight)| **weight > 0.0).map(amount).collect())
 }
 
-/// The coefficient of the square of a column in products that are in order.
-fn square_of(products: &[Product], j: usize) -> f64 {
-    let place = products.binary_search_by_key(&(j, j), |&(a, b, _)| (a, b));
-    place.map_or(0.0, |place| products[place].2)
-}
-
 /// The rows over columns with two values.
 fn binary_rows(
     model: &Model,
@@ -390,44 +388,15 @@ fn dual_shift(
     rows: &[BinaryRow],
     columns: &CurvedColumns<'_>,
 ) -> Option<Vec<(usize, f64)>> {
-    let members = members(products);
-    let open: Vec<usize> = members.iter().copied().filter(|&j| columns.width(j) > 0.0).collect();
-    let place: BTreeMap<usize, usize> = open.iter().copied().zip(0..).collect();
-    let (sign, least) = (model.sense().sign(), |j: usize| columns.ends(j)[0]);
-    let mut linear = vec![0.0; open.len()];
+    let sign = model.sense().sign();
     let own = model.objective().affine().terms();
     let own = own.into_iter().map(|(variable, cost)| (variable.index(), sign * cost));
+    let mut costs: BTreeMap<usize, f64> = BTreeMap::new();
     for (j, cost) in own.chain(equations.iter().flat_map(EquationSquare::linear)) {
-        place.get(&j).into_iter().for_each(|&k| linear[k] += cost);
+        *costs.entry(j).or_default() += cost;
     }
-    // x = l + t, and t is 0 or 1.
-    let mut inner = Vec::new();
-    for &(a, b, q) in products {
-        let (first, second) = (place.get(&a), place.get(&b));
-        first.iter().for_each(|k| linear[**k] += q * least(b));
-        second.iter().for_each(|k| linear[**k] += q * least(a));
-        inner.extend(first.zip(second).map(|(&i, &k)| (i, k, q)));
-    }
-    let moved = |row: &BinaryRow| {
-        let below: f64 = row.terms.iter().map(|&(j, a)| a * least(j)).sum();
-        let terms = row.terms.iter().map(|&(j, a)| (place[&j], a)).collect();
-        BinaryRow { terms, limit: row.limit - below, is_equation: row.is_equation }
-    };
-    let form = BinaryForm { linear, products: inner, rows: rows.iter().map(moved).collect() };
-    let multiples = form.multiples()?;
-    let mut shifted: BTreeMap<(usize, usize), f64> =
-        products.iter().map(|&(a, b, q)| ((a, b), q)).collect();
-    for (&j, multiple) in open.iter().zip(&multiples) {
-        *shifted.entry((j, j)).or_default() += multiple;
-    }
-    let shifted: Vec<Product> = shifted.into_iter().map(|((a, b), q)| (a, b, q)).collect();
-    let even: BTreeMap<usize, f64> = members.iter().map(|&j| (j, 1.0)).collect();
-    let more = least_multiple(&shifted, &even).ok()?;
-    let amount = |&j: &usize| {
-        let before = square_of(products, j);
-        let after = square_of(&shifted, j) + more;
-        let (amount, error) = exact_sum(after, -before);
-        (j, if error == 0.0 { amount } else { after - before })
-    };
-    Some(members.iter().map(amount).collect())
+    let cost = |j: usize| costs.get(&j).copied().unwrap_or(0.0);
+    let block = BinaryBlock { products, rows, ends: &|j| columns.ends(j), cost: &cost };
+    let even: BTreeMap<usize, f64> = members(products).into_iter().map(|j| (j, 1.0)).collect();
+    proved_amounts(products, &block.multiples()?, &even)
 }

@@ -11,14 +11,22 @@
 //!
 //! The result is a guess. What makes the form convex is proved behind it, as for any other.
 
-use crate::random::SplitMix;
-use crate::semidefinite::Product;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// How often each vector turns at most.
-const MOST_TURNS: usize = 100;
+use crate::random::SplitMix;
+use crate::semidefinite::{Product, least_multiple};
+use crate::sum::exact_sum;
+
+/// How often each vector turns at most, and at least in a form that is not too large.
+const MOST_TURNS: usize = 2000;
+const FEWEST_TURNS: usize = 100;
+
+/// The fewest bits of a multiple for columns far from 0, and those left for sums of several.
+const FEWEST_BITS: f64 = 8.0;
+const BITS_OF_SUMS: f64 = 8.0;
 
 /// The change of the value in a round, relative to the value, at which rounds end (no unit).
-const SETTLED_VALUE: f64 = 1e-5;
+const SETTLED_VALUE: f64 = 1e-8;
 
 /// Most multiplications of all rounds together.
 const MOST_MULTIPLICATIONS: usize = 200_000_000;
@@ -66,24 +74,117 @@ impl BinaryRow {
     }
 }
 
+/// Products of columns with two values at most, `l` and `l + 1`, which are called by their numbers.
+pub(super) struct BinaryBlock<'a> {
+    /// In order, each pair once.
+    pub(super) products: &'a [Product],
+    pub(super) rows: &'a [BinaryRow],
+    /// The bounds of a column.
+    pub(super) ends: &'a dyn Fn(usize) -> [f64; 2],
+    /// The linear coefficient of a column.
+    pub(super) cost: &'a dyn Fn(usize) -> f64,
+}
+
+impl BinaryBlock<'_> {
+    /// By column that is not fixed, the multiple of `(x - l)(x - l - 1)` that makes the bound high;
+    /// it may be negative. `None` if the block is too large.
+    pub(super) fn multiples(&self) -> Option<Vec<(usize, f64)>> {
+        let members: BTreeSet<usize> = self.products.iter().flat_map(|&(a, b, _)| [a, b]).collect();
+        let is_open = |j: &usize| {
+            let [lower, upper] = (self.ends)(*j);
+            lower < upper
+        };
+        let open: Vec<usize> = members.into_iter().filter(is_open).collect();
+        let place: BTreeMap<usize, usize> = open.iter().copied().zip(0..).collect();
+        let least = |j: usize| (self.ends)(j)[0];
+        let mut linear: Vec<f64> = open.iter().map(|&j| (self.cost)(j)).collect();
+        // x = l + t, and t is 0 or 1.
+        let mut inner = Vec::new();
+        for &(a, b, q) in self.products {
+            let (first, second) = (place.get(&a), place.get(&b));
+            first.iter().for_each(|k| linear[**k] += q * least(b));
+            second.iter().for_each(|k| linear[**k] += q * least(a));
+            inner.extend(first.zip(second).map(|(&i, &k)| (i, k, q)));
+        }
+        let moved = |row: &BinaryRow| {
+            let below: f64 = row.terms.iter().map(|&(j, a)| a * least(j)).sum();
+            let terms = row.terms.iter().map(|&(j, a)| (place[&j], a)).collect();
+            BinaryRow { terms, limit: row.limit - below, is_equation: row.is_equation }
+        };
+        let rows = self.rows.iter().map(moved).collect();
+        let multiples = BinaryForm { linear, products: inner, rows }.multiples()?;
+        Some(open.into_iter().zip(multiples).collect())
+    }
+}
+
+/// Amounts for the squares of columns with which a form is proved convex: multiples, and as much
+/// more for each weight as they lack. `None` if no amount is enough.
+///
+/// # Arguments
+///
+/// * `products`: in order.
+/// * `weights`: 1 for each column whose square may be raised.
+pub(super) fn proved_amounts(
+    products: &[Product],
+    multiples: &[(usize, f64)],
+    weights: &BTreeMap<usize, f64>,
+) -> Option<Vec<(usize, f64)>> {
+    let mut shifted: BTreeMap<(usize, usize), f64> =
+        products.iter().map(|&(a, b, q)| ((a, b), q)).collect();
+    for &(j, multiple) in multiples {
+        *shifted.entry((j, j)).or_default() += multiple;
+    }
+    let shifted: Vec<Product> = shifted.into_iter().map(|((a, b), q)| (a, b, q)).collect();
+    let more = least_multiple(&shifted, weights).ok()?;
+    let amount = |&j: &usize| {
+        let before = square_of(products, j);
+        let after = square_of(&shifted, j) + more;
+        let (amount, error) = exact_sum(after, -before);
+        // No digit of the sum is lost.
+        (j, if error == 0.0 { amount } else { after - before })
+    };
+    Some(weights.keys().map(amount).collect())
+}
+
+/// An amount for the square of a column, a little larger, so that nothing is rounded when
+/// `amount (x - l)(x - u)` is added to an objective: terms that are large where `x` is far from 0
+/// cancel.
+pub(super) fn with_few_digits(amount: f64, square: f64, [lower, upper]: [f64; 2]) -> f64 {
+    let reach = lower.abs().max(upper.abs());
+    let size = amount.abs().max(square.abs());
+    if reach <= 1.0 {
+        return amount;
+    }
+    let bits = f64::from(f64::MANTISSA_DIGITS) - 2.0 * (reach.log2().floor() + 1.0);
+    let unit = (size.log2().floor() + 1.0 - (bits - BITS_OF_SUMS).max(FEWEST_BITS)).exp2();
+    if unit.is_normal() { (amount / unit).ceil() * unit } else { amount }
+}
+
+/// The coefficient of the square of a column in products that are in order.
+pub(super) fn square_of(products: &[Product], j: usize) -> f64 {
+    let place = products.binary_search_by_key(&(j, j), |&(a, b, _)| (a, b));
+    place.map_or(0.0, |place| products[place].2)
+}
+
 /// A quadratic form over columns between 0 and 1, to minimise.
 #[derive(Debug)]
-pub(super) struct BinaryForm {
-    pub(super) linear: Vec<f64>,
+struct BinaryForm {
+    linear: Vec<f64>,
     /// Products of columns by their places, each pair once.
-    pub(super) products: Vec<Product>,
-    pub(super) rows: Vec<BinaryRow>,
+    products: Vec<Product>,
+    rows: Vec<BinaryRow>,
 }
 
 impl BinaryForm {
     /// By column, the multiple of `z^2 - z` that makes the bound high; it may be negative. `None`
     /// if the form is too large.
-    pub(super) fn multiples(&self) -> Option<Vec<f64>> {
+    fn multiples(&self) -> Option<Vec<f64>> {
         let size = self.linear.len();
         // As many dimensions as a best point of the relaxation needs.
         let rank = (2.0 * (size + 1) as f64).sqrt().ceil() as usize + 1;
-        let work = MOST_TURNS * rank * (2 * self.products.len() + 4 * size);
-        (work <= MOST_MULTIPLICATIONS).then(|| Vectors::new(self, rank).settle())
+        let work = rank * (2 * self.products.len() + 4 * size);
+        let turns = (MOST_MULTIPLICATIONS / work.max(1)).min(MOST_TURNS);
+        (turns >= FEWEST_TURNS).then(|| Vectors::new(self, rank).settle(turns))
     }
 }
 
@@ -133,13 +234,13 @@ impl<'a> Vectors<'a> {
     }
 
     /// Turns all vectors until their value settles, and returns the multiples.
-    fn settle(mut self) -> Vec<f64> {
+    fn settle(mut self, turns: usize) -> Vec<f64> {
         let size = self.own.len();
         let mean = |sum: f64| sum / size.max(1) as f64;
         let entries = self.neighbours.iter().flatten().map(|(_, q)| 4.0 * q.abs());
         let scale = mean(entries.chain(self.squares.iter().map(|q| q.abs())).sum());
         let mut before = f64::INFINITY;
-        for _ in 0..MOST_TURNS {
+        for _ in 0..turns {
             let links = self.links();
             let value: f64 = (0..=size).map(|j| self.turn(j, &links)).sum();
             let has_moved = self.raise_multipliers(scale);

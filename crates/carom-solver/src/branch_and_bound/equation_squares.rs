@@ -13,6 +13,9 @@ use crate::semidefinite::Product;
 /// digits to the objective, and lifts relaxations by little.
 const SQUARE_OF_EQUATION: f64 = 10.0;
 
+/// The bits of such a coefficient behind the first.
+const FACTOR_BITS: f64 = 5.0;
+
 /// How many times as many products the squares may have as the form, and how many in any case.
 const MOST_FILL: usize = 4;
 const FREE_FILL: usize = 2000;
@@ -64,6 +67,10 @@ pub(super) fn squares_of_equations(form: &[Product], rows: &[BinaryRow]) -> Vec<
             continue;
         }
         room -= fill;
+        // Of few digits, so that no digit of the terms is lost, which cancel where the limit is
+        // large.
+        let unit = (factor.log2().floor() - FACTOR_BITS).exp2();
+        let factor = (factor / unit).ceil() * unit;
         squares.push(EquationSquare { terms: row.terms.clone(), limit: row.limit, factor });
     }
     squares

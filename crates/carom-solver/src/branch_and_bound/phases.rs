@@ -133,6 +133,7 @@ impl Solve<'_> {
         let mut task =
             SolveTask::new(presolved.program(), judge, self.cascades, self.options, self.token);
         task.leaf_columns = Some((&lowered.program, &lowered.leaf_columns));
+        task.may_settle = rules == PresolveRule::ALL && self.options.proof_path().is_none();
         let start = known.start.map(|start| presolved.carry(start));
         let carried = EarlierResults { start: start.as_ref(), ..*known };
         // A proof follows the blocks of the lowered program.

@@ -1,5 +1,6 @@
 //! The second phase: the program becomes smaller.
 
+use super::binary_curvature::with_raised_squares;
 use super::lower::LoweredProgram;
 use super::row_judge::RowJudge;
 use super::solve::{EarlierResults, Solve};
@@ -11,6 +12,9 @@ use crate::solver::PoolMode;
 /// Largest change of the objective of a point by presolve, relative to the terms (no unit): the
 /// point keeps the equalities that were used up to the feasibility tolerance only.
 const OBJECTIVE_CHANGE: f64 = 1e-6;
+
+/// The fewest integers of a program whose squares of binaries are raised.
+const FEWEST_INTEGERS: usize = 11;
 
 /// The rules by which the program of a solve is presolved.
 pub(super) fn rules(solve: &Solve<'_>, known: &EarlierResults<'_>) -> &'static [PresolveRule] {
@@ -53,6 +57,11 @@ pub(super) fn presolve<'a>(
             if rules == PresolveRule::ALL && solve.options.proof_path().is_none() {
                 let stated = with_perspective_cones(&presolved.program, solve.token);
                 presolved.program = stated.unwrap_or(presolved.program);
+                // Trees of fewer integers end sooner than better squares are found.
+                if presolved.program.integers.len() >= FEWEST_INTEGERS {
+                    let raised = with_raised_squares(&presolved.program);
+                    presolved.program = raised.unwrap_or(presolved.program);
+                }
             }
             PresolveOutcome::Presolved(Presolution::new(lowered, Some(presolved)))
         }

@@ -2,9 +2,9 @@
 
 use super::assemble::Entries;
 use super::cone::{Cone, ConeRole, ConeShape, LONGEST_TAIL};
-use super::cone_tower::{add_tower, suits_tower};
+use super::cone_tower::{FEW_LONG_CONES, LONG_TAIL, add_tower, suits_tower};
 use crate::error::Error;
-use crate::model::{Affine, Model};
+use crate::model::{Affine, ConicRef, Model};
 
 /// The factors of a rotated cone may differ by this factor, squared; as a power of two.
 const MOST_UNBALANCED: f64 = 3.0;
@@ -26,8 +26,10 @@ pub(super) fn assemble_cones(
     entries: &mut Entries,
 ) -> Result<Vec<Cone>, Error> {
     let mut cones = Vec::new();
-    for conic in model.conic_constraints() {
-        let standard = model.standard_cone(conic.conic(), conic.name())?;
+    let standard = |conic: ConicRef<'_>| model.standard_cone(conic.conic(), conic.name());
+    let all: Vec<_> = model.conic_constraints().map(standard).collect::<Result<_, _>>()?;
+    let are_few = all.len() <= FEW_LONG_CONES && all.iter().all(|c| c.tail.len() >= LONG_TAIL);
+    for standard in all {
         let shape = if standard.head.len() == 1 { ConeShape::Norm } else { ConeShape::Rotated };
         let mut columns: Vec<usize> = Vec::with_capacity(standard.head.len() + standard.tail.len());
         let heads = standard.head.len();
@@ -36,7 +38,7 @@ pub(super) fn assemble_cones(
             let column = column(expression, k < heads, &columns, entries);
             columns.push(column);
         }
-        let may_be_tower = norms == LongNorms::Towers;
+        let may_be_tower = norms == LongNorms::Towers && !are_few;
         match may_be_tower && suits_tower(shape, &columns, &standard.tail, entries) {
             true => add_tower(&columns, entries, &mut cones),
             false => add(shape, columns, entries, &mut cones),

@@ -10,14 +10,19 @@
 //! of the whole.
 //!
 //! Where the head is a constant, parts by single entries say as much with fewer pivots, and a
-//! binary may switch each of them off. So towers are for heads that are open.
+//! binary may switch each of them off. Where all cones are long and few, relaxations take them as
+//! they are. So towers are for heads that are open, in programs with other cones.
 
 use super::assemble::Entries;
 use super::cone::{Cone, ConeRole, ConeShape, LONGEST_TAIL};
 use crate::model::Affine;
 
-/// Fewest entries of the tail of a norm that becomes a tower.
-const SHORTEST_TOWER: usize = 8;
+/// Fewest entries of the tail of a long norm.
+pub(crate) const LONG_TAIL: usize = 8;
+
+/// Most cones of a program whose long norms stay whole: relaxations solve such programs as a
+/// sequence of quadratic ones, if all of their cones are long.
+pub(crate) const FEW_LONG_CONES: usize = 4;
 
 /// Whether a cone of a program with integers becomes a tower.
 ///
@@ -37,7 +42,7 @@ pub(super) fn suits_tower(
         _ => false,
     };
     shape == ConeShape::Norm
-        && tail.len() >= SHORTEST_TOWER
+        && tail.len() >= LONG_TAIL
         && entries.has_integers()
         && entries.bounds(head)[0] < entries.bounds(head)[1]
         && !tail.iter().any(is_of_integer)

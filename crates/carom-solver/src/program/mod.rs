@@ -16,6 +16,7 @@ mod steepness;
 pub(crate) use append::Addition;
 pub use cone::{Cone, ConeRole, ConeShape};
 pub(crate) use cone::{LONGEST_TAIL, conic_columns};
+pub(crate) use cone_tower::{FEW_LONG_CONES, LONG_TAIL};
 
 use std::ops::Range;
 use std::sync::OnceLock;

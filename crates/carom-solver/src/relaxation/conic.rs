@@ -8,7 +8,8 @@
 use super::cone_cut::ConeCut;
 use super::conic_form::ConicForm;
 use super::interior::InteriorPoint;
-use super::method_cascade::{CONIC_RECORD, MethodCascade};
+use super::method_cascade::{CONIC_RECORD, MethodCascade, QUADRATICS_RECORD};
+use super::sequential_quadratic::SequentialQuadratic;
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
 use super::{Effort, Purpose, RelaxationClaim, RelaxationResult};
 use crate::presolve::{FIXED, Reduced};
@@ -22,6 +23,8 @@ pub(super) enum ConicMethod {
     /// The crate's own, which is quicker, and gives up where a program has no interior.
     InteriorPoint,
     Clarabel,
+    /// Where cones are few and long, from the state of the parent.
+    SequentialQuadratic,
 }
 
 /// A method, iterations, tolerance and steps of refinement of an attempt.
@@ -72,6 +75,11 @@ impl MethodCascade {
         let mut best: Option<Best> = None;
         // Threads of a deterministic search must not differ in what they have seen.
         let learns = !question.options.deterministic;
+        if self.mixes_methods()
+            && let Some(verdict) = self.solve_by_quadratics(program, question)
+        {
+            return verdict;
+        }
         let suits = self.mixes_methods() && InteriorPoint::suits_cones(program);
         let is_asked = suits && (!learns || self.records[CONIC_RECORD].asks());
         for &attempt in conic_attempts(question.purpose) {
@@ -129,6 +137,64 @@ impl MethodCascade {
     }
 }
 
+impl MethodCascade {
+    /// Solves a program with few, long cones by quadratic programs; `None` if that is not enough.
+    fn solve_by_quadratics(
+        &mut self,
+        program: &mut Reduced,
+        question: &RelaxationQuestion<'_>,
+    ) -> Option<RelaxationVerdict> {
+        let (rows, place) = (program.rows.len(), program.places());
+        let form = ConicForm::new(program);
+        if !SequentialQuadratic::suits(&form) {
+            return None;
+        }
+        let learns = !question.options.deterministic;
+        if learns && !self.records[QUADRATICS_RECORD].asks() {
+            return None;
+        }
+        let began = Instant::now();
+        let (token, cutoff) = (question.token, f64::INFINITY);
+        let tolerance = if question.purpose == Purpose::Trial { 1e-6 } else { 1e-8 };
+        let iterations = 500;
+        let last = self.last_quadratics.take().filter(|_| learns);
+        let own = question.warm.filter(|warm| SequentialQuadratic::knows(warm));
+        let warm = own.or(last.as_ref());
+        let effort = Effort { iterations, tolerance, refinements: 1, cutoff, token, warm };
+        let (result, z) = SequentialQuadratic::default().solve_cones(&form, &effort);
+        self.note_conic(ConicMethod::SequentialQuadratic, result.iterations, began.elapsed());
+        let state = result.warm.clone();
+        self.last_quadratics = state.clone().or(last);
+        let (mut result, multipliers) = form.lift(result, z);
+        let pairs = program.cones.iter().zip(&multipliers);
+        let cuts: Vec<(ConeCut, f64)> =
+            pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
+        for (cut, multiplier) in &cuts {
+            program.append_row(&cut.terms, &place, FIXED);
+            result.y.push(*multiplier);
+        }
+        let own = RelaxationQuestion { cutoff, ..*question };
+        let mut findings = Findings::new(program, &own);
+        let outcome = findings.verify(result, &mut self.prover);
+        let is_enough = matches!(outcome, AttemptOutcome::Sufficient | AttemptOutcome::Decided(_))
+            || findings.bound >= question.cutoff
+            || question.purpose == Purpose::Trial && findings.converged;
+        if learns {
+            self.records[QUADRATICS_RECORD].note(!is_enough);
+        }
+        if !is_enough {
+            program.truncate_rows(rows);
+            return None;
+        }
+        self.cone_cuts = cuts;
+        if let AttemptOutcome::Decided(verdict) = outcome {
+            return Some(verdict);
+        }
+        let Findings { bound, x, y, converged, .. } = findings;
+        Some(RelaxationVerdict::Relaxed { bound, x, y, converged, warm: state })
+    }
+}
+
 /// A point of a program with cones, the multipliers of its rows, and the cuts that the multipliers
 /// of its cones give, each with its own multiplier.
 pub(crate) type ConicMultipliers = (Vec<f64>, Vec<f64>, Vec<(ConeCut, f64)>);
@@ -175,6 +241,9 @@ impl MethodCascade {
         let (result, z) = match method {
             ConicMethod::Clarabel => self.conic.solve_cones(&form, &effort),
             ConicMethod::InteriorPoint => self.conic_interior.solve_cones(&form, &effort),
+            ConicMethod::SequentialQuadratic => {
+                SequentialQuadratic::default().solve_cones(&form, &effort)
+            }
         };
         self.note_conic(method, result.iterations, began.elapsed());
         let (result, multipliers) = form.lift(result, z);

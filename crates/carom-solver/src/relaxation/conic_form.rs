@@ -19,6 +19,9 @@ const LEAST_COEFFICIENT: f64 = 1e-3;
 /// By how much a bound may cut into the values that others allow, relative (at least 1).
 const MAX_CUT_BY_BOUND: f64 = 1e-7;
 
+/// By how much the limits of an equality may be apart because of rounding, relative (at least 1).
+const MOST_ROUNDING: f64 = 1e-12;
+
 /// The rows of cones.
 #[derive(Debug, Default)]
 pub(super) struct ConeRows {
@@ -65,6 +68,19 @@ struct NamedSum {
     column: usize,
     row: usize,
     coefficient: f64,
+    /// Whether the column has bounds that neither its row nor its cone implies: they become limits
+    /// of the row without it.
+    is_limited: bool,
+}
+
+impl NamedSum {
+    /// What the bounds of the column say about the rest of its row.
+    fn limits(&self, program: &Reduced) -> [f64; 2] {
+        let (limit, c) = (middle(program, self.row), self.coefficient);
+        let at = |bound: f64| limit - c * bound;
+        let (one, other) = (at(program.lower[self.column]), at(program.upper[self.column]));
+        [one.min(other), one.max(other)]
+    }
 }
 
 impl<'a> ConicForm<'a> {
@@ -76,9 +92,15 @@ impl<'a> ConicForm<'a> {
             has_column.resize(whole.columns.len(), true);
             has_row.resize(whole.rows.len(), true);
             for name in &names {
-                (has_column[name.column], has_row[name.row]) = (false, false);
+                (has_column[name.column], has_row[name.row]) = (false, name.is_limited);
             }
-            program = Cow::Owned(part(whole, &has_column, &has_row));
+            let mut without = part(whole, &has_column, &has_row);
+            let at = places(&has_row);
+            for name in names.iter().filter(|name| name.is_limited) {
+                let (row, limits) = (at[name.row], name.limits(whole));
+                (without.row_lower[row], without.row_upper[row]) = (limits[0], limits[1]);
+            }
+            program = Cow::Owned(without);
         }
         let mut form = ConicForm {
             whole,
@@ -124,9 +146,9 @@ impl<'a> ConicForm<'a> {
                                 let known = terms.len();
                                 add(&mut terms, known, (at[entry.place], g));
                             }
-                            Some(NamedSum { column, row, coefficient }) => {
+                            Some(NamedSum { column, row, coefficient, .. }) => {
                                 let factor = g / coefficient;
-                                h += factor * whole.row_upper[row];
+                                h += factor * middle(whole, row);
                                 let known = terms.len();
                                 let others = whole.rows.entries(row).filter(|(j, _)| *j != column);
                                 for (j, a) in others {
@@ -174,11 +196,11 @@ impl<'a> ConicForm<'a> {
                 free.for_each(|(entry, g)| pull[entry.place] += g * z);
             }
         }
-        for &NamedSum { column, row, coefficient } in &self.names {
+        for &NamedSum { column, row, coefficient, .. } in &self.names {
             let others = self.whole.rows.entries(row).filter(|(j, _)| *j != column);
             let sum: f64 = others.map(|(j, a)| a * x[j]).sum();
-            x[column] = (self.whole.row_upper[row] - sum) / coefficient;
-            y[row] = pull[column] / coefficient;
+            x[column] = (middle(self.whole, row) - sum) / coefficient;
+            y[row] += pull[column] / coefficient;
         }
         (RelaxationResult { x, y, ..result }, multipliers)
     }
@@ -192,8 +214,7 @@ fn add(terms: &mut Vec<(usize, f64)>, known: usize, (column, a): (usize, f64)) {
     }
 }
 
-/// The columns that name sums, at most one for each row: free but for what their row and their only
-/// cone imply, and without a cost.
+/// The columns that name sums, at most one for each row, in only one cone, and without a cost.
 fn named_sums(program: &Reduced) -> Vec<NamedSum> {
     const NONE: usize = usize::MAX;
     const MANY: usize = usize::MAX - 1;
@@ -229,7 +250,8 @@ fn named_sums(program: &Reduced) -> Vec<NamedSum> {
             continue;
         }
         let is_sum = program.rows.vector(row).0.len() > 1;
-        if !is_sum || program.row_lower[row] != program.row_upper[row] {
+        let width = program.row_upper[row] - program.row_lower[row];
+        if !is_sum || width > MOST_ROUNDING * program.row_upper[row].abs().max(1.0) {
             continue;
         }
         let largest = largest_magnitude(program.rows.entries(row).map(|(_, a)| a));
@@ -238,25 +260,24 @@ fn named_sums(program: &Reduced) -> Vec<NamedSum> {
         else {
             continue;
         };
-        let name = NamedSum { column, row, coefficient };
-        if are_bounds_implied(program, name, &program.cones[cone]) {
-            taken[row] = true;
-            names.push(name);
-        }
+        let mut name = NamedSum { column, row, coefficient, is_limited: false };
+        name.is_limited = !are_bounds_implied(program, name, &program.cones[cone]);
+        taken[row] = true;
+        names.push(name);
     }
     names
 }
 
 /// Whether the row of a column, or its cone, implies the column's bounds.
 fn are_bounds_implied(program: &Reduced, name: NamedSum, cone: &ReducedCone) -> bool {
-    let NamedSum { column, row, coefficient } = name;
+    let NamedSum { column, row, coefficient, .. } = name;
     let (lower, upper) = (program.lower[column], program.upper[column]);
     if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
         return true;
     }
     let others = program.rows.entries(row).filter(|(j, _)| *j != column);
     let term = |(j, a): (usize, f64)| (-a / coefficient, [program.lower[j], program.upper[j]]);
-    let range = ends([program.row_upper[row] / coefficient; 2], others.map(term));
+    let range = ends([middle(program, row) / coefficient; 2], others.map(term));
     let is_head = cone.head().iter().any(|entry| entry.place == column);
     let most = |entry: &crate::presolve::ConeEntry| match entry.is_fixed() {
         true => entry.value,
@@ -271,6 +292,12 @@ fn are_bounds_implied(program: &Reduced, name: NamedSum, cone: &ReducedCone) -> 
     let room = |bound: f64| MAX_CUT_BY_BOUND * bound.abs().max(1.0);
     range[0].max(of_cone[0]) >= lower - room(lower)
         && range[1].min(of_cone[1]) <= upper + room(upper)
+}
+
+/// The right side of an equality.
+fn middle(program: &Reduced, row: usize) -> f64 {
+    let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
+    lower + 0.5 * (upper - lower)
 }
 
 /// The place of each that is kept among these.
@@ -292,8 +319,7 @@ fn part(whole: &Reduced, has_column: &[bool], has_row: &[bool]) -> Reduced {
     let vectors = |matrix: &Compressed, has: &[bool]| {
         let mut own = Compressed::with_capacity(has.len(), matrix.index.len());
         for k in (0..has.len()).filter(|k| has[*k]) {
-            // Columns that are not here have no entries but in rows that are not here either.
-            own.push(matrix.entries(k).map(|(j, a)| (at[j], a)));
+            own.push(matrix.entries(k).map(|(j, a)| (at[j], a)).filter(|(j, _)| *j != FIXED));
         }
         own
     };

@@ -34,6 +34,7 @@ pub(super) enum WarmMethod {
 /// The records of the cold method, and of the same for programs with cones, behind the warm ones'.
 const COLD_RECORD: usize = 2;
 pub(super) const CONIC_RECORD: usize = 3;
+pub(super) const QUADRATICS_RECORD: usize = 4;
 
 /// The part of a solve that is the same for all attempts.
 pub(super) struct Request<'a> {
@@ -88,13 +89,15 @@ pub struct MethodCascade {
     /// `None` if the cold method is alone.
     fallback: Option<CascadeMethod>,
     /// The records of the warm methods, of the cold one, and of that for cones.
-    pub(super) records: [Record; 4],
+    pub(super) records: [Record; 5],
     spent: Spent,
-    prover: Prover,
+    pub(super) prover: Prover,
     reducer: Reducer,
     /// Solve programs with cones.
     pub(super) conic: ClarabelRelaxation,
     pub(super) conic_interior: InteriorPoint,
+    /// The state that the last sequence of quadratic programs left.
+    pub(super) last_quadratics: Option<WarmState>,
     /// The cuts that the multipliers of the last program with cones are, with their multipliers.
     pub(super) cone_cuts: Vec<(ConeCut, f64)>,
 }
@@ -144,6 +147,7 @@ impl MethodCascade {
             reducer,
             conic,
             conic_interior,
+            last_quadratics: None,
             cone_cuts,
         }
     }
@@ -201,6 +205,7 @@ impl MethodCascade {
         match method {
             ConicMethod::Clarabel => self.spent.counts.clarabel += 1,
             ConicMethod::InteriorPoint => self.spent.counts.interior_point += 1,
+            ConicMethod::SequentialQuadratic => self.spent.counts.active_set += 1,
         }
         self.spent.iterations += iterations;
     }

@@ -28,6 +28,7 @@ mod polish_cones;
 mod recession;
 mod record;
 mod scaling;
+mod sequential_quadratic;
 mod simplex;
 mod spent;
 #[cfg(feature = "nonlinear")]

@@ -8,6 +8,7 @@ use super::cone_pool::ConePool;
 use super::focus_node::FocusNode;
 use super::node_cut_pool::NodeCutPool;
 use super::root::Root;
+use super::settled_binaries::SettledBinaries;
 use super::task::SolveTask;
 use super::tree_view::TreeView;
 use crate::presolve::Propagator;
@@ -28,6 +29,8 @@ pub(super) struct Context<'a> {
     pub(super) cone_pool: ConePool,
     pub(super) cone_record: ConeRecord,
     pub(super) node_cuts: NodeCutPool,
+    /// The binaries that may settle at nodes; none where the search is for more than one optimum.
+    pub(super) settled: SettledBinaries,
     pub(super) clock: ActivityClock,
     /// This worker's own clone, which counts its work.
     pub(super) token: StopToken,
@@ -46,6 +49,10 @@ impl<'a> Context<'a> {
             cascade: task.cascades.take(),
             cone_pool: ConePool::default(),
             cone_record: ConeRecord::default(),
+            settled: match task.may_settle {
+                true => SettledBinaries::new(task.program),
+                false => SettledBinaries::default(),
+            },
             node_cuts: NodeCutPool::new(task.program, task.options),
             clock: ActivityClock::new(),
             token: task.token.clone(),

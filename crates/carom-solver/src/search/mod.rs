@@ -38,6 +38,7 @@
 //! * `node_relaxation` - its relaxation
 //! * `unbounded` - an unbounded root
 //! * `reduced_cost` - reduced-cost fixing
+//! * `settled_binaries` - binaries whose value no other column changes
 //! * `leaf_reduction` - its program once all integers are fixed
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //!
@@ -89,6 +90,7 @@ mod reporter;
 mod root;
 mod root_point;
 mod saved_tree;
+mod settled_binaries;
 mod shared_tree;
 mod start;
 mod switch_node;

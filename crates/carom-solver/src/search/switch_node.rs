@@ -4,6 +4,7 @@ use super::clock::Activity;
 use super::context::Context;
 use super::node::Decision;
 use super::node_probing::NodeProbing;
+use super::settled_binaries::settle_binaries;
 use crate::presolve::{Conflict, probe_again};
 
 /// Brings the domain to a node: on from its nearest ancestor that the current path went through,
@@ -27,6 +28,13 @@ pub(super) fn switch_to(
     }
     let activity = ctx.clock.switch(Activity::Propagation);
     let mut result = ctx.propagator.propagate_since(program, &mut ctx.node.domain, mark);
+    if result.is_ok() {
+        let before = ctx.node.domain.mark();
+        settle_binaries(ctx);
+        if ctx.node.domain.mark() != before {
+            result = ctx.propagator.propagate_since(program, &mut ctx.node.domain, before);
+        }
+    }
     let probes = probing.is_due() && result.is_ok() && ctx.options().parts().probing;
     if probes {
         ctx.clock.switch(Activity::Probing);

@@ -70,6 +70,8 @@ pub struct SolveTask<'a> {
     pub options: &'a Options,
     /// The value below which points are searched for (minimised objective); infinite for any point.
     pub cutoff: f64,
+    /// Whether a point of a node may be passed over for a better one of the same node.
+    pub may_settle: bool,
     /// The time at which the search must stop, and at which the solve began.
     pub token: &'a StopToken,
 }
@@ -93,6 +95,7 @@ impl<'a> SolveTask<'a> {
             cascades,
             options,
             cutoff,
+            may_settle: false,
             token,
         }
     }

@@ -23,6 +23,8 @@ struct Case {
     linear: Vec<i32>,
     /// What the child fixes: a column, and the part of the way between its bounds.
     fixed: (usize, i32),
+    /// Whether there are directions without curvature, within bounds.
+    is_flat: bool,
 }
 
 fn case() -> impl Strategy<Value = Case> {
@@ -34,13 +36,15 @@ fn case() -> impl Strategy<Value = Case> {
             prop::collection::vec(vector(), n..n + 3),
             vector(),
             (0..n, 0..=2),
+            any::<bool>(),
         )
-            .prop_map(|(columns, rows, squares, linear, fixed)| Case {
+            .prop_map(|(columns, rows, squares, linear, fixed, is_flat)| Case {
                 columns,
                 rows,
                 squares,
                 linear,
                 fixed,
+                is_flat,
             })
     })
 }
@@ -58,6 +62,7 @@ impl Case {
             ..Reduced::default()
         };
         for &(lower, width) in &self.columns {
+            let width = if self.is_flat { width.max(1) } else { width };
             let bounds = [f64::from(lower), f64::from(lower + width)];
             let [lower, upper] = if width == 0 { [-INF, INF] } else { bounds };
             reduced.lower.push(lower);
@@ -65,9 +70,13 @@ impl Case {
         }
         for j in 0..n {
             for i in 0..=j {
-                let sum: i32 = self.squares.iter().map(|s| s[i] * s[j]).sum();
+                let squares =
+                    if self.is_flat { &self.squares[..n.div_ceil(2)] } else { &self.squares };
+                let sum: i32 = squares.iter().map(|s| s[i] * s[j]).sum();
+                let has_ridge = i == j && (i == 0 || !self.is_flat);
+                let ridge = if has_ridge { 0.5 } else { 0.0 };
                 reduced.quadratic.index.push(i);
-                reduced.quadratic.value.push(f64::from(sum) + if i == j { 0.5 } else { 0.0 });
+                reduced.quadratic.value.push(f64::from(sum) + ridge);
             }
             reduced.quadratic.start.push(reduced.quadratic.index.len());
         }
@@ -161,18 +170,22 @@ proptest! {
     }
 }
 
+/// `1/2 (x + y)^2 + x + 2 y` on a line on which the squares are constant.
 #[test]
-fn programs_without_curvature_are_left_to_others() {
+fn directions_without_curvature_end_at_a_bound() {
     let case = Case {
         columns: vec![(0, 1), (0, 1)],
         rows: vec![(vec![1, 1], 1, 0)],
         squares: Vec::new(),
         linear: vec![1, 2],
         fixed: (0, 0),
+        is_flat: false,
     };
     let mut program = case.program();
     program.quadratic.value = vec![1.0, 1.0, 1.0];
-    assert_eq!(solve(&program, INF, None).claim, RelaxationClaim::Unknown);
+    let answer = solve(&program, INF, None);
+    assert_eq!(answer.claim, RelaxationClaim::Solved);
+    assert!((program.objective(&answer.x) - 1.5).abs() < 1e-9, "{answer:?}");
     program.quadratic = Compressed { start: vec![0; 3], ..Compressed::default() };
     assert!(!ActiveSet::suits(&program));
 }

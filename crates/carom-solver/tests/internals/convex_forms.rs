@@ -6,6 +6,7 @@ use carom::model::{Affine, Quadratic};
 use carom::prelude::*;
 use carom_model::internals::semidefinite::negative_direction;
 use carom_solver::internals::branch_and_bound::convex_model;
+use carom_solver::internals::program::Program;
 use proptest::prelude::*;
 
 const REGRESSIONS: &str = "tests/regressions/convex_forms.txt";
@@ -13,11 +14,13 @@ const REGRESSIONS: &str = "tests/regressions/convex_forms.txt";
 #[derive(Debug, Clone)]
 struct Form {
     maximize: bool,
+    /// What coefficients are multiples of.
+    unit: f64,
     /// The lower value of each column.
     lower: Vec<i32>,
     cost: Vec<i32>,
     products: Vec<(usize, usize, i32)>,
-    /// Coefficients, in tenths, and a point that satisfies the row with equality, by bits.
+    /// Coefficients, and a point that satisfies the row with equality, by bits.
     rows: Vec<(Vec<i32>, u32, bool)>,
 }
 
@@ -31,7 +34,7 @@ prop_compose! {
             (prop::collection::vec(-30..31, n), any::<u32>(), any::<bool>()), 0..4),
     ) -> Form {
         let rows = rows.into_iter().filter(|(row, ..)| row.iter().any(|&a| a != 0)).collect();
-        Form { maximize, lower, cost, products, rows }
+        Form { maximize, unit: 0.1, lower, cost, products, rows }
     }
 }
 
@@ -41,7 +44,7 @@ impl Form {
     }
 
     fn limit(&self, row: &[i32], at: u32) -> f64 {
-        row.iter().enumerate().map(|(k, &a)| 0.1 * f64::from(a) * self.value(at, k)).sum()
+        row.iter().enumerate().map(|(k, &a)| self.unit * f64::from(a) * self.value(at, k)).sum()
     }
 
     fn model(&self) -> Result<(Model, Vec<Variable>), Error> {
@@ -50,16 +53,16 @@ impl Form {
         let x = x.map(|(k, &l)| model.integer(format!("x{k}"), f64::from(l), f64::from(l + 1)));
         let x: Vec<Variable> = x.collect::<Result<_, _>>()?;
         for (i, (row, at, is_equation)) in self.rows.iter().enumerate() {
-            let terms = row.iter().zip(&x).map(|(&a, &v)| 0.1 * f64::from(a) * v);
+            let terms = row.iter().zip(&x).map(|(&a, &v)| self.unit * f64::from(a) * v);
             let sum = terms.fold(Affine::zero(), |sum, term| sum + term);
             let limit = self.limit(row, *at);
             let row = if *is_equation { sum.equals(limit) } else { sum.le(limit) };
             model.add(format!("r{i}"), row)?;
         }
         let mut objective = Quadratic::from(1.5);
-        self.cost.iter().zip(&x).for_each(|(&c, &v)| objective += 0.1 * f64::from(c) * v);
+        self.cost.iter().zip(&x).for_each(|(&c, &v)| objective += self.unit * f64::from(c) * v);
         for &(a, b, q) in &self.products {
-            objective.add_product(0.1 * f64::from(q), x[a], x[b]);
+            objective.add_product(self.unit * f64::from(q), x[a], x[b]);
         }
         let sense = if self.maximize { Sense::Maximize } else { Sense::Minimize };
         model.set_objective(sense, objective)?;
@@ -91,6 +94,33 @@ proptest! {
             let at = |v: Variable| form.value(bits, v.index());
             let (own, other) = (model.objective().evaluate(at), convex.objective().evaluate(at));
             prop_assert!((own - other).abs() <= 1e-12 * size, "{own} {other}\n{model}\n{convex}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(100, REGRESSIONS))]
+
+    /// Terms of 1e8 cancel, and no digit is lost.
+    #[test]
+    fn columns_far_from_0_keep_all_digits(form in form(), far in prop::collection::vec(-2000..2000, 9)) {
+        let lower = form.lower.iter().zip(far).map(|(l, by)| l + by).collect();
+        let form = Form { unit: 0.25, lower, ..form };
+        let (model, x) = form.model().expect("a model");
+        let convex = convex_model(&model).expect("a convex form");
+        if convex.variables().len() > x.len() {
+            return Ok(());
+        }
+        let assemble = |model: &Model| Program::assemble(model).expect("a program");
+        let (before, after) = (assemble(&model), assemble(&convex));
+        for bits in 0..1_u32 << x.len() {
+            let holds = form.rows.iter().all(|(row, at, is_equation)| {
+                let missed = form.limit(row, bits) - form.limit(row, *at);
+                if *is_equation { missed == 0.0 } else { missed <= 0.0 }
+            });
+            let point: Vec<f64> = (0..x.len()).map(|k| form.value(bits, k)).collect();
+            let (own, other) = (before.objective(&point), after.objective(&point));
+            prop_assert!(!holds || (own - other).abs() <= 1e-9 * own.abs().max(1.0), "{own} {other}");
         }
     }
 }

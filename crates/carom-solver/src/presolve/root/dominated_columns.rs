@@ -138,11 +138,18 @@ fn reduced_cost(
 }
 
 /// Least and largest slope that the curvature of the objective adds to the cost of a column within
-/// the bounds; of both signs also the rounding of the sum.
+/// the bounds; of both signs also the rounding of the sum. For a column with two values it is that
+/// from one to the other.
 fn slopes(work: &WorkingProgram, column: usize) -> [f64; 2] {
     let (mut range, mut size) = ([0.0; 2], work.linear[column].abs());
+    let [lower, upper] = [work.lower[column], work.upper[column]];
+    let has_two_values = work.integral[column] && upper - lower == 1.0;
     for (&other, &p) in &work.quadratic[column] {
-        let [low, high] = term_ends(p, [work.lower[other], work.upper[other]]);
+        let ends = match other == column && has_two_values {
+            true => [0.5 * (lower + upper); 2],
+            false => [work.lower[other], work.upper[other]],
+        };
+        let [low, high] = term_ends(p, ends);
         range = [range[0] + low, range[1] + high];
         size += low.abs().max(high.abs());
     }

@@ -1,8 +1,12 @@
 //! A strictly convex program as a problem of least distance: with `P = L L'` and
 //! `u = L'x + L⁻¹q`, the objective is `1/2 |u|²` up to a constant, and a row `a'x` becomes
 //! `(L⁻¹a)'u` up to a constant.
+//!
+//! Where the curvature has no pivot, the program gets one: `1/2 e (x - c)²` around a centre `c`
+//! that follows the optimum (Rockafellar, Monotone operators and the proximal point algorithm, SIAM
+//! Journal on Control and Optimization 14, 1976).
 
-use super::parameters::{MAX_ROW_VIOLATION, MIN_CHOLESKY_PIVOT};
+use super::parameters::{MAX_CONCAVITY, MAX_ROW_VIOLATION, MIN_CHOLESKY_PIVOT};
 use super::triangle::{LowerTriangle, dot};
 use crate::presolve::Reduced;
 use crate::tolerance::largest_magnitude;
@@ -43,8 +47,12 @@ struct Image {
 pub(super) struct Metric<'a> {
     pub(super) program: &'a Reduced,
     factor: LowerTriangle,
-    /// `L⁻¹q`.
+    /// `L⁻¹q`, with the pull towards the centre.
     shift: Vec<f64>,
+    /// By column: what was added to its curvature.
+    added: Vec<f64>,
+    /// By column: the centre, where `added` is positive.
+    centre: Vec<f64>,
     images: Vec<Option<Image>>,
     vectors: Vec<f64>,
     /// By row: its largest coefficient.
@@ -52,9 +60,20 @@ pub(super) struct Metric<'a> {
 }
 
 impl<'a> Metric<'a> {
-    /// `None` if the program is not strictly convex, up to rounding.
-    pub(super) fn new(program: &'a Reduced) -> Option<Self> {
+    /// `None` if the program is not convex, up to rounding.
+    ///
+    /// # Arguments
+    ///
+    /// * `proximal_pivot`: the pivot that a column without one gets, as a fraction of a typical
+    ///   diagonal entry.
+    pub(super) fn new(program: &'a Reduced, proximal_pivot: f64) -> Option<Self> {
         let n = program.columns.len();
+        let mut added = vec![0.0; n];
+        let diagonal = |j: usize| {
+            let (index, value) = program.quadratic.vector(j);
+            index.iter().zip(value).filter(|(i, _)| **i == j).map(|(_, p)| p).sum::<f64>()
+        };
+        let typical = (0..n).map(diagonal).sum::<f64>() / n.max(1) as f64;
         let mut factor = LowerTriangle::default();
         let mut row = vec![0.0; n];
         for j in 0..n {
@@ -62,19 +81,69 @@ impl<'a> Metric<'a> {
             let (index, value) = program.quadratic.vector(j);
             index.iter().zip(value).for_each(|(&i, &p)| row[i] += p);
             let diagonal = row[j];
-            factor.solve(&mut row[..j], 0);
-            let pivot = diagonal - dot(&row[..j], &row[..j]);
+            let zeros = index.iter().copied().min().unwrap_or(j).min(j);
+            factor.solve(&mut row[..j], zeros);
+            let mut pivot = diagonal - dot(&row[zeros..j], &row[zeros..j]);
             if !(pivot > MIN_CHOLESKY_PIVOT * diagonal && pivot.is_finite()) {
-                return None;
+                let size = diagonal.max(typical);
+                if !(pivot > -MAX_CONCAVITY * size && size > 0.0 && size.is_finite()) {
+                    return None;
+                }
+                added[j] = proximal_pivot * size - pivot;
+                pivot = proximal_pivot * size;
             }
-            factor.push(&row[..j], pivot.sqrt());
+            factor.push_sparse(&row[..j], pivot.sqrt(), zeros);
         }
         let mut shift = program.linear.clone();
         factor.solve(&mut shift, 0);
+        let centre = vec![0.0; n];
         let most = |i| largest_magnitude(program.rows.vector(i).1);
         let largest: Vec<f64> = (0..program.rows.len()).map(most).collect();
         let images = vec![None; program.rows.len() + n];
-        Some(Metric { program, factor, shift, images, vectors: Vec::new(), largest })
+        Some(Metric { program, factor, shift, added, centre, images, vectors: Vec::new(), largest })
+    }
+
+    /// The columns whose curvature was added to.
+    pub(super) fn flat(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.added.len()).filter(|&j| self.added[j] > 0.0)
+    }
+
+    /// Begins with a centre at some values; the other columns stay at 0.
+    pub(super) fn begin_at(&mut self, values: impl Iterator<Item = (usize, f64)>) {
+        let mut centre = std::mem::take(&mut self.centre);
+        values.for_each(|(k, value)| centre[k] = value);
+        let is_elsewhere = self.flat().any(|k| centre[k] != 0.0);
+        self.centre = centre.clone();
+        if is_elsewhere {
+            self.move_centre(&centre);
+        }
+    }
+
+    /// At most what the objective of a point may be above the optimum because the point is pulled
+    /// towards the centre: within the bounds, and in their absence near the point.
+    pub(super) fn pull(&self, x: &[f64]) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for j in self.flat() {
+            let pull = self.added[j] * (x[j] - self.centre[j]).abs();
+            let width = self.program.upper[j] - self.program.lower[j];
+            if pull > 0.0 {
+                sums[0] += pull * width;
+                sums[1] += pull * width.min(x[j].abs() + 1.0);
+            }
+        }
+        sums
+    }
+
+    /// Moves the centre to a point. Levels of limits are others then.
+    pub(super) fn move_centre(&mut self, x: &[f64]) {
+        self.centre.copy_from_slice(x);
+        let pulled = self.program.linear.iter().zip(&self.added).zip(x);
+        self.shift = pulled.map(|((q, e), x)| q - e * x).collect();
+        self.factor.solve(&mut self.shift, 0);
+        for image in self.images.iter_mut().flatten() {
+            let vector = &self.vectors[image.begin..image.begin + self.shift.len()];
+            image.shift = dot(vector, &self.shift);
+        }
     }
 
     /// Number of rows and columns.

@@ -1,4 +1,4 @@
-//! A dual active-set method for small dense programs with curvature in every direction.
+//! A dual active-set method for dense programs with curvature.
 //!
 //! The method of Goldfarb and Idnani in the form of a least distance: the limits that hold with
 //! equality are a *working set*, whose multipliers have the right signs throughout. A step moves
@@ -18,22 +18,33 @@ mod working_set;
 use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use metric::{LimitSide, Metric};
-use parameters::MAX_DENSE_COLUMNS;
+use parameters::{
+    LARGEST_PULL, MAX_CENTRES, MAX_DENSE_COLUMNS, MAX_IDLE_STEPS, PROXIMAL_PIVOT,
+    WEAK_PROXIMAL_PIVOT,
+};
 use working_set::WorkingSet;
 
 /// The active-set method for small dense programs.
 #[derive(Debug, Clone, Default)]
 pub struct ActiveSet {}
 
-/// The limits that are active at an optimum.
+/// Names beyond this one are those of rows that programs have beside their own; they are few.
+pub(super) const LAST_PLACED_NAME: usize = usize::MAX / 2;
+
+/// The limits that are active at an optimum, and the values of the columns without curvature of
+/// their own, by their names.
 #[derive(Debug)]
-struct ActiveLimits(Vec<HeldLimit>);
+struct ActiveLimits {
+    held: Vec<HeldLimit>,
+    flat: Vec<(usize, f64)>,
+}
 
 /// A limit of the parent, by its row or column of the program, with its multiplier.
 #[derive(Debug, Clone, Copy)]
-struct HeldLimit {
+pub(super) struct HeldLimit {
     is_row: bool,
     of: usize,
+    side: LimitSide,
     multiplier: f64,
 }
 
@@ -46,21 +57,56 @@ impl ActiveSet {
     /// Whether the method suits a program.
     pub fn suits(program: &Reduced) -> bool {
         let n = program.columns.len();
-        let curved = |j: usize| program.quadratic.vector(j).0.contains(&j);
         let dense = 8 * program.quadratic.index.len() >= n * n;
-        n <= MAX_DENSE_COLUMNS && dense && (0..n).all(curved)
+        let curved = |j: &usize| program.quadratic.vector(*j).0.contains(j);
+        let enough = |n: usize| 10 * (0..n).filter(curved).count() >= 9 * n;
+        n <= MAX_DENSE_COLUMNS && dense && enough(n)
     }
 }
 
 impl Relaxation for ActiveSet {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let metric = if ActiveSet::suits(program) { Metric::new(program) } else { None };
+        let metric =
+            if ActiveSet::suits(program) { Metric::new(program, PROXIMAL_PIVOT) } else { None };
         let Some(metric) = metric else { return RelaxationResult::nothing(program) };
         let set = WorkingSet::new(metric.len());
         let mut run = ActiveSetRun { metric, set, steps: 0, x: Vec::new(), ray: None };
         run.start(effort.warm.and_then(WarmState::get));
         let claim = run.finish(effort);
         run.answer(claim)
+    }
+}
+
+/// The optimum of a program whose columns without curvature are pulled towards a centre.
+pub(super) struct CentredAnswer {
+    pub(super) claim: RelaxationClaim,
+    pub(super) x: Vec<f64>,
+    /// By row.
+    pub(super) y: Vec<f64>,
+    pub(super) held: Vec<HeldLimit>,
+    /// What the pull may cost, near the point.
+    pub(super) pull: f64,
+    pub(super) iterations: u64,
+}
+
+impl ActiveSet {
+    /// Solves a convex program once around a centre; `None` if it has no curvature at all.
+    pub(super) fn solve_centred(
+        &self,
+        program: &Reduced,
+        centre: &[f64],
+        held: &[HeldLimit],
+        effort: &Effort<'_>,
+    ) -> Option<CentredAnswer> {
+        let mut metric = Metric::new(program, WEAK_PROXIMAL_PIVOT)?;
+        metric.begin_at(centre.iter().copied().enumerate());
+        let set = WorkingSet::new(metric.len());
+        let mut run = ActiveSetRun { metric, set, steps: 0, x: Vec::new(), ray: None };
+        run.hold(held);
+        let claim = run.descend(effort, f64::INFINITY);
+        let pull = if run.x.is_empty() { 0.0 } else { run.metric.pull(&run.x)[1] };
+        let (RelaxationResult { claim, x, y, iterations, .. }, held, _) = run.result(claim);
+        Some(CentredAnswer { claim, x, y, held, pull, iterations })
     }
 }
 
@@ -75,39 +121,45 @@ struct ActiveSetRun<'a> {
 }
 
 impl ActiveSetRun<'_> {
-    /// Fills the working set: equalities, and what held at the parent.
+    /// Begins where the parent ended.
     fn start(&mut self, parent: Option<&ActiveLimits>) {
+        let Some(ActiveLimits { held, flat }) = parent else { return self.hold(&[]) };
+        let at = places(&self.metric.program.columns);
+        let place = |name: usize| at.get(name).copied().filter(|k| *k != usize::MAX);
+        let values = flat.iter().filter_map(|&(name, value)| Some((place(name)?, value)));
+        self.metric.begin_at(values);
+        self.hold(held);
+    }
+
+    /// Fills the working set: some limits, and equalities.
+    fn hold(&mut self, held: &[HeldLimit]) {
         let program = self.metric.program;
         let m = program.rows.len();
-        let mut wanted: Vec<(usize, f64)> = Vec::new();
-        if let Some(ActiveLimits(parent)) = parent {
-            let mut at = [vec![usize::MAX; 0], vec![usize::MAX; 0]];
-            for (is_row, names) in [(0, &program.columns), (1, &program.origin)] {
-                for (k, &name) in names.iter().enumerate().filter(|(_, name)| **name != usize::MAX)
-                {
-                    let len = at[is_row].len().max(name + 1);
-                    at[is_row].resize(len, usize::MAX);
-                    at[is_row][name] = k;
-                }
-            }
-            for held in parent {
-                let k = at[usize::from(held.is_row)].get(held.of).copied().unwrap_or(usize::MAX);
-                if k != usize::MAX {
-                    wanted.push((if held.is_row { k } else { m + k }, held.multiplier));
+        let mut wanted: Vec<(usize, LimitSide, f64)> = Vec::new();
+        if !held.is_empty() {
+            let at = [places(&program.columns), places(&program.origin)];
+            for limit in held {
+                let k = match limit.of > LAST_PLACED_NAME {
+                    true => program.origin.iter().position(|name| *name == limit.of),
+                    false => at[usize::from(limit.is_row)].get(limit.of).copied(),
+                };
+                if let Some(k) = k.filter(|k| *k != usize::MAX) {
+                    let of = if limit.is_row { k } else { m + k };
+                    wanted.push((of, limit.side, limit.multiplier));
                 }
             }
         }
         let equalities = (0..m).filter(|&i| program.row_lower[i] == program.row_upper[i]);
-        let equalities: Vec<(usize, f64)> = equalities.map(|i| (i, 0.0)).collect();
-        for (of, multiplier) in wanted.into_iter().chain(equalities) {
+        wanted.extend(equalities.map(|i| (i, LimitSide::Both, 0.0)));
+        for (of, side, multiplier) in wanted {
             if self.set.holds[of] {
                 continue;
             }
             let [lower, upper] = self.metric.limits(of);
-            let side = match multiplier {
-                _ if lower == upper => LimitSide::Both,
-                y if y > 0.0 && upper.is_finite() => LimitSide::Upper,
-                y if y < 0.0 && lower.is_finite() => LimitSide::Lower,
+            let (side, multiplier) = match side {
+                _ if lower == upper => (LimitSide::Both, multiplier),
+                LimitSide::Upper if upper.is_finite() => (side, multiplier.max(0.0)),
+                LimitSide::Lower if lower.is_finite() => (side, multiplier.min(0.0)),
                 _ => continue,
             };
             let candidate = self.set.candidate(&mut self.metric, of, side);
@@ -119,28 +171,64 @@ impl ActiveSetRun<'_> {
     }
 
     fn finish(&mut self, effort: &Effort<'_>) -> RelaxationClaim {
-        let enough = effort.sufficient_bound();
+        if self.metric.flat().next().is_none() {
+            return self.descend(effort, effort.sufficient_bound());
+        }
+        for _ in 0..MAX_CENTRES {
+            // The bound of a program with a pull is none of the program without it.
+            let claim = self.descend(effort, f64::INFINITY);
+            if claim != RelaxationClaim::Solved {
+                return claim;
+            }
+            let ([pull, near], value) =
+                (self.metric.pull(&self.x), self.metric.program.objective(&self.x));
+            if value - pull > effort.sufficient_bound() {
+                return RelaxationClaim::Beyond;
+            }
+            if near <= LARGEST_PULL * value.abs().max(1.0) {
+                return RelaxationClaim::Solved;
+            }
+            self.metric.move_centre(&self.x);
+            self.set.update_levels(&mut self.metric);
+        }
+        RelaxationClaim::Unknown
+    }
+
+    /// Raises the dual objective to the optimum, or to a bound that is enough. Gives up where
+    /// rounding keeps it from rising: the method would go round in a circle.
+    fn descend(&mut self, effort: &Effort<'_>, enough: f64) -> RelaxationClaim {
         let mut refined = false;
+        let (mut highest, mut idle) = (f64::NEG_INFINITY, 0);
+        let most_idle = MAX_IDLE_STEPS + 2 * self.metric.len();
         while self.steps < effort.iterations && !effort.token.is_over() {
             self.steps += 1;
             if !self.set.advance() {
                 continue;
             }
-            let mut u = self.set.position(&self.metric);
+            let u = self.set.position(&self.metric);
             self.x = self.metric.point(&u);
-            if self.metric.objective(&u) > enough {
+            let objective = self.metric.objective(&u);
+            if objective > enough {
                 return RelaxationClaim::Beyond;
             }
+            idle = if objective > highest { 0 } else { idle + 1 };
+            if idle > most_idle {
+                return RelaxationClaim::Unknown;
+            }
+            highest = highest.max(objective);
             let mut violated = self.metric.most_violated(&self.x, &self.set.holds);
             if violated.is_none() && !refined {
                 refined = true;
-                self.set.refine(&mut self.metric, &self.x);
-                u = self.set.position(&self.metric);
-                self.x = self.metric.point(&u);
-                violated = self.metric.most_violated(&self.x, &self.set.holds);
+                violated = self.refine();
             }
-            let Some((of, side)) = violated else { return RelaxationClaim::Solved };
-            let candidate = self.set.candidate(&mut self.metric, of, side);
+            let Some((mut of, side)) = violated else { return RelaxationClaim::Solved };
+            let mut candidate = self.set.candidate(&mut self.metric, of, side);
+            if candidate.is_dependent() {
+                // The digits that the point lacks may be all that is violated.
+                let Some((worst, side)) = self.refine() else { return RelaxationClaim::Solved };
+                of = worst;
+                candidate = self.set.candidate(&mut self.metric, of, side);
+            }
             if !candidate.is_dependent() {
                 self.set.add(&mut self.metric, &candidate, 0.0);
                 continue;
@@ -153,6 +241,14 @@ impl ActiveSetRun<'_> {
             }
         }
         RelaxationClaim::Unknown
+    }
+
+    /// Corrects the point and the multipliers, and returns what is violated most then.
+    fn refine(&mut self) -> Option<(usize, LimitSide)> {
+        self.set.refine(&mut self.metric, &self.x);
+        let u = self.set.position(&self.metric);
+        self.x = self.metric.point(&u);
+        self.metric.most_violated(&self.x, &self.set.holds)
     }
 
     /// Multipliers of rows, from those of the working set and of one more limit.
@@ -168,16 +264,22 @@ impl ActiveSetRun<'_> {
         y
     }
 
-    fn answer(mut self, claim: RelaxationClaim) -> RelaxationResult {
+    fn answer(self, claim: RelaxationClaim) -> RelaxationResult {
+        let (result, held, flat) = self.result(claim);
+        RelaxationResult { warm: Some(WarmState::new(ActiveLimits { held, flat })), ..result }
+    }
+
+    /// The result without a state, the limits that are held, and the values of flat columns.
+    fn result(
+        mut self,
+        claim: RelaxationClaim,
+    ) -> (RelaxationResult, Vec<HeldLimit>, Vec<(usize, f64)>) {
         let program = self.metric.program;
         let (n, m) = (program.columns.len(), program.rows.len());
         let mut y = vec![0.0; m];
         let mut held = Vec::new();
         for member in &self.set.members {
             let multiplier = member.multiplier / self.metric.unit(member.of).1;
-            if multiplier == 0.0 {
-                continue;
-            }
             if let Some(y) = y.get_mut(member.of) {
                 *y = multiplier;
             }
@@ -187,13 +289,26 @@ impl ActiveSetRun<'_> {
             } else {
                 program.columns.get(member.of - m)
             };
-            held.extend(name.map(|&of| HeldLimit { is_row, of, multiplier }));
+            let side = member.side;
+            held.extend(name.map(|&of| HeldLimit { is_row, of, side, multiplier }));
         }
         if self.x.is_empty() {
             self.x = vec![f64::NAN; n];
         }
         let y = self.ray.unwrap_or(y);
-        let warm = Some(WarmState::new(ActiveLimits(held)));
-        RelaxationResult { claim, x: self.x, y, iterations: u64::from(self.steps), warm }
+        let flat = self.metric.flat().map(|k| (program.columns[k], self.x[k]));
+        let flat = flat.filter(|(_, value)| value.is_finite()).collect();
+        let iterations = u64::from(self.steps);
+        (RelaxationResult { claim, x: self.x, y, iterations, warm: None }, held, flat)
     }
+}
+
+/// The place of each name, as far as there is one.
+fn places(names: &[usize]) -> Vec<usize> {
+    let mut at = Vec::new();
+    for (k, &name) in names.iter().enumerate().filter(|(_, name)| **name <= LAST_PLACED_NAME) {
+        at.resize(at.len().max(name + 1), usize::MAX);
+        at[name] = k;
+    }
+    at
 }

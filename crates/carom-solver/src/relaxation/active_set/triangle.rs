@@ -5,6 +5,8 @@
 pub(super) struct LowerTriangle {
     entries: Vec<f64>,
     len: usize,
+    /// By row, how many entries are 0 at its begin; empty if that is not used.
+    zeros: Vec<usize>,
 }
 
 impl LowerTriangle {
@@ -25,11 +27,22 @@ impl LowerTriangle {
         self.len += 1;
     }
 
+    /// Adds a last row that begins with so many zeros.
+    pub(super) fn push_sparse(&mut self, row: &[f64], diagonal: f64, zeros: usize) {
+        self.zeros.push(zeros);
+        self.push(row, diagonal);
+    }
+
+    fn zeros(&self, i: usize) -> usize {
+        self.zeros.get(i).copied().unwrap_or(0)
+    }
+
     /// Solves `T z = b` in place, where the first `zeros` entries of `b` are zero.
     pub(super) fn solve(&self, b: &mut [f64], zeros: usize) {
         for i in zeros..b.len() {
             let row = self.row(i);
-            b[i] = (b[i] - dot(&row[zeros..i], &b[zeros..i])) / row[i];
+            let first = zeros.max(self.zeros(i)).min(i);
+            b[i] = (b[i] - dot(&row[first..i], &b[first..i])) / row[i];
         }
     }
 
@@ -39,7 +52,8 @@ impl LowerTriangle {
             let row = self.row(i);
             b[i] /= row[i];
             let (head, tail) = b.split_at_mut(i);
-            add_multiple(head, -tail[0], &row[..i]);
+            let first = self.zeros(i).min(i);
+            add_multiple(&mut head[first..], -tail[0], &row[first..i]);
         }
     }
 

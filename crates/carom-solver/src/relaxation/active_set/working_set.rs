@@ -89,6 +89,13 @@ impl WorkingSet {
         self.members.push(WorkingLimit { of, side, level: metric.level(of, side), multiplier });
     }
 
+    /// Takes the levels of the members from a metric whose centre has moved.
+    pub(super) fn update_levels(&mut self, metric: &mut Metric<'_>) {
+        for member in &mut self.members {
+            member.level = metric.level(member.of, member.side);
+        }
+    }
+
     fn remove(&mut self, at: usize) {
         self.factor.remove(at);
         let member = self.members.remove(at);
