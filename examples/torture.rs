@@ -8,8 +8,8 @@
 //! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
 //! * `--family NAME`: `mixed` (the default), `large`, `big-m`, `open`, `borderline`, `chain`,
-//!   `at-rest`, `open-integers`, `other-words`, `cones`, `thin-cones`, or `all` in turn; see
-//!   `tests/torture/families.rs` and `tests/torture/cones`
+//!   `at-rest`, `open-integers`, `other-words`, `dense`, `cones`, `thin-cones`, or `all` in turn;
+//!   see `tests/torture/families.rs` and `tests/torture/cones`
 //! * `--paths`: solves each program in all unusual ways as well: without presolve, with a pool,
 //!   with kept leaves, with another branching rule, without cuts
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default

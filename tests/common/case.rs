@@ -30,7 +30,7 @@ pub(crate) struct Switch {
     pub(crate) line: Line,
 }
 
-/// `weight * (a'x + constant)^2`, the weight positive.
+/// `weight * (a'x + constant)^2`; the weight is positive, but over columns with two values.
 #[derive(Debug, Clone)]
 pub(crate) struct Square {
     pub(crate) weight: f64,

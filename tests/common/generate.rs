@@ -7,7 +7,8 @@
 //! distance in the variables' units; the comparison allows for it, see
 //! [`relaxed_optimum`](super::enumeration::relaxed_optimum).
 
-use carom::prelude::VariableKind;
+use carom::prelude::{Options, VariableKind};
+use carom::solver::PoolMode;
 use proptest::prelude::*;
 use proptest::sample::select;
 
@@ -223,4 +224,19 @@ fn switch(
         }
     }
     Some(Switch { binary, on, line: line(&raw, n, anchor)? })
+}
+
+/// Unusual ways to search.
+pub(crate) fn unusual_options() -> impl Strategy<Value = Options> {
+    let switches = prop::collection::vec(any::<bool>(), 5);
+    (switches, 1_usize..3, 1_usize..4).prop_map(|(on, threads, pool)| {
+        let mode = if on[0] { PoolMode::Best } else { PoolMode::Found };
+        Options::default()
+            .with_presolve(on[1])
+            .with_cuts(on[2])
+            .with_deterministic(on[3])
+            .with_leaves(on[4])
+            .with_threads(threads)
+            .with_pool(pool, mode)
+    })
 }

@@ -7,9 +7,9 @@ use std::time::Duration;
 
 use crate::common::case::Case;
 use crate::common::config;
-use crate::common::enumeration::{all_optima, optimum};
-use crate::common::generate::{Shape, case};
-use crate::common::judge::is_right;
+use crate::common::enumeration::optimum;
+use crate::common::generate::{Shape, case, unusual_options};
+use crate::common::judge::{is_right, is_right_pool};
 use crate::common::quadratic_program::Minimum;
 use crate::tour::{Tour, held_karp, lengths, places};
 use carom::ErrorKind;
@@ -35,21 +35,6 @@ fn shortest(lengths: &[Vec<f64>], options: Options) -> Solution {
     solution
 }
 
-/// Unusual ways to search.
-fn options() -> impl Strategy<Value = Options> {
-    let switches = prop::collection::vec(any::<bool>(), 5);
-    (switches, 1_usize..3, 1_usize..4).prop_map(|(on, threads, pool)| {
-        let mode = if on[0] { PoolMode::Best } else { PoolMode::Found };
-        Options::default()
-            .with_presolve(on[1])
-            .with_cuts(on[2])
-            .with_deterministic(on[3])
-            .with_leaves(on[4])
-            .with_threads(threads)
-            .with_pool(pool, mode)
-    })
-}
-
 /// The program without some of its rows, and those.
 fn split(case: &Case, withheld: u32) -> (Model, Vec<Row>) {
     let is_withheld = |k: usize| withheld >> k & 1 == 1;
@@ -67,38 +52,6 @@ fn misses(row: &Row, point: &Point) -> bool {
     value < row.lower() - 1e-6 || value > row.upper() + 1e-6
 }
 
-/// Compares a pool with the best points of a program without continuous columns beyond finite
-/// bounds.
-///
-/// # Arguments
-///
-/// * `is_best`: whether the best points were asked for.
-fn is_right_pool(
-    case: &Case,
-    solution: &Solution,
-    size: usize,
-    is_best: bool,
-) -> Result<(), TestCaseError> {
-    let (pool, optima) = (solution.pool(), all_optima(case));
-    prop_assert!(pool.is_complete() == is_best, "complete: {}", pool.is_complete());
-    let wanted = size.min(optima.len());
-    prop_assert!(pool.len() <= wanted && (!is_best || pool.len() == wanted), "{optima:?}");
-    let mut seen: Vec<Vec<i64>> = Vec::new();
-    for (k, found) in pool.iter().enumerate() {
-        let values = found.point().as_slice().iter().zip(&case.columns);
-        let integral = values.filter(|(_, column)| column.kind != VariableKind::Continuous);
-        let integers: Vec<i64> = integral.map(|(value, _)| value.round() as i64).collect();
-        let own = optima.iter().find(|(other, _)| *other == integers).map(|(_, value)| *value);
-        let cost = case.sign() * found.objective();
-        let near = |value: f64| (cost - value).abs() <= 1e-5 * value.abs().max(1.0);
-        prop_assert!(own.is_some_and(|value| !is_best || near(value)), "{integers:?}: {cost}");
-        prop_assert!(!is_best || near(optima[k].1), "{cost}, not {}", optima[k].1);
-        prop_assert!(!seen.contains(&integers), "{integers:?} twice");
-        seen.push(integers);
-    }
-    Ok(())
-}
-
 proptest! {
     #![proptest_config(config(60, "tests/regressions/lazy_constraints.txt"))]
 
@@ -106,7 +59,7 @@ proptest! {
     #[test]
     fn a_tour_is_the_shortest(
         places in prop::collection::vec((0_u16..60, 0_u16..60), 6..10),
-        options in options(),
+        options in unusual_options(),
     ) {
         let lengths = lengths(&places);
         let wants_best = options.pool_mode == PoolMode::Best && options.pool > 1;
@@ -131,7 +84,7 @@ proptest! {
             case(Shape::LINEAR), case(Shape::BOUNDED), case(Shape::FEASIBILITY), case(Shape::QUADRATIC)
         ],
         withheld in any::<u32>(),
-        options in options(),
+        options in unusual_options(),
         one_by_one in any::<bool>(),
     ) {
         let (model, rows) = split(&case, withheld);
@@ -154,7 +107,7 @@ proptest! {
     fn cuts_change_no_answer(
         case in prop_oneof![case(Shape::BOUNDED), case(Shape::FEASIBILITY)],
         withheld in any::<u32>(),
-        options in options(),
+        options in unusual_options(),
         wrong in any::<bool>(),
     ) {
         let (model, rows) = split(&case, withheld);

@@ -14,6 +14,7 @@ mod concave_binaries;
 mod cones;
 mod conformance;
 mod convexity;
+mod dense_quadratics;
 mod dependent_rows;
 mod endless_cones;
 mod equation_chains;

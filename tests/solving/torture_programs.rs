@@ -106,6 +106,18 @@ fn big_ms_do_not_stall() {
     }
 }
 
+/// Nearly singular forms, at which the method of the active set went round in a circle
+/// (531002174, 531015420, 532004878, 533009221).
+#[test]
+fn no_stall_in_dense_programs() {
+    let family = Family::Dense;
+    for seed in (0..300).chain([531_002_174, 531_015_420, 532_004_878, 533_009_221]) {
+        let case = family.program(seed);
+        let verdict = verdict_of(&case, seed);
+        assert_eq!(verdict, Verdict::Right, "{seed}");
+    }
+}
+
 /// Terms of 1e6 to 1e10.
 #[test]
 fn no_wrong_answer_to_large_numbers() {

@@ -4,6 +4,7 @@ use carom::prelude::*;
 use carom::solver::{BranchingRule, PoolMode};
 
 use super::big_m::big_m;
+use super::dense;
 use super::generator::{Random, large, program};
 use super::open_integers;
 use super::oracle::{Truth, Verdict, judge, truth};
@@ -33,10 +34,12 @@ pub(crate) enum Family {
     AtRest,
     /// Mixed ones in other units, with complements of columns and rows from the other side.
     OtherWords,
+    /// Dense quadratic objectives, convex or not, over columns with two values and a few others.
+    Dense,
 }
 
 impl Family {
-    pub(crate) const ALL: [Family; 9] = [
+    pub(crate) const ALL: [Family; 10] = [
         Family::Mixed,
         Family::Large,
         Family::BigM,
@@ -46,6 +49,7 @@ impl Family {
         Family::OpenIntegers,
         Family::AtRest,
         Family::OtherWords,
+        Family::Dense,
     ];
 
     pub(crate) fn named(name: &str) -> Option<Family> {
@@ -63,6 +67,7 @@ impl Family {
             Family::OpenIntegers => "open-integers",
             Family::AtRest => "at-rest",
             Family::OtherWords => "other-words",
+            Family::Dense => "dense",
         }
     }
 
@@ -78,6 +83,7 @@ impl Family {
             Family::OpenIntegers => open_integers::program(seed),
             Family::AtRest => at_rest(seed),
             Family::OtherWords => other_words(seed),
+            Family::Dense => dense::program(seed),
         }
     }
 
@@ -164,7 +170,7 @@ impl Path {
 /// are accepted within 1e-6, and steps multiply some of that.
 const AMPLIFIED: f64 = 1e-3;
 
-fn sign(r: &mut Random) -> f64 {
+pub(super) fn sign(r: &mut Random) -> f64 {
     if r.chance(0.5) { 1.0 } else { -1.0 }
 }
 

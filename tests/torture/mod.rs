@@ -6,6 +6,7 @@
 pub(crate) mod big_m;
 pub(crate) mod complementarity;
 pub(crate) mod cones;
+mod dense;
 mod dyadic;
 pub(crate) mod families;
 pub(crate) mod generator;
