@@ -9,12 +9,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
 
 use super::curvature_dual::{BinaryBlock, BinaryRow, proved_amounts};
 use crate::program::Program;
+use crate::relaxation::LowerTriangle;
 use crate::semidefinite::{Product, blocks};
 
 /// Most columns of a block, and the least part of its pairs that have products.
@@ -104,35 +103,44 @@ fn without(
         |all: &[usize]| -> BTreeMap<usize, usize> { all.iter().copied().zip(0..).collect() };
     let (own, other) = (place(binaries), place(others));
     let (n, m) = (binaries.len(), others.len());
-    let mut matrix = Mat::<f64>::zeros(m, m);
-    // The columns of the mixed products, and the costs of the other columns.
-    let mut mixed = Mat::<f64>::zeros(m, n + 1);
-    let mut inner = Mat::<f64>::zeros(n, n);
+    let mut matrix = vec![0.0; m * m];
+    // By binary, the products with the other columns; at the end, the costs of these.
+    let mut mixed = vec![vec![0.0; m]; n + 1];
+    let mut inner = vec![0.0; n * n];
     for &(a, b, q) in products {
         let q = if a == b { 2.0 * q } else { q };
         match (own.get(&a), own.get(&b), other.get(&a), other.get(&b)) {
-            (Some(&i), Some(&k), ..) => (inner[(i, k)], inner[(k, i)]) = (q, q),
-            (_, _, Some(&i), Some(&k)) => (matrix[(i, k)], matrix[(k, i)]) = (q, q),
-            (Some(&i), _, _, Some(&k)) | (_, Some(&i), Some(&k), _) => mixed[(k, i)] = q,
+            (Some(&i), Some(&k), ..) => (inner[i * n + k], inner[k * n + i]) = (q, q),
+            (_, _, Some(&i), Some(&k)) => (matrix[i * m + k], matrix[k * m + i]) = (q, q),
+            (Some(&i), _, _, Some(&k)) | (_, Some(&i), Some(&k), _) => mixed[i][k] = q,
             _ => {}
         }
     }
-    let mean = (0..m).map(|k| matrix[(k, k)]).sum::<f64>() / m as f64;
+    let mean = (0..m).map(|k| matrix[k * m + k]).sum::<f64>() / m as f64;
+    let mut factor = LowerTriangle::default();
     for (k, &j) in others.iter().enumerate() {
-        matrix[(k, k)] += INVERTIBLE * mean;
-        mixed[(k, n)] = program.linear[j];
+        mixed[n][k] = program.linear[j];
+        let row = &mut matrix[k * m..=k * m + k];
+        let (row, diagonal) = row.split_at_mut(k);
+        factor.solve(row, 0);
+        let pivot = diagonal[0] + INVERTIBLE * mean - row.iter().map(|r| r * r).sum::<f64>();
+        if pivot.is_nan() || pivot <= 0.0 {
+            return None;
+        }
+        factor.push(row, pivot.sqrt());
     }
-    let best = matrix.llt(Side::Lower).ok()?.solve(&mixed);
-    let less = mixed.transpose() * &best;
+    mixed.iter_mut().for_each(|column| factor.solve(column, 0));
+    // What is left is less by the products of the columns behind the triangle.
+    let less = |i: usize, k: usize| mixed[i].iter().zip(&mixed[k]).map(|(a, b)| a * b).sum::<f64>();
     let mut form = Vec::new();
     for i in 0..n {
         for k in i..n {
-            let q = inner[(i, k)] - less[(i, k)];
+            let q = inner[i * n + k] - less(i, k);
             form.push((binaries[i], binaries[k], if i == k { 0.5 * q } else { q }));
         }
     }
     let costs = binaries.iter().enumerate();
-    let costs = costs.map(|(i, &j)| (j, program.linear[j] - less[(i, n)])).collect();
+    let costs = costs.map(|(i, &j)| (j, program.linear[j] - less(i, n))).collect();
     Some((form, costs))
 }
 
