@@ -3,8 +3,8 @@
 //! `x^2 = x` for a binary, so a multiple of `x^2 - x` may be added to a convex objective, or taken
 //! from it, as long as it stays convex. The relaxation is then another one, and at integers nothing
 //! has changed. [`curvature_dual`](super::curvature_dual) finds the multiples for a block of
-//! binaries. Where a block has other columns, these are put at their best values first, as if they
-//! had no bounds; what is left is a form over the binaries (its matrix is a Schur complement).
+//! binaries. Blocks with other columns are left as they are: with these at their best values as if
+//! they had no bounds, multiples can be found as well, and they may make the bound far lower.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
@@ -13,22 +13,18 @@ use faer::sparse::{SparseColMat, Triplet};
 
 use super::curvature_dual::{BinaryBlock, BinaryRow, proved_amounts};
 use crate::program::Program;
-use crate::relaxation::LowerTriangle;
 use crate::semidefinite::{Product, blocks};
 
 /// Most columns of a block, and the least part of its pairs that have products.
 const MOST_COLUMNS: usize = 400;
 const LEAST_DENSITY: f64 = 0.1;
 
-/// The fewest binaries of a block.
+/// The fewest columns of a block.
 const LEAST_BLOCK: usize = 3;
 
 /// The largest distance from 0 of a column with two values whose square changes, in its unit. The
 /// change is a difference of terms that grow with the square of that, and are rounded.
 const FARTHEST_BINARY: f64 = 100.0;
-
-/// What the curvature of other columns gets so that it has an inverse, relative to its mean.
-const INVERTIBLE: f64 = 1e-6;
 
 /// The program with other squares of binaries; `None` if none are found.
 pub(super) fn with_raised_squares(program: &Program) -> Option<Program> {
@@ -57,23 +53,19 @@ fn of_block(
         let [lower, upper] = [program.lower[j], program.upper[j]];
         program.integral[j] && upper - lower == 1.0 && lower.abs() <= FARTHEST_BINARY
     };
-    let (binaries, others): (Vec<usize>, Vec<usize>) = members.iter().partition(|j| is_binary(**j));
     let pairs = 0.5 * (members.len() * members.len()) as f64;
-    if binaries.len() < LEAST_BLOCK
+    if members.len() < LEAST_BLOCK
+        || !members.iter().all(|j| is_binary(*j))
         || members.len() > MOST_COLUMNS
         || (products.len() as f64) < LEAST_DENSITY * pairs
     {
         return None;
     }
-    let weights: BTreeMap<usize, f64> = binaries.iter().map(|&j| (j, 1.0)).collect();
-    let (form, costs) = match others.is_empty() {
-        true => (products.to_vec(), BTreeMap::new()),
-        false => without(program, products, &binaries, &others)?,
-    };
-    let cost = |j: usize| costs.get(&j).copied().unwrap_or(program.linear[j]);
+    let cost = |j: usize| program.linear[j];
     let ends = |j: usize| [program.lower[j], program.upper[j]];
-    let rows = rows_over(program, &binaries);
-    let block = BinaryBlock { products: &form, rows: &rows, ends: &ends, cost: &cost };
+    let rows = rows_over(program, members);
+    let block = BinaryBlock { products, rows: &rows, ends: &ends, cost: &cost };
+    let weights: BTreeMap<usize, f64> = members.iter().map(|&j| (j, 1.0)).collect();
     proved_amounts(products, &block.multiples()?, &weights)
 }
 
@@ -89,59 +81,6 @@ fn rows_over(program: &Program, members: &[usize]) -> Vec<BinaryRow> {
         BinaryRow::of(terms.into_iter(), [program.row_lower[row], program.row_upper[row]], fixed)
     };
     inner.flat_map(of).collect()
-}
-
-/// The form and the linear coefficients that are left for binaries where the other columns are at
-/// their best values.
-fn without(
-    program: &Program,
-    products: &[Product],
-    binaries: &[usize],
-    others: &[usize],
-) -> Option<(Vec<Product>, BTreeMap<usize, f64>)> {
-    let place =
-        |all: &[usize]| -> BTreeMap<usize, usize> { all.iter().copied().zip(0..).collect() };
-    let (own, other) = (place(binaries), place(others));
-    let (n, m) = (binaries.len(), others.len());
-    let mut matrix = vec![0.0; m * m];
-    // By binary, the products with the other columns; at the end, the costs of these.
-    let mut mixed = vec![vec![0.0; m]; n + 1];
-    let mut inner = vec![0.0; n * n];
-    for &(a, b, q) in products {
-        let q = if a == b { 2.0 * q } else { q };
-        match (own.get(&a), own.get(&b), other.get(&a), other.get(&b)) {
-            (Some(&i), Some(&k), ..) => (inner[i * n + k], inner[k * n + i]) = (q, q),
-            (_, _, Some(&i), Some(&k)) => (matrix[i * m + k], matrix[k * m + i]) = (q, q),
-            (Some(&i), _, _, Some(&k)) | (_, Some(&i), Some(&k), _) => mixed[i][k] = q,
-            _ => {}
-        }
-    }
-    let mean = (0..m).map(|k| matrix[k * m + k]).sum::<f64>() / m as f64;
-    let mut factor = LowerTriangle::default();
-    for (k, &j) in others.iter().enumerate() {
-        mixed[n][k] = program.linear[j];
-        let row = &mut matrix[k * m..=k * m + k];
-        let (row, diagonal) = row.split_at_mut(k);
-        factor.solve(row, 0);
-        let pivot = diagonal[0] + INVERTIBLE * mean - row.iter().map(|r| r * r).sum::<f64>();
-        if pivot.is_nan() || pivot <= 0.0 {
-            return None;
-        }
-        factor.push(row, pivot.sqrt());
-    }
-    mixed.iter_mut().for_each(|column| factor.solve(column, 0));
-    // What is left is less by the products of the columns behind the triangle.
-    let less = |i: usize, k: usize| mixed[i].iter().zip(&mixed[k]).map(|(a, b)| a * b).sum::<f64>();
-    let mut form = Vec::new();
-    for i in 0..n {
-        for k in i..n {
-            let q = inner[i * n + k] - less(i, k);
-            form.push((binaries[i], binaries[k], if i == k { 0.5 * q } else { q }));
-        }
-    }
-    let costs = binaries.iter().enumerate();
-    let costs = costs.map(|(i, &j)| (j, program.linear[j] - less(i, n))).collect();
-    Some((form, costs))
 }
 
 /// The program with multiples of `(x - l)(x - u)` added.

@@ -37,7 +37,6 @@ mod verdict;
 mod warm_state;
 
 pub use active_set::ActiveSet;
-pub(crate) use active_set::LowerTriangle;
 pub(crate) use attempts::Purpose;
 pub use bound::Prover;
 pub use cascade_pool::CascadePool;

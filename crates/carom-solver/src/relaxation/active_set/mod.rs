@@ -22,7 +22,6 @@ use parameters::{
     LARGEST_PULL, MAX_CENTRES, MAX_DENSE_COLUMNS, MAX_IDLE_STEPS, PROXIMAL_PIVOT,
     WEAK_PROXIMAL_PIVOT,
 };
-pub(crate) use triangle::LowerTriangle;
 use working_set::WorkingSet;
 
 /// The active-set method for small dense programs.

@@ -2,7 +2,7 @@
 
 /// A lower triangle; row `i` has `i + 1` entries, the last of them positive.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct LowerTriangle {
+pub(super) struct LowerTriangle {
     entries: Vec<f64>,
     len: usize,
     /// By row, how many entries are 0 at its begin; empty if that is not used.
@@ -20,7 +20,7 @@ impl LowerTriangle {
     /// # Arguments
     ///
     /// * `row`: its entries left of the diagonal.
-    pub(crate) fn push(&mut self, row: &[f64], diagonal: f64) {
+    pub(super) fn push(&mut self, row: &[f64], diagonal: f64) {
         debug_assert_eq!(row.len(), self.len);
         self.entries.extend_from_slice(row);
         self.entries.push(diagonal);
@@ -38,7 +38,7 @@ impl LowerTriangle {
     }
 
     /// Solves `T z = b` in place, where the first `zeros` entries of `b` are zero.
-    pub(crate) fn solve(&self, b: &mut [f64], zeros: usize) {
+    pub(super) fn solve(&self, b: &mut [f64], zeros: usize) {
         for i in zeros..b.len() {
             let row = self.row(i);
             let first = zeros.max(self.zeros(i)).min(i);
