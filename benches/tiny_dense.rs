@@ -30,13 +30,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     for path in &files {
         let model = mps::read(&std::fs::read_to_string(path)?)?.model;
         cold.push(median(|| {
-            BranchAndBound::default().solve(&model)?;
+            let _ = BranchAndBound::default().solve(&model)?;
             Ok(())
         })?);
         let mut solver = BranchAndBound::default();
         let mut ready = solver.prepare(&model)?;
         prepared.push(median(|| {
-            ready.solve(&[], &mut Control::default())?;
+            let _ = ready.solve(&[], &mut Control::default())?;
             Ok(())
         })?);
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
