@@ -145,10 +145,10 @@ impl MethodCascade {
         question: &RelaxationQuestion<'_>,
     ) -> Option<RelaxationVerdict> {
         let (rows, place) = (program.rows.len(), program.places());
-        let form = ConicForm::new(program);
-        if !SequentialQuadratic::suits(&form) {
+        if !SequentialQuadratic::suits(program) {
             return None;
         }
+        let form = ConicForm::with_limits(program);
         let learns = !question.options.deterministic;
         if learns && !self.records[QUADRATICS_RECORD].asks() {
             return None;

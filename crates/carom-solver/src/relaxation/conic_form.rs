@@ -85,7 +85,16 @@ impl NamedSum {
 
 impl<'a> ConicForm<'a> {
     pub(super) fn new(whole: &'a Reduced) -> Self {
-        let names = named_sums(whole);
+        ConicForm::without(whole, named_sums(whole, false))
+    }
+
+    /// The form in which columns name sums also if they have bounds that do not follow otherwise:
+    /// these become limits of their rows. Methods that end inside of cones need them as bounds.
+    pub(super) fn with_limits(whole: &'a Reduced) -> Self {
+        ConicForm::without(whole, named_sums(whole, true))
+    }
+
+    fn without(whole: &'a Reduced, names: Vec<NamedSum>) -> Self {
         let (mut has_column, mut has_row) = (Vec::new(), Vec::new());
         let mut program = Cow::Borrowed(whole);
         if !names.is_empty() {
@@ -215,7 +224,12 @@ fn add(terms: &mut Vec<(usize, f64)>, known: usize, (column, a): (usize, f64)) {
 }
 
 /// The columns that name sums, at most one for each row, in only one cone, and without a cost.
-fn named_sums(program: &Reduced) -> Vec<NamedSum> {
+///
+/// # Arguments
+///
+/// * `with_limits`: also those with bounds that neither their row nor their cone implies, and those
+///   whose equality has rounded limits.
+fn named_sums(program: &Reduced, with_limits: bool) -> Vec<NamedSum> {
     const NONE: usize = usize::MAX;
     const MANY: usize = usize::MAX - 1;
     let n = program.columns.len();
@@ -251,7 +265,8 @@ fn named_sums(program: &Reduced) -> Vec<NamedSum> {
         }
         let is_sum = program.rows.vector(row).0.len() > 1;
         let width = program.row_upper[row] - program.row_lower[row];
-        if !is_sum || width > MOST_ROUNDING * program.row_upper[row].abs().max(1.0) {
+        let rounding = if with_limits { MOST_ROUNDING } else { 0.0 };
+        if !is_sum || width > rounding * program.row_upper[row].abs().max(1.0) {
             continue;
         }
         let largest = largest_magnitude(program.rows.entries(row).map(|(_, a)| a));
@@ -262,8 +277,10 @@ fn named_sums(program: &Reduced) -> Vec<NamedSum> {
         };
         let mut name = NamedSum { column, row, coefficient, is_limited: false };
         name.is_limited = !are_bounds_implied(program, name, &program.cones[cone]);
-        taken[row] = true;
-        names.push(name);
+        if with_limits || !name.is_limited {
+            taken[row] = true;
+            names.push(name);
+        }
     }
     names
 }

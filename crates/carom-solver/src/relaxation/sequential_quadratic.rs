@@ -13,8 +13,8 @@
 use super::active_set::{ActiveSet, CentredAnswer, HeldLimit, LAST_PLACED_NAME};
 use super::conic_form::ConicForm;
 use super::{Effort, RelaxationClaim, RelaxationResult, WarmState};
-use crate::presolve::{Compressed, Reduced};
-use crate::program::{FEW_LONG_CONES, LONG_TAIL};
+use crate::presolve::{Compressed, Reduced, ReducedCone};
+use crate::program::{ConeRole, FEW_LONG_CONES, LONG_TAIL};
 use crate::tolerance::largest_magnitude;
 
 /// Most columns.
@@ -44,13 +44,12 @@ pub(super) struct SequentialQuadratic {}
 
 impl SequentialQuadratic {
     /// Whether the method suits a program.
-    pub(super) fn suits(form: &ConicForm<'_>) -> bool {
-        let cones = &form.cones;
-        let long = |k: usize| cones.rows_of(k).len() > LONG_TAIL;
-        let count = cones.len();
-        (1..=FEW_LONG_CONES).contains(&count)
-            && (0..count).all(long)
-            && form.program.columns.len() <= MOST_QUADRATIC_COLUMNS
+    pub(super) fn suits(program: &Reduced) -> bool {
+        let is_whole = |cone: &&ReducedCone| cone.role != ConeRole::Part && !cone.is_fixed();
+        let cones = || program.cones.iter().filter(is_whole);
+        (1..=FEW_LONG_CONES).contains(&cones().count())
+            && cones().all(|cone| cone.tail().len() >= LONG_TAIL)
+            && program.columns.len() <= MOST_QUADRATIC_COLUMNS
     }
 
     /// Whether a state is one of this method.
