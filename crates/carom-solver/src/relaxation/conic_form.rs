@@ -264,9 +264,11 @@ fn named_sums(program: &Reduced, with_limits: bool) -> Vec<NamedSum> {
             continue;
         }
         let is_sum = program.rows.vector(row).0.len() > 1;
-        let width = program.row_upper[row] - program.row_lower[row];
-        let rounding = if with_limits { MOST_ROUNDING } else { 0.0 };
-        if !is_sum || width > rounding * program.row_upper[row].abs().max(1.0) {
+        let limits = [program.row_lower[row], program.row_upper[row]];
+        let rounding = if with_limits { MOST_ROUNDING * limits[1].abs().max(1.0) } else { 0.0 };
+        let is_equality =
+            limits.iter().all(|limit| limit.is_finite()) && limits[1] - limits[0] <= rounding;
+        if !is_sum || !is_equality {
             continue;
         }
         let largest = largest_magnitude(program.rows.entries(row).map(|(_, a)| a));
