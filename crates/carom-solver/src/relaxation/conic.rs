@@ -145,7 +145,8 @@ impl MethodCascade {
         question: &RelaxationQuestion<'_>,
     ) -> Option<RelaxationVerdict> {
         let (rows, place) = (program.rows.len(), program.places());
-        if !SequentialQuadratic::suits(program) {
+        // A log closes its splits with the multipliers of interior points.
+        if question.options.proof_path().is_some() || !SequentialQuadratic::suits(program) {
             return None;
         }
         let form = ConicForm::with_limits(program);
