@@ -1,92 +1,103 @@
-//! Cuts of cones that a worker has found, and the rounds that find them at a node.
+//! Cuts of cones at nodes, and the points that they cut off.
 //!
-//! A cut of a cone holds at every node. Those that have not been active for long leave.
+//! A cut of a cone holds at every node, but is of use near the point that it was made for. So cuts
+//! follow the nodes: the relaxation of a child begins with the rows of its parent's, and with the
+//! basis that belongs to them. Cuts that have had no multiplier for a few relaxations in a row are
+//! not handed on.
+
+use std::sync::Arc;
 
 use crate::activity::term_ends;
 use crate::presolve::{Reduced, ReducedCone};
 use crate::program::{ConeRole, Program};
-use crate::relaxation::ConeCut;
+use crate::relaxation::{ConeCut, ConeRow};
 
 /// Least miss of a cone that is cut off, relative to the reach of its head (no unit, at least 1).
 const LEAST_MISS: f64 = 1e-7;
 
-/// Most cuts of a pool, and most relaxations in a row in which one of them may be slack.
-const MAX_CUTS: usize = 4000;
+/// Most relaxations in a row in which a cut may have no multiplier.
 const MAX_IDLE_RELAXATIONS: u32 = 6;
 
-/// The cuts of a worker.
-#[derive(Debug, Default)]
+/// The names of cuts below which none is looked for that is free again.
+const FEW_NAMES: usize = 64;
+
+/// The cuts that a worker has named.
+#[derive(Debug)]
 pub(super) struct ConePool {
-    /// By name: the cut, and the relaxations since it was active.
-    cuts: Vec<Option<(ConeCut, u32)>>,
-    /// Names that are free.
+    /// The first name, and the distance between two: other workers have those between them.
+    first: usize,
+    step: usize,
+    /// In the order of names. A name is free once no node has its cut.
+    cuts: Vec<Arc<ConeCut>>,
     free: Vec<usize>,
+    /// The number of names at which free ones are looked for.
+    sweep: usize,
 }
 
 impl ConePool {
-    /// Appends the cuts that bounds do not imply to a reduced program.
+    /// The names of a worker.
     ///
     /// # Arguments
     ///
-    /// * `place`: by column of the program, its column in the reduced one.
-    /// * `rows`: the number of rows of the program; names of cuts begin there.
-    pub(super) fn append_to(&mut self, reduced: &mut Reduced, place: &[usize], rows: usize) {
-        self.drop_idle();
-        for (name, cut) in self.cuts.iter().enumerate() {
-            let Some((cut, _)) = cut else { continue };
-            if !is_implied(cut, reduced, place) {
-                reduced.append_row(&cut.terms, place, rows + name);
-            }
-        }
+    /// * `rows`: the number of rows of the program, which have the names below.
+    /// * `worker`, `workers`: the number of the worker, and how many there are.
+    pub(super) fn new(rows: usize, worker: usize, workers: usize) -> Self {
+        let (first, step) = (rows + worker, workers.max(1));
+        ConePool { first, step, cuts: Vec::new(), free: Vec::new(), sweep: FEW_NAMES }
     }
 
-    /// Adds a cut to the pool and to a reduced program.
-    pub(super) fn add(
-        &mut self,
-        cut: ConeCut,
-        reduced: &mut Reduced,
-        place: &[usize],
-        rows: usize,
-    ) {
-        let name = self.free.pop().unwrap_or(self.cuts.len());
-        if name == self.cuts.len() {
-            self.cuts.push(None);
+    /// Names a cut.
+    pub(super) fn row(&mut self, cut: ConeCut) -> ConeRow {
+        let cut = Arc::new(cut);
+        if self.free.is_empty() && self.cuts.len() >= self.sweep {
+            let cuts = &self.cuts;
+            self.free.extend((0..cuts.len()).filter(|k| Arc::strong_count(&cuts[*k]) == 1));
+            self.sweep = FEW_NAMES.max(2 * (cuts.len() - self.free.len()));
         }
-        reduced.append_row(&cut.terms, place, rows + name);
-        self.cuts[name] = Some((cut, 0));
+        let place = self.free.pop().unwrap_or(self.cuts.len());
+        match self.cuts.get_mut(place) {
+            Some(old) => *old = cut.clone(),
+            None => self.cuts.push(cut.clone()),
+        }
+        ConeRow { name: self.first + self.step * place, cut, idle: 0 }
     }
+}
 
-    /// Adds a cut to the pool.
-    pub(super) fn keep(&mut self, cut: ConeCut) {
-        match self.free.pop() {
-            Some(name) => self.cuts[name] = Some((cut, 0)),
-            None => self.cuts.push(Some((cut, 0))),
+/// Appends the cuts that bounds do not imply to a reduced program.
+///
+/// # Arguments
+///
+/// * `place`: by column of the program, its column in the reduced one.
+pub(super) fn append_cone_rows(rows: &[ConeRow], reduced: &mut Reduced, place: &[usize]) {
+    for row in rows {
+        if !is_implied(&row.cut, reduced, place) {
+            reduced.append_row(&row.cut.terms, place, row.name);
         }
     }
+}
 
-    /// Takes note of the cuts that are active: those with a multiplier.
-    pub(super) fn note(&mut self, reduced: &Reduced, y: &[f64], rows: usize) {
-        if y.len() != reduced.rows.len() {
-            return;
-        }
-        for (name, y) in reduced.origin.iter().zip(y) {
-            let slot = name.checked_sub(rows).and_then(|name| self.cuts.get_mut(name));
-            if let Some(Some((_, idle))) = slot {
-                *idle = if *y == 0.0 { *idle + 1 } else { 0 };
-            }
-        }
+/// Takes note of the cuts that have a multiplier, and drops those that have had none for long.
+///
+/// # Arguments
+///
+/// * `first`: the first row of the reduced program that may be a cut.
+/// * `y`: by row, its multiplier.
+pub(super) fn note_cone_rows(
+    rows: &mut Vec<ConeRow>,
+    reduced: &Reduced,
+    first: usize,
+    y: &[f64],
+) {
+    if y.len() != reduced.origin.len() || y.len() < first {
+        return;
     }
-
-    fn drop_idle(&mut self) {
-        let held = self.cuts.len() - self.free.len();
-        let most = if held > MAX_CUTS { MAX_IDLE_RELAXATIONS / 4 } else { MAX_IDLE_RELAXATIONS };
-        for (name, slot) in self.cuts.iter_mut().enumerate() {
-            if slot.as_ref().is_some_and(|(_, idle)| *idle > most) {
-                *slot = None;
-                self.free.push(name);
-            }
-        }
-    }
+    // Appended in their order, but some were left out.
+    let mut named = reduced.origin[first..].iter().zip(&y[first..]).peekable();
+    rows.retain_mut(|row| {
+        let y = named.next_if(|(name, _)| **name == row.name).map_or(0.0, |(_, y)| *y);
+        row.idle = if y == 0.0 { row.idle + 1 } else { 0 };
+        row.idle <= MAX_IDLE_RELAXATIONS
+    });
 }
 
 /// Whether bounds alone imply a cut.

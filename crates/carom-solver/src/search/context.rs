@@ -47,7 +47,7 @@ impl<'a> Context<'a> {
             node: FocusNode::root(&root.domain),
             propagator: root.propagator.clone(),
             cascade: task.cascades.take(),
-            cone_pool: ConePool::default(),
+            cone_pool: ConePool::new(task.program.row_count(), tree.id, tree.workers()),
             cone_record: ConeRecord::default(),
             settled: match task.may_settle {
                 true => SettledBinaries::new(task.program),

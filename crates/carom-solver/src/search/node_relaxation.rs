@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::clock::Activity;
 use super::cone_method::ConeMethod;
-use super::cone_pool::separate_cones;
+use super::cone_pool::{append_cone_rows, note_cone_rows, separate_cones};
 use super::context::Context;
 use super::leaf_reduction::reduce_leaf;
 use super::node_cuts::relax_with_cuts;
@@ -14,11 +14,10 @@ use crate::program::ConeRole;
 use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use web_time::Instant;
 
-/// Most rounds of cuts of cones at a node; most of them in a row that may be idle, and the least
-/// lift of the bound by one that is not, as a share of the gap to the cutoff.
+/// Most rounds of cuts of cones at a node, and the least lift of the bound by one that is followed
+/// by another one, as a share of the gap to the cutoff.
 const MAX_CONE_ROUNDS: usize = 20;
-const MAX_IDLE_CONE_ROUNDS: usize = 2;
-const CONE_LIFT: f64 = 0.02;
+const CONE_LIFT: f64 = 0.1;
 
 /// The program to relax at the node of the domain; `None` if the node is refuted.
 pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
@@ -115,12 +114,18 @@ fn relax_as_is(
     reduced: &mut Reduced,
     purpose: Purpose,
 ) -> RelaxationVerdict {
-    let warm = ctx.node.warm.take();
-    let verdict = relax_once(ctx, reduced, purpose, warm.as_ref());
-    ctx.node.warm = warm;
-    for cut in ctx.cascade.take_cone_cuts() {
-        ctx.cone_pool.keep(cut);
+    let known = ctx.node.warm.take();
+    let mut verdict = relax_once(ctx, reduced, purpose, known.as_ref());
+    let cuts = ctx.cascade.take_cone_cuts();
+    if ctx.program().cone_cuts.is_some()
+        && !cuts.is_empty()
+        && let RelaxationVerdict::Relaxed { warm, .. } = &mut verdict
+        && let Some(state) = warm.take().or_else(|| known.clone())
+    {
+        let rows = cuts.into_iter().map(|cut| ctx.cone_pool.row(cut)).collect();
+        *warm = Some(state.with_cone_rows(rows));
     }
+    ctx.node.warm = known;
     verdict
 }
 
@@ -151,13 +156,13 @@ fn relax_in_rounds(
     reduced: &mut Reduced,
     purpose: Purpose,
 ) -> RelaxationVerdict {
-    let (place, rows) = (reduced.places(), ctx.program().row_count());
-    let own = reduced.rows.len();
-    ctx.cone_pool.append_to(reduced, &place, rows);
+    let (place, own) = (reduced.places(), reduced.rows.len());
     let mut warm = ctx.node.warm.clone();
+    let mut rows = warm.as_ref().map_or(Vec::new(), |warm| warm.cone_rows().to_vec());
+    append_cone_rows(&rows, reduced, &place);
     let mut round = if purpose == Purpose::Node { Purpose::Round } else { purpose };
     let mut verdict = relax_once(ctx, reduced, round, warm.as_ref());
-    let (mut idle, mut last) = (0, f64::NEG_INFINITY);
+    let mut last = f64::NEG_INFINITY;
     for _ in 0..MAX_CONE_ROUNDS {
         let RelaxationVerdict::Relaxed { bound, x, warm: state, converged, .. } = &verdict else {
             break;
@@ -171,8 +176,7 @@ fn relax_in_rounds(
             return relax_with_cones(ctx, reduced, purpose);
         }
         let room = if cutoff.is_finite() { cutoff - last } else { last.abs().max(1.0) };
-        idle = if last.is_infinite() || bound - last > CONE_LIFT * room { 0 } else { idle + 1 };
-        if idle >= MAX_IDLE_CONE_ROUNDS {
+        if last.is_finite() && bound - last <= CONE_LIFT * room {
             break;
         }
         let cuts = separate_cones(reduced, x);
@@ -181,14 +185,17 @@ fn relax_in_rounds(
         }
         warm = state.clone().or(warm);
         for cut in cuts {
-            ctx.cone_pool.add(cut, reduced, &place, rows);
+            let row = ctx.cone_pool.row(cut);
+            reduced.append_row(&row.cut.terms, &place, row.name);
+            rows.push(row);
         }
         (round, last) = (Purpose::Round, bound);
         let next = relax_once(ctx, reduced, round, warm.as_ref());
         ctx.cascade.reuse(std::mem::replace(&mut verdict, next));
     }
-    if let RelaxationVerdict::Relaxed { y, .. } = &verdict {
-        ctx.cone_pool.note(reduced, y, rows);
+    if let RelaxationVerdict::Relaxed { y, warm: state, .. } = &mut verdict {
+        note_cone_rows(&mut rows, reduced, own, y);
+        *state = state.take().or(warm).map(|state| state.with_cone_rows(rows));
     }
     verdict
 }

@@ -19,8 +19,10 @@ use super::tree::{Tree, WorkerReport};
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 
-/// Number of open nodes from which on new nodes keep no relaxed point.
+/// Number of open nodes from which on new nodes keep no relaxed point and no state, and the numbers
+/// that all of them may keep if that allows for more nodes.
 const MOST_NODES_WITH_POINTS: usize = 1000;
+const MOST_NUMBERS: usize = 1 << 24;
 
 /// One worker's view of the tree.
 pub(super) struct TreeView<'a> {
@@ -85,6 +87,11 @@ impl<'a> TreeView<'a> {
         }
     }
 
+    /// The number of workers.
+    pub(super) fn workers(&self) -> usize {
+        self.tree.lock().floors.len()
+    }
+
     /// Rounds a bound up to the next value that the objective can take.
     pub(super) fn strengthen(&self, bound: f64) -> f64 {
         self.tree.strengthen(bound)
@@ -110,7 +117,10 @@ impl<'a> TreeView<'a> {
     /// Whether open nodes may hold more than their path: not where memory is counted, or nodes are
     /// many.
     pub(super) fn has_room(&self) -> bool {
-        let few = self.tree.open.load(Ordering::Relaxed) < MOST_NODES_WITH_POINTS;
+        let program = self.tree.task.program;
+        let size = program.column_count() + 2 * program.row_count();
+        let most = MOST_NODES_WITH_POINTS.max(MOST_NUMBERS / size.max(1));
+        let few = self.tree.open.load(Ordering::Relaxed) < most;
         few && self.tree.task.options.memory_limit.is_none()
     }
 

@@ -3,7 +3,7 @@
 use super::program::LinearProgram;
 use super::sparse::TINY_ENTRY;
 use super::tableau::{NONBASIC, Tableau};
-use super::{Basis, start};
+use super::{Basis, StartBasis};
 use crate::presolve::Reduced;
 use crate::relaxation::WarmState;
 
@@ -16,7 +16,7 @@ pub(crate) fn inverse_rows(
     columns: impl Iterator<Item = usize>,
 ) -> Vec<Vec<(usize, f64)>> {
     let Some(basis) = state.get::<Basis>() else { return Vec::new() };
-    let (wanted, rest) = start(program, Some(basis));
+    let StartBasis { wanted, rest, .. } = StartBasis::of(program, Some(basis));
     let mut tableau = Tableau::new(LinearProgram::of(program), wanted, rest);
     let row = |k: usize| {
         let slot = tableau.slot[k];

@@ -36,19 +36,27 @@ use tableau::{NONBASIC, Tableau};
 #[derive(Debug, Clone, Default)]
 pub struct DualSimplex {}
 
-/// A basis: of each column or row by its name, where it is.
+/// A basis: where each column and row is.
 #[derive(Debug, Default)]
 struct Basis {
+    /// By name.
     columns: Vec<Option<BasisStatus>>,
-    rows: Vec<Option<BasisStatus>>,
-    /// By row, its multiplier.
-    y: Vec<f64>,
+    /// In the order of their names, which may be far apart.
+    rows: Vec<BasisRow>,
+}
+
+/// A row by its name, where it is, and its multiplier.
+#[derive(Debug, Clone, Copy)]
+struct BasisRow {
+    name: usize,
+    status: BasisStatus,
+    y: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
 enum BasisStatus {
-    /// In the basis, with a weight.
-    Inside(f64),
+    /// In the basis, with a weight, which is an estimate.
+    Inside(f32),
     Outside(NonbasicStatus),
 }
 
@@ -86,13 +94,8 @@ impl Relaxation for DualSimplex {
             return RelaxationResult::nothing(program);
         }
         let parent = effort.warm.and_then(WarmState::get::<Basis>);
-        let (wanted, rest) = start(program, parent);
+        let StartBasis { wanted, rest, y } = StartBasis::of(program, parent);
         let linear = LinearProgram::of(program);
-        let mut y = vec![0.0; program.rows.len()];
-        if let Some(parent) = parent {
-            let known = |name: &usize| parent.y.get(*name).copied().unwrap_or(0.0);
-            y.iter_mut().zip(&program.origin).for_each(|(y, name)| *y = known(name));
-        }
         let y = parent.is_some().then(|| linear.scaled_multipliers(&y));
         let tableau = Tableau::new(linear, wanted, rest);
         let Some(mut dual) = Dual::new(tableau, y.as_deref()) else {
@@ -124,54 +127,68 @@ impl Relaxation for DualSimplex {
     }
 }
 
-/// The columns that the basis should have, with their weights, and where the others rest: as at the
-/// parent; the rows without a parent.
-fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<NonbasicStatus>) {
-    let (n, m) = (program.columns.len(), program.rows.len());
-    let mut wanted = Vec::with_capacity(m);
-    let mut rest = vec![NonbasicStatus::Lower; n + m];
-    for (k, rest) in rest.iter_mut().enumerate() {
-        let place = parent.and_then(|basis| match k.checked_sub(n) {
-            None => basis.columns.get(program.columns[k]).copied().flatten(),
-            Some(i) => {
-                let name = program.origin.get(i).copied();
-                basis.rows.get(name.unwrap_or(usize::MAX)).copied().flatten()
-            }
-        });
-        match place {
-            Some(BasisStatus::Inside(weight)) => wanted.push((k, weight)),
-            Some(BasisStatus::Outside(at)) => *rest = at,
-            None if k >= n => wanted.push((k, 1.0)),
+/// The basis to begin with.
+struct StartBasis {
+    /// The columns that it should have, with their weights.
+    wanted: Vec<(usize, f64)>,
+    /// Where the others rest.
+    rest: Vec<NonbasicStatus>,
+    /// By row, its multiplier.
+    y: Vec<f64>,
+}
+
+impl StartBasis {
+    /// As at the parent; the rows without a parent.
+    fn of(program: &Reduced, parent: Option<&Basis>) -> Self {
+        let (n, m) = (program.columns.len(), program.rows.len());
+        let mut start = StartBasis {
+            wanted: Vec::with_capacity(m),
+            rest: vec![NonbasicStatus::Lower; n + m],
+            y: vec![0.0; m],
+        };
+        let status_of = |basis: &Basis, name: &usize| basis.columns.get(*name).copied().flatten();
+        for (k, name) in program.columns.iter().enumerate() {
+            start.put(k, parent.and_then(|basis| status_of(basis, name)));
+        }
+        let rows = parent.map_or(&[][..], |basis| &basis.rows);
+        let mut next = 0;
+        for i in 0..m {
+            let name = program.origin.get(i).copied().unwrap_or(usize::MAX);
+            // Most rows follow each other as they did at the parent.
+            let found = match rows.get(next) {
+                Some(row) if row.name == name => Some(next),
+                _ => rows.binary_search_by_key(&name, |row| row.name).ok(),
+            };
+            let known = found.map(|place| rows[place]);
+            next = found.map_or(next, |place| place + 1);
+            start.y[i] = known.map_or(0.0, |row| row.y);
+            start.put(n + i, Some(known.map_or(BasisStatus::Inside(1.0), |row| row.status)));
+        }
+        start
+    }
+
+    fn put(&mut self, k: usize, status: Option<BasisStatus>) {
+        match status {
+            Some(BasisStatus::Inside(weight)) => self.wanted.push((k, f64::from(weight))),
+            Some(BasisStatus::Outside(at)) => self.rest[k] = at,
             None => {}
         }
     }
-    (wanted, rest)
 }
 
 /// The basis by the names of columns and rows.
 fn basis(program: &Reduced, dual: &Tableau, y: &[f64]) -> Basis {
     let n = program.columns.len();
-    let mut basis = Basis::default();
-    for k in 0..dual.slot.len() {
-        let place = match dual.slot[k] {
-            NONBASIC => BasisStatus::Outside(dual.rest[k]),
-            slot => BasisStatus::Inside(dual.weight[slot]),
-        };
-        let (list, name) = match k.checked_sub(n) {
-            None => (&mut basis.columns, program.columns[k]),
-            Some(i) => match program.origin.get(i) {
-                Some(&name) if name != usize::MAX => (&mut basis.rows, name),
-                _ => continue,
-            },
-        };
-        if list.len() <= name {
-            list.resize(name + 1, None);
-        }
-        list[name] = Some(place);
-    }
-    basis.y = vec![0.0; basis.rows.len()];
-    for (&name, y) in program.origin.iter().zip(y).filter(|(name, _)| **name != usize::MAX) {
-        basis.y[name] = *y;
-    }
-    basis
+    let status = |k: usize| match dual.slot[k] {
+        NONBASIC => BasisStatus::Outside(dual.rest[k]),
+        slot => BasisStatus::Inside(dual.weight[slot] as f32),
+    };
+    let last = program.columns.iter().max();
+    let mut columns = vec![None; last.map_or(0, |last| last + 1)];
+    program.columns.iter().enumerate().for_each(|(k, &name)| columns[name] = Some(status(k)));
+    let row = |(i, (&name, &y)): (usize, (&usize, &f64))| BasisRow { name, status: status(n + i), y };
+    let named = program.origin.iter().zip(y).enumerate();
+    let mut rows: Vec<BasisRow> = named.map(row).filter(|row| row.name != usize::MAX).collect();
+    rows.sort_by_key(|row| row.name);
+    Basis { columns, rows }
 }
