@@ -144,7 +144,7 @@ impl ConeCut {
 }
 
 /// The length of a vector.
-fn length(vector: &[f64]) -> f64 {
+pub(super) fn length(vector: &[f64]) -> f64 {
     let largest = largest_magnitude(vector);
     if largest == 0.0 || !largest.is_finite() {
         return largest;

@@ -11,6 +11,7 @@
 //! Tangent planes hold in the cone, so that multipliers of any step prove a bound.
 
 use super::active_set::{ActiveSet, CentredAnswer, HeldLimit, LAST_PLACED_NAME};
+use super::cone_cut::length;
 use super::conic_form::ConicForm;
 use super::{Effort, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::{Compressed, Reduced, ReducedCone};
@@ -77,6 +78,8 @@ struct QuadraticSequence<'a> {
     /// By cone: its multiplier, its tail, and the part of the tail's length that each entry is.
     multipliers: Vec<f64>,
     tails: Vec<Vec<f64>>,
+    /// By cone: `T'T`, the upper triangle by columns.
+    squares: Vec<Vec<f64>>,
     held: Vec<HeldLimit>,
     /// The multipliers of the program's rows, and the directions of the planes that belong to them.
     y: Vec<f64>,
@@ -109,7 +112,19 @@ impl<'a> QuadraticSequence<'a> {
             held.clone_from(&state.held);
         }
         let (tails, planes) = (vec![Vec::new(); count], vec![Vec::new(); count]);
-        QuadraticSequence { form, x, multipliers, tails, held, y: Vec::new(), planes, steps: 0 }
+        let tail_rows = |cone| form.cones.rows_of(cone).skip(1);
+        let squares = (0..count).map(|cone| squares(n, &form.cones.rows, tail_rows(cone)));
+        QuadraticSequence {
+            form,
+            x,
+            multipliers,
+            tails,
+            squares: squares.collect(),
+            held,
+            y: Vec::new(),
+            planes,
+            steps: 0,
+        }
     }
 
     fn entry(&self, row: usize) -> f64 {
@@ -125,7 +140,7 @@ impl<'a> QuadraticSequence<'a> {
             let mut rows = self.form.cones.rows_of(cone);
             let head = self.entry(rows.next()?);
             let tail: Vec<f64> = rows.map(|row| self.entry(row)).collect();
-            let length = tail.iter().map(|t| t * t).sum::<f64>().sqrt();
+            let length = length(&tail);
             if !(length > LEAST_TAIL * head.abs() && length > 0.0 && length.is_finite()) {
                 return None;
             }
@@ -150,7 +165,7 @@ impl<'a> QuadraticSequence<'a> {
             let rows = self.form.program.rows.len();
             for (cone, tail) in self.tails.iter().enumerate() {
                 self.multipliers[cone] = y[rows + cone].max(0.0);
-                let length = tail.iter().map(|t| t * t).sum::<f64>().sqrt();
+                let length = length(tail);
                 self.planes[cone] = tail.iter().map(|t| t / length).collect();
             }
             self.y = y[..rows].to_vec();
@@ -185,10 +200,10 @@ impl<'a> QuadraticSequence<'a> {
             let head = rows.start;
             rows.start += 1;
             let tail = &self.tails[cone];
-            let length = tail.iter().map(|t| t * t).sum::<f64>().sqrt();
+            let length = length(tail);
             let mut gradient = vec![0.0; n];
             let mut limit = form.cones.constant[head];
-            for (row, t) in rows.clone().zip(tail) {
+            for (row, t) in rows.zip(tail) {
                 form.cones.rows.entries(row).for_each(|(j, a)| gradient[j] += t / length * a);
                 limit -= t / length * form.cones.constant[row];
             }
@@ -201,11 +216,11 @@ impl<'a> QuadraticSequence<'a> {
             };
             let bend = multiplier / length;
             if bend > 0.0 {
-                add_squares(&mut curvature, n, &form.cones.rows, rows, bend);
-                for j in 0..n {
-                    for i in 0..=j {
-                        curvature[j * n + i] -= bend * gradient[i] * gradient[j];
-                    }
+                for (j, &slope) in gradient.iter().enumerate() {
+                    let column = j * n..=j * n + j;
+                    let known = self.squares[cone][column.clone()].iter().zip(&gradient);
+                    let sums = curvature[column].iter_mut().zip(known);
+                    sums.for_each(|(sum, (square, g))| *sum += bend * (square - g * slope));
                 }
             }
             planes.push(plane);
@@ -247,7 +262,7 @@ impl<'a> QuadraticSequence<'a> {
             let tail = match claim {
                 RelaxationClaim::Solved => {
                     let tail = &self.tails[cone];
-                    let length = tail.iter().map(|t| t * t).sum::<f64>().sqrt();
+                    let length = length(tail);
                     tail.iter().map(|t| t / length).collect()
                 }
                 _ => plane.clone(),
@@ -269,21 +284,18 @@ impl<'a> QuadraticSequence<'a> {
     }
 }
 
-/// Adds `factor T'T`, for some rows of a matrix, to the upper triangle of another, by columns.
-fn add_squares(
-    sum: &mut [f64],
-    n: usize,
-    matrix: &Compressed,
-    rows: std::ops::Range<usize>,
-    factor: f64,
-) {
+/// `T'T` for some rows of a matrix: the upper triangle by columns.
+fn squares(n: usize, matrix: &Compressed, rows: impl Iterator<Item = usize>) -> Vec<f64> {
+    let mut sum = vec![0.0; n * n];
+    let mut dense = vec![0.0; n];
     for row in rows {
         let (index, value) = matrix.vector(row);
-        let mut dense = vec![0.0; n];
+        dense.fill(0.0);
         index.iter().zip(value).for_each(|(&j, a)| dense[j] += a);
         for (j, &b) in dense.iter().enumerate().filter(|(_, b)| **b != 0.0) {
             let column = &mut sum[j * n..=j * n + j];
-            column.iter_mut().zip(&dense).for_each(|(sum, a)| *sum += factor * a * b);
+            column.iter_mut().zip(&dense).for_each(|(sum, a)| *sum += a * b);
         }
     }
+    sum
 }
