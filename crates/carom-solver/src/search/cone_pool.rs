@@ -82,12 +82,7 @@ pub(super) fn append_cone_rows(rows: &[ConeRow], reduced: &mut Reduced, place: &
 ///
 /// * `first`: the first row of the reduced program that may be a cut.
 /// * `y`: by row, its multiplier.
-pub(super) fn note_cone_rows(
-    rows: &mut Vec<ConeRow>,
-    reduced: &Reduced,
-    first: usize,
-    y: &[f64],
-) {
+pub(super) fn note_cone_rows(rows: &mut Vec<ConeRow>, reduced: &Reduced, first: usize, y: &[f64]) {
     if y.len() != reduced.origin.len() || y.len() < first {
         return;
     }

@@ -186,7 +186,8 @@ fn basis(program: &Reduced, dual: &Tableau, y: &[f64]) -> Basis {
     let last = program.columns.iter().max();
     let mut columns = vec![None; last.map_or(0, |last| last + 1)];
     program.columns.iter().enumerate().for_each(|(k, &name)| columns[name] = Some(status(k)));
-    let row = |(i, (&name, &y)): (usize, (&usize, &f64))| BasisRow { name, status: status(n + i), y };
+    let row =
+        |(i, (&name, &y)): (usize, (&usize, &f64))| BasisRow { name, status: status(n + i), y };
     let named = program.origin.iter().zip(y).enumerate();
     let mut rows: Vec<BasisRow> = named.map(row).filter(|row| row.name != usize::MAX).collect();
     rows.sort_by_key(|row| row.name);
