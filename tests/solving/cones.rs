@@ -91,8 +91,12 @@ fn known_programs_are_not_answered_wrongly() {
     }
     // A tail far outside what a head allows that is missed by little.
     let moved = program(40_006_972).moved(40_006_972);
-    let verdicts = verdicts(&moved, &[Path::WithoutCuts.options()]);
-    assert!(!verdicts.iter().any(is_wrong), "{verdicts:?}");
+    let missed = verdicts(&moved, &[Path::WithoutCuts.options()]);
+    assert!(!missed.iter().any(is_wrong), "{missed:?}");
+    // A column that is six million times another one, which misses its own bound by 2e-10.
+    let moved = program(9_221_452).moved(9_221_452);
+    let steep = verdicts(&moved, &[Options::default()]);
+    assert!(!steep.iter().any(is_wrong), "{steep:?}");
 }
 
 /// Quadratic rows with large numbers beside a factor of 1 (1403, 1472), and bounds that only the

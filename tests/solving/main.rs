@@ -42,6 +42,7 @@ mod prepared;
 mod proofs;
 mod relaxed_integers;
 mod search;
+mod service_systems;
 mod stop_token;
 mod thin_cones;
 mod torture_programs;

@@ -45,7 +45,10 @@ pub(super) fn contradiction(
 ) -> Option<Contradiction> {
     let exact = task.exact?;
     let program = task.program;
-    let excluded = |j: &usize| is_outside(exact.integral[*j], root.bounds(*j), x[*j]);
+    let excluded = |j: &usize| {
+        is_outside(exact.integral[*j], root.bounds(*j), x[*j])
+            && !is_explained(exact, *j, root.bounds(*j), x[*j])
+    };
     if let Some(j) = (0..x.len()).find(excluded) {
         return (!is_excluded(exact, x)).then_some(Contradiction::Column(j));
     }
@@ -64,6 +67,21 @@ pub(super) fn contradiction(
 fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64) -> bool {
     let miss = (lower - value).max(value - upper);
     miss > if is_integral { 0.5 } else { COEFFICIENT_MISS * value.abs().max(1.0) }
+}
+
+/// Whether a column misses derived bounds by no more than columns miss their own, because an equation
+/// gives its value as that of others with far larger coefficients.
+fn is_explained(exact: &Program, column: usize, [lower, upper]: [f64; 2], value: f64) -> bool {
+    let (below, above) = (lower - value, value - upper);
+    let own = if below > above { exact.lower[column] } else { exact.upper[column] };
+    let explains = |row: usize| {
+        let (columns, values) = exact.row(row);
+        let own = columns.iter().zip(values).find(|(j, _)| **j == column);
+        let largest = values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        exact.row_lower[row] == exact.row_upper[row]
+            && own.is_some_and(|(_, a)| below.max(above) * a.abs() <= COEFFICIENT_MISS * largest)
+    };
+    own.is_infinite() && (0..exact.row_count()).any(explains)
 }
 
 /// Whether the exact program itself excludes an accepted point, which then tells nothing about what
