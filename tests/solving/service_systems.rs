@@ -64,22 +64,22 @@ impl ServiceSystem {
             let mut served = Affine::constant(0.0);
             for place in 0..FACILITIES {
                 let x = model.binary(format!("served_{j}_{place}")).unwrap();
-                cost = cost + f64::from(costs[place]) * x;
-                loads[place] = loads[place].clone() + f64::from(*demand) * x;
-                served = served + x;
+                cost += f64::from(costs[place]) * x;
+                loads[place] += f64::from(*demand) * x;
+                served += x;
             }
             model.add(("once", j), served.equals(1.0)).unwrap();
         }
         for (place, load) in loads.into_iter().enumerate() {
             let wait = model.continuous(("wait", place), 0.0, 100.0).unwrap();
-            cost = cost + f64::from(self.waiting) * wait;
+            cost += f64::from(self.waiting) * wait;
             let (mut room, mut one) = (Affine::constant(0.0), Affine::constant(0.0));
             for (level, (capacity, fixed)) in self.levels[place].iter().enumerate() {
                 let open = model.binary(format!("open_{place}_{level}")).unwrap();
                 let part = model.continuous(format!("part_{place}_{level}"), 0.0, 1.0).unwrap();
-                cost = cost + f64::from(*fixed) * open;
-                room = room + f64::from(*capacity) * part;
-                one = one + open;
+                cost += f64::from(*fixed) * open;
+                room += f64::from(*capacity) * part;
+                one += open;
                 model.add(format!("within_{place}_{level}"), part.le(open)).unwrap();
                 let [a, b] = [wait - part, open + wait];
                 let cone = norm([2.0 * wait, a.clone() - b.clone()]).le(a + b);

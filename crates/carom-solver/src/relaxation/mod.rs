@@ -52,7 +52,7 @@ pub use record::Record;
 pub use simplex::DualSimplex;
 pub(crate) use simplex::inverse_rows;
 pub(crate) use verdict::{RelaxationQuestion, RelaxationVerdict};
-pub(crate) use warm_state::ConeRow;
+pub(crate) use warm_state::ConeCutRow;
 pub use warm_state::WarmState;
 
 use crate::presolve::Reduced;

@@ -8,7 +8,7 @@ use super::cone_cut::ConeCut;
 
 /// A cut of a cone that was a row of a relaxation.
 #[derive(Debug, Clone)]
-pub(crate) struct ConeRow {
+pub(crate) struct ConeCutRow {
     /// The name of the row (see [`Reduced::origin`](crate::presolve::Reduced::origin)).
     pub(crate) name: usize,
     pub(crate) cut: Arc<ConeCut>,
@@ -23,7 +23,7 @@ pub(crate) struct ConeRow {
 #[derive(Clone)]
 pub struct WarmState {
     state: Arc<dyn Any + Send + Sync>,
-    cone_rows: Option<Arc<[ConeRow]>>,
+    cone_rows: Option<Arc<[ConeCutRow]>>,
 }
 
 impl WarmState {
@@ -33,12 +33,12 @@ impl WarmState {
     }
 
     /// The same state with other cuts.
-    pub(crate) fn with_cone_rows(self, rows: Vec<ConeRow>) -> Self {
+    pub(crate) fn with_cone_rows(self, rows: Vec<ConeCutRow>) -> Self {
         WarmState { cone_rows: Some(rows.into()), ..self }
     }
 
     /// The cuts of cones that the relaxation had as rows.
-    pub(crate) fn cone_rows(&self) -> &[ConeRow] {
+    pub(crate) fn cone_rows(&self) -> &[ConeCutRow] {
         self.cone_rows.as_deref().unwrap_or_default()
     }
 

@@ -69,8 +69,8 @@ fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64) -> bool {
     miss > if is_integral { 0.5 } else { COEFFICIENT_MISS * value.abs().max(1.0) }
 }
 
-/// Whether a column misses derived bounds by no more than columns miss their own, because an equation
-/// gives its value as that of others with far larger coefficients.
+/// Whether a column misses derived bounds by no more than columns miss their own, because an
+/// equation gives its value as that of others with far larger coefficients.
 fn is_explained(exact: &Program, column: usize, [lower, upper]: [f64; 2], value: f64) -> bool {
     let (below, above) = (lower - value, value - upper);
     let own = if below > above { exact.lower[column] } else { exact.upper[column] };

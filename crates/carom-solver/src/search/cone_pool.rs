@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::activity::term_ends;
 use crate::presolve::{Reduced, ReducedCone};
 use crate::program::{ConeRole, Program};
-use crate::relaxation::{ConeCut, ConeRow};
+use crate::relaxation::{ConeCut, ConeCutRow};
 
 /// Least miss of a cone that is cut off, relative to the reach of its head (no unit, at least 1).
 const LEAST_MISS: f64 = 1e-7;
@@ -47,7 +47,7 @@ impl ConePool {
     }
 
     /// Names a cut.
-    pub(super) fn row(&mut self, cut: ConeCut) -> ConeRow {
+    pub(super) fn row(&mut self, cut: ConeCut) -> ConeCutRow {
         let cut = Arc::new(cut);
         if self.free.is_empty() && self.cuts.len() >= self.sweep {
             let cuts = &self.cuts;
@@ -59,7 +59,7 @@ impl ConePool {
             Some(old) => *old = cut.clone(),
             None => self.cuts.push(cut.clone()),
         }
-        ConeRow { name: self.first + self.step * place, cut, idle: 0 }
+        ConeCutRow { name: self.first + self.step * place, cut, idle: 0 }
     }
 }
 
@@ -68,7 +68,7 @@ impl ConePool {
 /// # Arguments
 ///
 /// * `place`: by column of the program, its column in the reduced one.
-pub(super) fn append_cone_rows(rows: &[ConeRow], reduced: &mut Reduced, place: &[usize]) {
+pub(super) fn append_cone_rows(rows: &[ConeCutRow], reduced: &mut Reduced, place: &[usize]) {
     for row in rows {
         if !is_implied(&row.cut, reduced, place) {
             reduced.append_row(&row.cut.terms, place, row.name);
@@ -82,7 +82,12 @@ pub(super) fn append_cone_rows(rows: &[ConeRow], reduced: &mut Reduced, place: &
 ///
 /// * `first`: the first row of the reduced program that may be a cut.
 /// * `y`: by row, its multiplier.
-pub(super) fn note_cone_rows(rows: &mut Vec<ConeRow>, reduced: &Reduced, first: usize, y: &[f64]) {
+pub(super) fn note_cone_rows(
+    rows: &mut Vec<ConeCutRow>,
+    reduced: &Reduced,
+    first: usize,
+    y: &[f64],
+) {
     if y.len() != reduced.origin.len() || y.len() < first {
         return;
     }

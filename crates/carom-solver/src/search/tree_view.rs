@@ -22,7 +22,7 @@ use crate::solution::{Heuristic, Statistics, Termination};
 /// Number of open nodes from which on new nodes keep no relaxed point and no state, and the numbers
 /// that all of them may keep if that allows for more nodes.
 const MOST_NODES_WITH_POINTS: usize = 1000;
-const MOST_NUMBERS: usize = 1 << 24;
+const MOST_KEPT_NUMBERS: usize = 1 << 24;
 
 /// One worker's view of the tree.
 pub(super) struct TreeView<'a> {
@@ -119,7 +119,7 @@ impl<'a> TreeView<'a> {
     pub(super) fn has_room(&self) -> bool {
         let program = self.tree.task.program;
         let size = program.column_count() + 2 * program.row_count();
-        let most = MOST_NODES_WITH_POINTS.max(MOST_NUMBERS / size.max(1));
+        let most = MOST_NODES_WITH_POINTS.max(MOST_KEPT_NUMBERS / size.max(1));
         let few = self.tree.open.load(Ordering::Relaxed) < most;
         few && self.tree.task.options.memory_limit.is_none()
     }
