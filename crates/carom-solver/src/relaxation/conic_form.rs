@@ -74,7 +74,7 @@ struct NamedSum {
 }
 
 impl NamedSum {
-    /// What the bounds of the column say about the rest of its row.
+    /// The limits that the bounds of the column put on the rest of its row.
     fn limits(&self, program: &Reduced) -> [f64; 2] {
         let (limit, c) = (middle(program, self.row), self.coefficient);
         let at = |bound: f64| limit - c * bound;

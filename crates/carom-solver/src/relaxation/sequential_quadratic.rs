@@ -30,8 +30,8 @@ const MOST_EXCESS: f64 = 1e-9;
 /// The least length of a tail that has a curvature, relative to the head.
 const LEAST_TAIL: f64 = 1e-7;
 
-/// What a node leaves to its children: the point by the names of columns, the multipliers of the
-/// cones, and the working set.
+/// The state that a node leaves to its children: the point by the names of columns, the multipliers
+/// of the cones, and the working set.
 #[derive(Debug)]
 struct ConicState {
     x: Vec<(usize, f64)>,

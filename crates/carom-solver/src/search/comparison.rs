@@ -81,7 +81,7 @@ fn is_explained(exact: &Program, column: usize, [lower, upper]: [f64; 2], value:
         exact.row_lower[row] == exact.row_upper[row]
             && own.is_some_and(|(_, a)| below.max(above) * a.abs() <= COEFFICIENT_MISS * largest)
     };
-    own.is_infinite() && (0..exact.row_count()).any(explains)
+    !exact.integral[column] && own.is_infinite() && (0..exact.row_count()).any(explains)
 }
 
 /// Whether the exact program itself excludes an accepted point, which then tells nothing about what

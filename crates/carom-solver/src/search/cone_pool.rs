@@ -27,7 +27,8 @@ pub(super) struct ConePool {
     /// The first name, and the distance between two: other workers have those between them.
     first: usize,
     step: usize,
-    /// In the order of names. A name is free once no node has its cut.
+    /// In the order of names. A name is free once no node has its cut, so that names stay small:
+    /// methods index their states by them.
     cuts: Vec<Arc<ConeCut>>,
     free: Vec<usize>,
     /// The number of names at which free ones are looked for.

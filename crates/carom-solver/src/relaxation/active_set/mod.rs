@@ -84,7 +84,7 @@ pub(super) struct CentredAnswer {
     /// By row.
     pub(super) y: Vec<f64>,
     pub(super) held: Vec<HeldLimit>,
-    /// What the pull may cost, near the point.
+    /// The most that the pull may cost near the point, in the unit of the objective.
     pub(super) pull: f64,
     pub(super) iterations: u64,
 }

@@ -22,7 +22,7 @@ pub(super) const MAX_IDLE_STEPS: usize = 30;
 /// Most moves of the centre of curvature that was added.
 pub(super) const MAX_CENTRES: u32 = 60;
 
-/// What the pull towards the centre may take from the objective, relative to it.
+/// The most that the pull towards the centre may take from the objective, relative to it.
 pub(super) const LARGEST_PULL: f64 = 1e-10;
 
 /// The largest violation of a limit, in units of the row's largest coefficient or of the limit.
