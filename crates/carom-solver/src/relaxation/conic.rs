@@ -11,7 +11,7 @@ use super::interior::InteriorPoint;
 use super::method_cascade::{CONIC_RECORD, MethodCascade, QUADRATICS_RECORD};
 use super::sequential_quadratic::SequentialQuadratic;
 use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
-use super::{Effort, Purpose, RelaxationClaim, RelaxationResult};
+use super::{Effort, Purpose, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::{FIXED, Reduced};
 use crate::solver::StopToken;
 use crate::tolerance;
@@ -27,21 +27,32 @@ pub(super) enum ConicMethod {
     SequentialQuadratic,
 }
 
-/// A method, iterations, tolerance and steps of refinement of an attempt.
+/// A method, iterations, tolerance and steps of refinement of an attempt. A sequence of quadratic
+/// programs counts its iterations by program.
 type ConicAttempt = (ConicMethod, u32, f64, u32);
 
 /// The attempts of a purpose, in their order.
 const fn conic_attempts(purpose: Purpose) -> &'static [ConicAttempt] {
-    use ConicMethod::{Clarabel, InteriorPoint};
+    use ConicMethod::{Clarabel, InteriorPoint, SequentialQuadratic};
     match purpose {
-        Purpose::Trial => &[(InteriorPoint, 60, 1e-7, 1), (Clarabel, 60, 1e-6, 1)],
+        Purpose::Trial => &[
+            (SequentialQuadratic, 500, 1e-6, 1),
+            (InteriorPoint, 60, 1e-7, 1),
+            (Clarabel, 60, 1e-6, 1),
+        ],
         Purpose::Leaf => &[
+            (SequentialQuadratic, 500, 1e-8, 1),
             (InteriorPoint, 60, 1e-9, 1),
             (Clarabel, 100, 1e-9, 4),
             (Clarabel, 300, 1e-11, 10),
             (Clarabel, 300, 1e-7, 10),
         ],
-        _ => &[(InteriorPoint, 60, 1e-8, 1), (Clarabel, 100, 1e-8, 2), (Clarabel, 300, 1e-9, 10)],
+        _ => &[
+            (SequentialQuadratic, 500, 1e-8, 1),
+            (InteriorPoint, 60, 1e-8, 1),
+            (Clarabel, 100, 1e-8, 2),
+            (Clarabel, 300, 1e-9, 10),
+        ],
     }
 }
 
@@ -55,6 +66,7 @@ struct Best {
     x: Vec<f64>,
     y: Vec<f64>,
     converged: bool,
+    warm: Option<WarmState>,
     cuts: Vec<(ConeCut, f64)>,
 }
 
@@ -75,21 +87,12 @@ impl MethodCascade {
         let mut best: Option<Best> = None;
         // Threads of a deterministic search must not differ in what they have seen.
         let learns = !question.options.deterministic;
-        if self.mixes_methods()
-            && let Some(verdict) = self.solve_by_quadratics(program, question)
-        {
-            return verdict;
-        }
-        let suits = self.mixes_methods() && InteriorPoint::suits_cones(program);
-        let is_asked = suits && (!learns || self.records[CONIC_RECORD].asks());
         for &attempt in conic_attempts(question.purpose) {
-            let is_own = attempt.0 == ConicMethod::InteriorPoint;
-            if is_own && !is_asked {
+            program.truncate_rows(rows);
+            if !self.asks_conic(attempt.0, program, question) {
                 continue;
             }
-            program.truncate_rows(rows);
-            let (cutoff, token) = (question.cutoff, question.token);
-            let (mut result, cuts) = self.attempt_conic(program, attempt, cutoff, token);
+            let (mut result, cuts) = self.attempt_conic(program, attempt, question);
             if result.claim == RelaxationClaim::Unknown && question.token.is_over() {
                 return RelaxationVerdict::Stopped;
             }
@@ -105,16 +108,16 @@ impl MethodCascade {
                 matches!(outcome, AttemptOutcome::Sufficient | AttemptOutcome::Decided(_))
                     || findings.bound >= question.cutoff
                     || question.purpose == Purpose::Trial && findings.converged;
-            if is_own && learns {
-                self.records[CONIC_RECORD].note(!is_enough);
+            if let Some(record) = record_of(attempt.0).filter(|_| learns) {
+                self.records[record].note(!is_enough);
             }
             if let AttemptOutcome::Decided(verdict) = outcome {
                 self.cone_cuts = cuts;
                 return verdict;
             }
-            let Findings { bound, x, y, converged, .. } = findings;
+            let Findings { bound, x, y, converged, warm, .. } = findings;
             if best.as_ref().is_none_or(|best| bound > best.bound || is_enough) && !x.is_empty() {
-                best = Some(Best { bound, x, y, converged, cuts });
+                best = Some(Best { bound, x, y, converged, warm, cuts });
             }
             if is_enough {
                 break;
@@ -126,73 +129,63 @@ impl MethodCascade {
         if question.look_for_descent && !is_near && self.falls_forever(program, question.token) {
             return RelaxationVerdict::Descent;
         }
-        let Some(Best { bound, x, y, converged, cuts }) = best else {
+        let Some(Best { bound, x, y, converged, warm, cuts }) = best else {
             let x = vec![0.0; program.columns.len()];
             let (bound, y, converged) = (f64::NEG_INFINITY, Vec::new(), false);
             return RelaxationVerdict::Relaxed { bound, x, y, converged, warm: None };
         };
         cuts.iter().for_each(|(cut, _)| program.append_row(&cut.terms, &place, FIXED));
         self.cone_cuts = cuts;
-        RelaxationVerdict::Relaxed { bound, x, y, converged, warm: None }
+        RelaxationVerdict::Relaxed { bound, x, y, converged, warm }
+    }
+
+    /// Whether a method is to be used for a program.
+    fn asks_conic(
+        &mut self,
+        method: ConicMethod,
+        program: &Reduced,
+        question: &RelaxationQuestion<'_>,
+    ) -> bool {
+        let Some(record) = record_of(method) else { return true };
+        let suits = match method {
+            // A log closes its splits with the multipliers of interior points.
+            ConicMethod::SequentialQuadratic => {
+                question.options.proof_path().is_none() && SequentialQuadratic::suits(program)
+            }
+            _ => InteriorPoint::suits_cones(program),
+        };
+        let learns = !question.options.deterministic;
+        self.mixes_methods() && suits && (!learns || self.records[record].asks())
+    }
+
+    /// Attempts to solve a program. Also returns the rows that the multipliers of its cones are,
+    /// with their own.
+    fn attempt_conic(
+        &mut self,
+        program: &Reduced,
+        attempt: ConicAttempt,
+        question: &RelaxationQuestion<'_>,
+    ) -> (RelaxationResult, Vec<(ConeCut, f64)>) {
+        let RelaxationQuestion { cutoff, token, warm, .. } = *question;
+        if attempt.0 != ConicMethod::SequentialQuadratic {
+            let (result, cuts) = self.solve_conic_once(program, attempt, cutoff, token, None);
+            return (RelaxationResult { warm: None, ..result }, cuts);
+        }
+        let last = self.last_quadratics.take().filter(|_| !question.options.deterministic);
+        let own = warm.filter(|warm| SequentialQuadratic::knows(warm));
+        let warm = own.or(last.as_ref());
+        let found = self.solve_conic_once(program, attempt, f64::INFINITY, token, warm);
+        self.last_quadratics = found.0.warm.clone().or(last);
+        found
     }
 }
 
-impl MethodCascade {
-    /// Solves a program with few, long cones by quadratic programs; `None` if that is not enough.
-    fn solve_by_quadratics(
-        &mut self,
-        program: &mut Reduced,
-        question: &RelaxationQuestion<'_>,
-    ) -> Option<RelaxationVerdict> {
-        let (rows, place) = (program.rows.len(), program.places());
-        // A log closes its splits with the multipliers of interior points.
-        if question.options.proof_path().is_some() || !SequentialQuadratic::suits(program) {
-            return None;
-        }
-        let form = ConicForm::with_limits(program);
-        let learns = !question.options.deterministic;
-        if learns && !self.records[QUADRATICS_RECORD].asks() {
-            return None;
-        }
-        let began = Instant::now();
-        let (token, cutoff) = (question.token, f64::INFINITY);
-        let tolerance = if question.purpose == Purpose::Trial { 1e-6 } else { 1e-8 };
-        let iterations = 500;
-        let last = self.last_quadratics.take().filter(|_| learns);
-        let own = question.warm.filter(|warm| SequentialQuadratic::knows(warm));
-        let warm = own.or(last.as_ref());
-        let effort = Effort { iterations, tolerance, refinements: 1, cutoff, token, warm };
-        let (result, z) = SequentialQuadratic::default().solve_cones(&form, &effort);
-        self.note_conic(ConicMethod::SequentialQuadratic, result.iterations, began.elapsed());
-        let state = result.warm.clone();
-        self.last_quadratics = state.clone().or(last);
-        let (mut result, multipliers) = form.lift(result, z);
-        let pairs = program.cones.iter().zip(&multipliers);
-        let cuts: Vec<(ConeCut, f64)> =
-            pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
-        for (cut, multiplier) in &cuts {
-            program.append_row(&cut.terms, &place, FIXED);
-            result.y.push(*multiplier);
-        }
-        let own = RelaxationQuestion { cutoff, ..*question };
-        let mut findings = Findings::new(program, &own);
-        let outcome = findings.verify(result, &mut self.prover);
-        let is_enough = matches!(outcome, AttemptOutcome::Sufficient | AttemptOutcome::Decided(_))
-            || findings.bound >= question.cutoff
-            || question.purpose == Purpose::Trial && findings.converged;
-        if learns {
-            self.records[QUADRATICS_RECORD].note(!is_enough);
-        }
-        if !is_enough {
-            program.truncate_rows(rows);
-            return None;
-        }
-        self.cone_cuts = cuts;
-        if let AttemptOutcome::Decided(verdict) = outcome {
-            return Some(verdict);
-        }
-        let Findings { bound, x, y, converged, .. } = findings;
-        Some(RelaxationVerdict::Relaxed { bound, x, y, converged, warm: state })
+/// The record of a method; Clarabel, which is always asked, has none.
+fn record_of(method: ConicMethod) -> Option<usize> {
+    match method {
+        ConicMethod::InteriorPoint => Some(CONIC_RECORD),
+        ConicMethod::SequentialQuadratic => Some(QUADRATICS_RECORD),
+        ConicMethod::Clarabel => None,
     }
 }
 
@@ -209,7 +202,8 @@ impl MethodCascade {
         mut accept: impl FnMut(ConicMultipliers) -> Option<T>,
     ) -> Option<T> {
         MULTIPLIER_ATTEMPTS.iter().find_map(|&attempt| {
-            let (result, cuts) = self.attempt_conic(program, attempt, f64::INFINITY, token);
+            let (result, cuts) =
+                self.solve_conic_once(program, attempt, f64::INFINITY, token, None);
             // The claim of an attempt does not matter, because the multipliers are checked.
             accept((result.x, result.y, cuts))
         })
@@ -223,22 +217,26 @@ impl MethodCascade {
         mut accept: impl FnMut(&[f64]) -> bool,
     ) -> bool {
         MULTIPLIER_ATTEMPTS.iter().any(|&attempt| {
-            accept(&self.attempt_conic(directions, attempt, f64::INFINITY, token).0.x)
+            accept(&self.solve_conic_once(directions, attempt, f64::INFINITY, token, None).0.x)
         })
     }
 
     /// Solves a program with its cones once. Also returns the rows that the multipliers of its
     /// cones are, with their own.
-    fn attempt_conic(
+    fn solve_conic_once(
         &mut self,
         program: &Reduced,
         (method, iterations, tolerance, refinements): ConicAttempt,
         cutoff: f64,
         token: &StopToken,
+        warm: Option<&WarmState>,
     ) -> (RelaxationResult, Vec<(ConeCut, f64)>) {
-        let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm: None };
+        let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm };
         let began = Instant::now();
-        let form = ConicForm::new(program);
+        let form = match method {
+            ConicMethod::SequentialQuadratic => ConicForm::with_limits(program),
+            _ => ConicForm::new(program),
+        };
         let (result, z) = match method {
             ConicMethod::Clarabel => self.conic.solve_cones(&form, &effort),
             ConicMethod::InteriorPoint => self.conic_interior.solve_cones(&form, &effort),
