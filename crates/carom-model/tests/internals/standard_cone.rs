@@ -116,6 +116,33 @@ proptest! {
         }
     }
 
+    /// `a x^2 + b y^2 - m x <= c`: with a large slope `m`, completing the square of `x` would take
+    /// the digits of `c`.
+    #[test]
+    fn steep_slopes_leave_the_constant(
+        curvatures in proptest::array::uniform2(-9..=0),
+        slope in -3..=3,
+        (constant, digits) in (-9..=9, -9..=0),
+        points in proptest::collection::vec(proptest::array::uniform2(0.0..1.0_f64), 20),
+    ) {
+        let mut model = Model::new("m");
+        let x = model.continuous_family("x", 2, 0.0, 1.0).unwrap();
+        let power = |exponent: i32| 10.0_f64.powi(exponent);
+        let [a, b] = curvatures.map(power);
+        let (m, c) = (power(slope), f64::from(constant) * power(digits));
+        let difference = a * x[0].square() + b * x[1].square() - m * x[0] - c;
+        let cone = standard_cone(&model, difference.clone().le(0.0)).unwrap();
+        for [first, second] in points.into_iter().chain([[0.0, 0.0], [1.0, 0.0]]) {
+            let at = |v: Variable| if v == x[0] { first } else { second };
+            let by = difference.evaluate(at);
+            let size = a * first * first + b * second * second + m * first + c.abs();
+            if by.abs() > 1e-8 * size {
+                let (miss, _) = miss(&cone, &at);
+                prop_assert_eq!(by > 0.0, miss > 0.0, "{} {} {:?}", by, miss, cone);
+            }
+        }
+    }
+
     #[test]
     fn two_negative_squares_are_refused(left in form(-3), first in form(1), second in form(1)) {
         let mut model = Model::new("m");

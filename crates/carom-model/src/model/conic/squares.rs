@@ -14,7 +14,7 @@ use crate::semidefinite::blocks;
 
 /// How many times the bound of its rounding error a coefficient must be to count (no unit), as the
 /// coefficients of the expression were rounded before.
-const ROUNDED_AWAY: f64 = 64.0;
+pub(super) const ROUNDED_AWAY: f64 = 64.0;
 
 /// The largest share of what was subtracted that counts as rounding (no unit).
 const MOST_ROUNDED_AWAY: f64 = 1e-9;

@@ -9,7 +9,7 @@
 //! The roots of coefficients are rounded, so points at which the row holds with equality may miss
 //! the cone by some units in the last place of its terms.
 
-use super::squares::{Completed, SumOfSquares};
+use super::squares::{Completed, ROUNDED_AWAY, SumOfSquares};
 use super::stored_conic::StoredConic;
 use crate::error::{Error, ErrorKind};
 use crate::model::affine::Affine;
@@ -18,6 +18,10 @@ use crate::model::name::Name;
 use crate::model::quadratic::Quadratic;
 use crate::model::store::Model;
 use crate::semidefinite::{Direction, negative_direction};
+
+/// How many times the constant of a completed square may be all that it stands beside, if it
+/// becomes a part of the limit (no unit): it takes six digits of the others then.
+const FARTHEST_SHIFT: f64 = 1e6;
 
 /// A second-order cone over affine expressions.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,14 +46,15 @@ impl Model {
             }
             StoredConic::Quadratic { expression } => expression,
         };
+        let offset = expression.affine().offset();
         let mut sum = SumOfSquares::of(expression, false);
         let heads = sum.completed().filter(|completed| completed.is_head()).count();
         let direction = if heads == 0 { None } else { concave_direction(expression) };
         let cone = match (heads, direction) {
-            (0, _) => self.convex(&sum),
+            (0, _) => self.convex(&sum, offset),
             (_, None) => {
                 sum = SumOfSquares::of(expression, true);
-                self.convex(&sum)
+                self.convex(&sum, offset)
             }
             (1, Some(_)) if sum.linear.terms().is_empty() && sum.constant >= 0.0 => {
                 self.lorentz(&sum, name)?
@@ -65,35 +70,49 @@ impl Model {
         Ok(cone)
     }
 
-    /// The cone of a row without negative squares.
-    fn convex(&self, sum: &SumOfSquares) -> StandardCone {
-        let squares = || {
-            sum.completed().filter_map(|completed| match completed {
-                Completed::Square { coefficient, root, .. } => Some((*coefficient, root)),
+    /// The cone of a row without negative squares, whose constant is `offset`.
+    ///
+    /// `d (p + s)^2 - d s^2 = d p^2 + 2 d s p` is better where the shift `s` is larger than `p`,
+    /// because the constant `d s^2` would take the digits of all others.
+    fn convex(&self, sum: &SumOfSquares, offset: f64) -> StandardCone {
+        let squares: Vec<(f64, &Affine, Affine, f64)> = sum
+            .completed()
+            .filter_map(|completed| match completed {
+                Completed::Square { coefficient, root, .. } => {
+                    let mut pure = root.clone();
+                    pure.append(&Affine::constant(root.offset()), -1.0);
+                    let range = self.range_of(&pure).magnitude();
+                    Some((*coefficient, root, pure, range))
+                }
                 Completed::Product { .. } => None,
             })
-        };
-        let limit = sum.constant;
-        if sum.linear.terms().is_empty() {
-            let tail = squares().map(|(d, root)| d.sqrt() * root).collect();
+            .collect();
+        let shifts = squares.iter().map(|(d, root, ..)| d * root.offset() * root.offset());
+        let others = squares.iter().map(|(d, .., range)| d * range * range).sum::<f64>();
+        let is_far = shifts.fold(0.0, f64::max) > FARTHEST_SHIFT * offset.abs().max(others);
+        if sum.linear.terms().is_empty() && !is_far {
+            let tail = squares.iter().map(|(d, root, ..)| d.sqrt() * *root).collect();
+            let limit = sum.constant;
             // A row that cannot hold has a head below 0.
             let head = Affine::constant(limit.abs().sqrt().copysign(-limit) + 0.0);
             return StandardCone { head: vec![head], tail };
         }
+        let is_kept = |root: &Affine, range: f64| root.offset().abs() <= range;
+        let limit = match squares.iter().all(|(_, root, _, range)| is_kept(root, *range)) {
+            true => sum.constant,
+            false => {
+                let kept = squares.iter().filter(|(_, root, _, range)| is_kept(root, *range));
+                difference(offset, kept.map(|(d, root, ..)| d * root.offset() * root.offset()))
+            }
+        };
         let mut head = -(&sum.linear) - Affine::constant(limit);
         let mut tail = Vec::new();
-        for (d, root) in squares() {
-            let shift = root.offset();
-            let mut pure = root.clone();
-            pure.append(&Affine::constant(shift), -1.0);
-            // `d (p + s)^2 - d s^2 = d p^2 + 2 d s p` is better where the shift is larger than the
-            // rest.
-            if shift != 0.0 && shift.abs() > self.range_of(&pure).magnitude() {
-                head.append(&pure, -2.0 * d * shift);
-                head.append(&Affine::constant(d * shift * shift), -1.0);
-                tail.push(d.sqrt() * pure);
-            } else {
+        for (d, root, pure, range) in squares {
+            if is_kept(root, range) {
                 tail.push(d.sqrt() * root);
+            } else {
+                head.append(&pure, -2.0 * d * root.offset());
+                tail.push(d.sqrt() * pure);
             }
         }
         StandardCone { head: vec![head, Affine::constant(1.0)], tail }
@@ -137,6 +156,15 @@ impl Model {
         let (name, direction) = self.direction_text(direction);
         ErrorKind::NotCone { row: row.to_string(), curvature, name, direction }.into()
     }
+}
+
+/// A constant without what squares were completed by; 0 if rounding may have left it.
+fn difference(constant: f64, of_squares: impl Iterator<Item = f64>) -> f64 {
+    let (mut size, mut left) = (constant.abs(), constant);
+    for of_square in of_squares {
+        (size, left) = (size.max(of_square), left - of_square);
+    }
+    if left.abs() <= ROUNDED_AWAY * f64::EPSILON * size { 0.0 } else { left }
 }
 
 /// A direction along which an expression is concave.
