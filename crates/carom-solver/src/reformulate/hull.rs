@@ -26,6 +26,10 @@ use crate::model::{
     VariableKind,
 };
 
+/// Bounds of at most this magnitude become 0, in the variable's unit: a millionth of the default
+/// feasibility tolerance.
+const NEGLIGIBLE_BOUND: f64 = 1e-12;
+
 /// The column of each variable of the model at the current level.
 type Copies = BTreeMap<Variable, Variable>;
 
@@ -114,6 +118,7 @@ fn split(
             if !bounds.is_bounded() {
                 bounds = lowering.finite_bounds(variable)?.intersection(within);
             }
+            let bounds = without_rounding(bounds);
             let (low, high) = (bounds.lower.min(0.0), bounds.upper.max(0.0));
             let copy = lowering.column("copy", VariableKind::Continuous, low, high)?;
             rest -= copy;
@@ -143,6 +148,13 @@ fn split(
         }
     }
     Ok(())
+}
+
+/// Bounds that a term leaves of a variable, without what rounding makes of 0 or of one value: rows
+/// of a slight coefficient, or that cross, would hold only where the term is not selected.
+fn without_rounding(Interval { lower, upper }: Interval) -> Interval {
+    let tidy = |end: f64| if end.abs() <= NEGLIGIBLE_BOUND { 0.0 } else { end };
+    Interval::new(tidy(lower.min(upper)), tidy(lower.max(upper)))
 }
 
 /// A conic row over the copies of its variables, its constants times the selector: a norm that is
