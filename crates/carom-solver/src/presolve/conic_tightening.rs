@@ -211,9 +211,16 @@ fn largest_head_square(columns: BoundedColumns<'_>, cone: &Cone, margin: f64) ->
     }
 }
 
-/// Whether a tail of some length misses the largest head by more than rounding explains, in the
-/// unit of the head.
+/// Whether a tail of some length misses the largest head by more than rounding explains.
 fn misses(columns: BoundedColumns<'_>, cone: &Cone, length: f64) -> bool {
+    let (miss, size) = missed_by(columns, cone, length);
+    // Infinite heads give no number, or none that is larger.
+    miss > CONTRADICTION * size
+}
+
+/// By how much a tail of some length misses the largest head, in the unit of the head, and the size
+/// of both (at least 1).
+pub(super) fn missed_by(columns: BoundedColumns<'_>, cone: &Cone, length: f64) -> (f64, f64) {
     let (miss, size) = match (cone.shape, cone.head()) {
         (ConeShape::Rotated, &[x, y]) => {
             let (x, y) = (columns.upper(x), columns.upper(y));
@@ -224,8 +231,7 @@ fn misses(columns: BoundedColumns<'_>, cone: &Cone, length: f64) -> bool {
             (length - head, head.abs())
         }
     };
-    // Infinite heads give no number, or none that is larger.
-    miss > CONTRADICTION * size.max(length).max(1.0)
+    (miss, size.max(length).max(1.0))
 }
 
 /// Whether every point within the bounds is in the cone.

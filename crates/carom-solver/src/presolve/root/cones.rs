@@ -13,10 +13,11 @@
 
 use super::postsolve::{Restored, Undo};
 use super::working_program::{Infeasible, Sparse, WorkingProgram};
-use crate::presolve::conic_tightening::{BoundedColumns, is_implied, pins};
+use crate::presolve::conic_tightening::{BoundedColumns, is_implied, missed_by, pins};
 use crate::presolve::parameters::{CONTRADICTION, FEW_ROUNDINGS};
 use crate::presolve::tightening::Tightening;
 use crate::program::{Cone, ConeRole, ConeShape, LONGEST_TAIL, conic_columns};
+use crate::tolerance;
 
 /// Parts of a cone that is left without them.
 #[derive(Debug)]
@@ -131,44 +132,57 @@ fn alone<T>(work: &WorkingProgram, cone: &Cone, of: impl Fn(BoundedColumns<'_>, 
 }
 
 /// Makes a cone a bound of its only open column, or checks it if there is none.
+///
+/// Values that presolve has computed are known but for their noise, and a root makes much of it:
+/// `x^2 <= 0` misses by 1e-7 where `x` should be 0 and is 1e-7.
 fn bound(work: &mut WorkingProgram, cone: &Cone, open: &[usize]) -> Result<(), Infeasible> {
-    let constant = |j: &&usize| work.lower[**j] == work.upper[**j];
-    let square = |j: &usize| work.lower[*j] * work.lower[*j];
-    let fixed: f64 = cone.tail().iter().filter(constant).map(square).sum();
+    let is_fixed = |j: &&usize| work.lower[**j] == work.upper[**j];
     let value = |j: usize| work.lower[j];
-    // The room of the tail, squared, where the head is known.
-    let room = match cone.head() {
-        &[first, second] => value(first) * value(second),
-        head => head.first().map_or(0.0, square),
-    };
-    let open_head = cone.head().iter().copied().find(|&j| work.lower[j] != work.upper[j]);
-    match (open_head, open) {
-        (Some(head), _) => {
-            let others = cone.head().iter().filter(|&&j| j != head).map(|&j| value(j));
-            let least = match (cone.shape, others.product::<f64>()) {
-                (ConeShape::Norm, _) => fixed.sqrt(),
-                // The tail is 0 but for rounding.
-                (ConeShape::Rotated, 0.0) => 0.0,
-                (ConeShape::Rotated, other) => fixed / other,
-            };
-            let noise = FEW_ROUNDINGS * least;
-            work.intersect(head, [least - noise, f64::INFINITY], noise)
-        }
-        (None, &[entry]) => {
-            let error = FEW_ROUNDINGS * (room + fixed);
-            let miss = fixed.sqrt() - room.sqrt();
-            if miss > CONTRADICTION * fixed.sqrt().max(1.0) {
-                return Err(Infeasible);
+    let noise = |j: usize| work.column_noise[j];
+    let tail = || cone.tail().iter().filter(is_fixed).copied();
+    let fixed: f64 = tail().map(|j| value(j) * value(j)).sum();
+    let noise_of_fixed: f64 = tail().map(|j| (2.0 * value(j).abs() + noise(j)) * noise(j)).sum();
+    if let Some(head) = cone.head().iter().copied().find(|j| !is_fixed(&j)) {
+        let others = || cone.head().iter().copied().filter(|&j| j != head);
+        let (least, noise) = match cone.shape {
+            ConeShape::Norm => (fixed.sqrt(), tail().map(noise).sum()),
+            ConeShape::Rotated => {
+                let other: f64 = others().map(value).product();
+                let noise = others().map(noise).sum::<f64>();
+                if other <= 2.0 * noise {
+                    // The tail is 0 but for rounding.
+                    return Ok(());
+                }
+                let least = fixed / other;
+                (least, (noise_of_fixed + least * noise) / (other - noise))
             }
-            let most = (room - fixed + error).max(0.0).sqrt() * (1.0 + FEW_ROUNDINGS);
-            work.intersect(entry, [-most, most], FEW_ROUNDINGS * most)
-        }
-        (None, _) => {
-            let miss = fixed.sqrt() - room.sqrt();
-            let allowed = CONTRADICTION * fixed.sqrt().max(1.0);
-            if miss > allowed { Err(Infeasible) } else { Ok(()) }
-        }
+        };
+        let noise = noise + FEW_ROUNDINGS * least;
+        return work.intersect(head, [least - noise, f64::INFINITY], noise);
     }
+    // The room of the tail, squared.
+    let (room, noise_of_room) = match *cone.head() {
+        [first, second] => {
+            let [a, b] = [first, second].map(noise);
+            let (x, y) = (value(first), value(second));
+            (x * y, (x.abs() + a) * b + (y.abs() + b) * a)
+        }
+        [head] => (value(head).powi(2), (2.0 * value(head).abs() + noise(head)) * noise(head)),
+        _ => (0.0, 0.0),
+    };
+    let error = FEW_ROUNDINGS * (room.abs() + fixed) + noise_of_fixed + noise_of_room;
+    let noise: f64 = cone.head().iter().copied().chain(tail()).map(noise).sum();
+    let (miss, size) = alone(work, cone, |columns, cone| missed_by(columns, cone, fixed.sqrt()));
+    // The unit of a rotated cone is that of its row.
+    let is_rotated = cone.shape == ConeShape::Rotated;
+    if miss > noise + CONTRADICTION * size
+        || is_rotated && fixed - room > error + tolerance::FEASIBILITY * fixed.max(1.0)
+    {
+        return Err(Infeasible);
+    }
+    let &[entry] = open else { return Ok(()) };
+    let most = (room - fixed + error).max(0.0).sqrt() * (1.0 + FEW_ROUNDINGS);
+    work.intersect(entry, [-most, most], FEW_ROUNDINGS * most)
 }
 
 /// Adds a row with some terms (sorted by column, none of them 0) and limits; returns its number.
