@@ -405,6 +405,7 @@ impl Projector {
         write(&mut rest.upper, &reduced.upper);
         write(&mut rest.steepness, &reduced.steepness);
         rest.values.clone_from(&reduced.values);
+        rest.slack.clone_from(&reduced.slack);
         (rest.offset, rest.spread) = (reduced.offset, reduced.spread);
         rest.is_cut_off = reduced.is_cut_off;
         rest.wants_vertex = reduced.wants_vertex;

@@ -310,6 +310,7 @@ impl Reducer {
         self.substitute_objective(program, reduced);
         self.collect_rows(program, reduced)?;
         reduced.values.clone_from(&self.lower);
+        reduced.slack.clone_from(&self.slack);
         let cones = program.cones.iter().zip(&self.is_settled).filter(|(_, settled)| !**settled);
         let cones = cones.map(|(cone, _)| ReducedCone::new(cone, &self.position, &self.lower));
         fill(&mut reduced.cones, cones);

@@ -11,6 +11,9 @@ pub struct Reduced {
     pub columns: Vec<usize>,
     /// Values of all program columns; those of the kept columns are placeholders.
     pub values: Vec<f64>,
+    /// By how much each program column may differ from its value, if it is fixed in the middle of
+    /// narrow bounds; 0 for the others.
+    pub slack: Vec<f64>,
     /// Upper triangle of `P` by columns: starts, row indices, values.
     pub quadratic: Compressed,
     /// `q`.
@@ -155,6 +158,7 @@ impl Reduced {
         Reduced {
             columns: (0..n).collect(),
             values: program.lower.clone(),
+            slack: vec![0.0; n],
             quadratic,
             linear: program.linear.clone(),
             offset: program.offset,

@@ -1,6 +1,5 @@
 //! The cones of a program at a node, and cuts of cones as rows of the reduced program.
 
-use super::parameters::IMPLIED;
 use super::reduced::Reduced;
 use crate::program::{Cone, ConeRole, ConeShape};
 
@@ -121,8 +120,7 @@ impl Reduced {
                 FIXED => {
                     let value = self.values[column];
                     constant.add_product(a, value);
-                    // A column may be fixed in the middle of narrow bounds.
-                    slack += a.abs() * (IMPLIED + 8.0 * f64::EPSILON * value.abs());
+                    slack += a.abs() * (self.slack[column] + 8.0 * f64::EPSILON * value.abs());
                 }
                 k => {
                     self.rows.index.push(k);

@@ -345,6 +345,7 @@ fn part(whole: &Reduced, has_column: &[bool], has_row: &[bool]) -> Reduced {
     Reduced {
         columns: kept(&whole.columns, has_column),
         values: whole.values.clone(),
+        slack: whole.slack.clone(),
         quadratic: vectors(&whole.quadratic, has_column),
         linear: kept(&whole.linear, has_column),
         offset: whole.offset,

@@ -33,6 +33,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
     let mut directions = Reduced {
         columns: (0..n).collect(),
         values: vec![0.0; n],
+        slack: vec![0.0; n],
         quadratic: Compressed { start: vec![0; n + 1], ..Compressed::default() },
         linear: program.linear.clone(),
         offset: 0.0,

@@ -154,6 +154,7 @@ pub(super) fn linear_program(
     Reduced {
         columns: (0..columns).collect(),
         values: vec![0.0; columns],
+        slack: vec![0.0; columns],
         quadratic,
         linear,
         rows,
