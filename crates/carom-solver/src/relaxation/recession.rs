@@ -169,9 +169,11 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
         return false;
     }
     d.iter_mut().enumerate().filter(|(j, d)| is_held(program, *j, **d)).for_each(|(_, d)| *d = 0.0);
-    // Costs of columns that hardly move are left out: curvature would end their decrease early.
+    // Of columns that hardly move, a fall may be rounding, and curvature would end it early. Those
+    // costs count as a rise, because the others may be the price of what moves.
     let moves = |d: f64| if d.abs() > 10.0 * RAY_ROUNDING { d } else { 0.0 };
-    let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
+    let of_column = |(q, &d): (&f64, &f64)| if moves(d) == 0.0 { (q * d).abs() } else { q * d };
+    let costs = || program.linear.iter().zip(&d).map(of_column);
     let cost: f64 = costs().sum();
     let cost_scale = largest_magnitude(costs());
     // A cone that the ray misses by a tolerance costs what its head must grow by.
