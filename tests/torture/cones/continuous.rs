@@ -8,6 +8,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 use super::case::{ConicCase, Form, Shape};
 use crate::common::case::Line;
+use crate::torture::oracle::FEASIBILITY;
 
 /// The answer for fixed integers.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,9 @@ pub(super) enum Rest {
 
 /// Tolerances that are tried.
 const TOLERANCES: [f64; 3] = [1e-11, 1e-10, 1e-9];
+
+/// By how much a solver's point may miss a row, in the row's unit, and some more.
+const ACCEPTED: f64 = 2.0 * FEASIBILITY;
 
 /// An affine expression of the open columns.
 type Entry = (Vec<f64>, f64);
@@ -41,7 +45,8 @@ struct Fixed<'a> {
     open: Vec<usize>,
     /// Open columns, and one for each norm of the cost.
     count: usize,
-    /// What is asked beyond each row and cone, relative to its largest coefficient.
+    /// What is asked beyond each row and cone, relative to its largest coefficient. Where it is
+    /// below 0, they are also missed by [`ACCEPTED`].
     slack: f64,
 }
 
@@ -71,6 +76,11 @@ pub(super) fn least(case: &ConicCase, x: &[f64], slack: f64) -> Rest {
 }
 
 impl Fixed<'_> {
+    /// By how much a row may be missed in its own unit.
+    fn accepted(&self) -> f64 {
+        if self.slack < 0.0 { ACCEPTED } else { 0.0 }
+    }
+
     fn unit(&self, k: usize) -> f64 {
         self.open.get(k).map_or(1.0, |&j| self.case.units[j])
     }
@@ -130,7 +140,7 @@ impl Fixed<'_> {
     fn limits(&self, conic: &mut Conic, entry: Entry, [lower, upper]: [f64; 2]) {
         let scale = entry.0.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         if scale == 0.0 {
-            let slight = 1e-13 * (entry.1.abs() + 1e-30) - self.slack.min(0.0);
+            let slight = 1e-13 * (entry.1.abs() + 1e-30) - self.slack.min(0.0) + self.accepted();
             conic.impossible |= entry.1 < lower - slight || entry.1 > upper + slight;
             return;
         }
@@ -145,7 +155,8 @@ impl Fixed<'_> {
         for (sign, limit) in [(1.0, lower), (-1.0, upper)] {
             if limit.is_finite() {
                 let (coefficients, constant) = scaled(sign, limit);
-                conic.positive.push((coefficients, constant - self.slack));
+                let slack = self.slack - self.accepted() / scale;
+                conic.positive.push((coefficients, constant - slack));
             }
         }
     }
@@ -158,18 +169,25 @@ impl Fixed<'_> {
         let combined = |a: &Entry, b: &Entry, sign: f64| -> Entry {
             (a.0.iter().zip(&b.0).map(|(a, b)| a + sign * b).collect(), a.1 + sign * b.1)
         };
+        // Squares that miss a row by this do so too where a head is longer by its root.
+        let (accepted, root) = (self.accepted(), self.accepted().sqrt());
+        let longer = |form: &Form, by: f64| -> Entry {
+            let (coefficients, constant) = self.expand(form);
+            (coefficients, constant + by)
+        };
         let (tail, heads): (Vec<Entry>, Vec<Entry>) = match shape {
-            Shape::Norm { tail, head, .. } => {
-                (tail.iter().map(|form| self.expand(form)).collect(), vec![self.expand(head)])
+            Shape::Norm { tail, head, is_squared } => {
+                let by = if *is_squared { root } else { accepted };
+                (tail.iter().map(|form| self.expand(form)).collect(), vec![longer(head, by)])
             }
             Shape::Convex { squares, bound } => {
-                let root = |(w, form): &(f64, Form)| scaled(&self.expand(form), w.sqrt());
+                let weighted = |(w, form): &(f64, Form)| scaled(&self.expand(form), w.sqrt());
                 let one = (vec![0.0; self.count], 1.0);
-                (squares.iter().map(root).collect(), vec![self.expand(bound), one])
+                (squares.iter().map(weighted).collect(), vec![longer(bound, accepted), one])
             }
             Shape::Product { tail, first, second } => (
                 tail.iter().map(|form| self.expand(form)).collect(),
-                vec![self.expand(first), self.expand(second)],
+                vec![longer(first, root), longer(second, root)],
             ),
         };
         let mut cone = match &heads[..] {
