@@ -177,7 +177,13 @@ impl Fixed<'_> {
         };
         let (tail, heads): (Vec<Entry>, Vec<Entry>) = match shape {
             Shape::Norm { tail, head, is_squared } => {
-                let by = if *is_squared { root } else { accepted };
+                let own = self.expand(head);
+                let by = match is_squared {
+                    false => accepted,
+                    // Exact where the head is constant.
+                    true if largest(&own) == 0.0 => own.1.hypot(root) - own.1.abs(),
+                    true => root,
+                };
                 (tail.iter().map(|form| self.expand(form)).collect(), vec![longer(head, by)])
             }
             Shape::Convex { squares, bound } => {
