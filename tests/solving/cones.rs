@@ -47,6 +47,34 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(config(64, REGRESSIONS))]
+
+    // A bound holds for all points within the radius of variables without bounds, also if a cone
+    // has a large multiple of such a variable (14024936).
+    #[test]
+    fn multiples_of_open_variables_may_be_far(
+        power in 0i32..32,
+        touch in -4i8..=4,
+        slope in 1u8..=16,
+        is_on in any::<bool>(),
+    ) {
+        let (far, square, multiple) = (1e8, 2f64.powi(power + 10), 2f64.powi(power));
+        let (touch, slope) = (f64::from(touch) / 32.0, f64::from(slope) / 16.0);
+        let mut model = Model::new("a multiple of an open variable");
+        let x = model.continuous("x", 0.0, f64::INFINITY)?;
+        let y = model.continuous("y", -1.0, f64::INFINITY)?;
+        let on = model.binary("on")?;
+        let square = square * ((y - touch) * (y - touch));
+        model.add("cone", square.le(multiple * (x * on)))?;
+        model.minimize(-slope * x + if is_on { -1.0 } else { 1.0 } * on)?;
+        let solution = BranchAndBound::default().solve(&model)?;
+        let is_below = solution.bound() <= -slope * far;
+        let is_unbounded = solution.termination() == Termination::Unbounded;
+        prop_assert!(is_below || is_unbounded, "{:?} {}", solution.termination(), solution.bound());
+    }
+}
+
 #[test]
 fn no_wrong_answer_in_unusual_ways() {
     let mut ways: Vec<Options> = Path::ALL.iter().map(|path| path.options()).collect();
@@ -87,12 +115,14 @@ fn known_programs_are_not_answered_wrongly() {
         60_003_236,
         440_005_869,
         893_006_635,
+        9_410_866,
         9_419_540,
         9_615_085,
         9_818_186,
         9_917_233,
         10_161_537,
         10_424_614,
+        14_024_936,
     ] {
         let case = program(seed);
         let verdicts = verdicts(&case, &[Options::default(), Path::WithoutCuts.options()]);
@@ -105,7 +135,7 @@ fn known_programs_are_not_answered_wrongly() {
     // A column that is six million times another one, which misses its own bound by 2e-10
     // (9221452). Nothing falls along a ray but by the rounding of its entries (10305512). A point
     // of a program without bound that misses a row by less than the tolerance (9419540).
-    for seed in [9_221_452, 10_305_512, 9_419_540, 9_917_233, 10_424_614] {
+    for seed in [9_221_452, 10_305_512, 9_410_866, 9_419_540, 9_917_233, 10_424_614] {
         let moved = program(seed).moved(seed);
         let verdicts = verdicts(&moved, &[Options::default()]);
         assert!(!verdicts.iter().any(is_wrong), "seed {seed}: {verdicts:?}");

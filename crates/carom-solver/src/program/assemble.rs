@@ -19,6 +19,8 @@ pub(super) struct Entries {
     upper: Vec<f64>,
     integral: Vec<bool>,
     step: Vec<Option<usize>>,
+    /// As [`Program::spread`].
+    spread: f64,
 }
 
 impl Entries {
@@ -33,6 +35,7 @@ impl Entries {
             upper: Vec::with_capacity(n),
             integral: Vec::with_capacity(n),
             step: Vec::with_capacity(n),
+            spread: 1.0,
         };
         for row in model.constraints() {
             let (terms, limits) = (row.terms().iter(), row.limits());
@@ -74,6 +77,18 @@ impl Entries {
     /// Whether there is an integral column.
     pub(super) fn has_integers(&self) -> bool {
         self.integral.contains(&true)
+    }
+
+    /// Adds a column for an expression, with the row that makes it its value. It may be farther out
+    /// than the columns of the expression.
+    pub(super) fn expression(&mut self, terms: &[(usize, f64)], offset: f64, lower: f64) -> usize {
+        let reach =
+            |j: usize| self.lower[j].abs().max(self.upper[j].abs()).min(tolerance::FREE_RADIUS);
+        let reach: f64 = terms.iter().map(|&(j, a)| a.abs() * reach(j)).sum();
+        self.spread = self.spread.max((reach + offset.abs()) / tolerance::FREE_RADIUS);
+        let column = self.column(lower, f64::INFINITY);
+        self.row(terms.iter().copied().chain([(column, -1.0)]), -offset, -offset);
+        column
     }
 
     /// Adds a row.
@@ -123,7 +138,7 @@ impl Program {
         let sign = model.sense().sign();
         let mut built = Entries::of(model);
         let cones = assemble_cones(model, norms, &mut built)?;
-        let Entries { entries, row_lower, row_upper, lower, upper, integral, step } = built;
+        let Entries { entries, row_lower, row_upper, lower, upper, integral, step, spread } = built;
         let (m, n) = (row_lower.len(), lower.len());
 
         let mut linear = vec![0.0; n];
@@ -156,7 +171,7 @@ impl Program {
             conic: OnceLock::new(),
             cone_cuts: None,
             step,
-            spread: 1.0,
+            spread,
             steepness: OnceLock::new(),
             squared: OnceLock::new(),
             widened: Default::default(),

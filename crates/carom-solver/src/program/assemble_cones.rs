@@ -89,11 +89,8 @@ fn column(expression: &Affine, is_head: bool, taken: &[usize], entries: &mut Ent
             j
         }
         _ => {
-            let j = entries.column(least, f64::INFINITY);
-            let terms = terms.iter().map(|&(v, a)| (v.index(), a));
-            let limit = -expression.offset();
-            entries.row(terms.chain([(j, -1.0)]), limit, limit);
-            j
+            let terms: Vec<_> = terms.iter().map(|&(v, a)| (v.index(), a)).collect();
+            entries.expression(&terms, expression.offset(), least)
         }
     }
 }

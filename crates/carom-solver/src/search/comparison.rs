@@ -17,7 +17,7 @@ use crate::program::{Cone, Program};
 const COEFFICIENT_MISS: f64 = 1e-4;
 const TERMS_MISS: f64 = 1e-8;
 
-/// The same for rows of a program with cones, which make the root of a miss.
+/// The same for rows and bounds of a program with cones, which make the root of a miss.
 const ROOTED_MISS: [f64; 2] = [0.125 * COEFFICIENT_MISS * COEFFICIENT_MISS, 1e-13];
 
 /// By how much a value of the objective may be off, relative to the sum of its terms (no unit).
@@ -46,7 +46,7 @@ pub(super) fn contradiction(
     let exact = task.exact?;
     let program = task.program;
     let excluded = |j: &usize| {
-        is_outside(exact.integral[*j], root.bounds(*j), x[*j])
+        is_outside(exact.integral[*j], root.bounds(*j), x[*j], COEFFICIENT_MISS)
             && !is_explained(exact, *j, root.bounds(*j), x[*j])
     };
     if let Some(j) = (0..x.len()).find(excluded) {
@@ -63,10 +63,10 @@ pub(super) fn contradiction(
     is_dearer(program, exact, x, task.options.feasibility).then_some(Contradiction::Objective)
 }
 
-/// Whether bounds exclude a value.
-fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64) -> bool {
+/// Whether bounds exclude a value by more than `allowed` of its size, or of 1.
+fn is_outside(is_integral: bool, [lower, upper]: [f64; 2], value: f64, allowed: f64) -> bool {
     let miss = (lower - value).max(value - upper);
-    miss > if is_integral { 0.5 } else { COEFFICIENT_MISS * value.abs().max(1.0) }
+    miss > if is_integral { 0.5 } else { allowed * value.abs().max(1.0) }
 }
 
 /// Whether a column misses derived bounds by no more than columns miss their own, because an
@@ -91,7 +91,8 @@ fn is_explained(exact: &Program, column: usize, [lower, upper]: [f64; 2], value:
 pub(super) fn is_excluded(exact: &Program, x: &[f64]) -> bool {
     let has_cones = !exact.cones.is_empty();
     let miss = if has_cones { ROOTED_MISS } else { [COEFFICIENT_MISS, TERMS_MISS] };
-    let is_outside = |j| is_outside(exact.integral[j], [exact.lower[j], exact.upper[j]], x[j]);
+    let is_outside =
+        |j| is_outside(exact.integral[j], [exact.lower[j], exact.upper[j]], x[j], miss[0]);
     (0..x.len()).any(is_outside)
         || (0..exact.row_count()).any(|row| is_missed(exact, row, x, miss))
         || exact.cones.iter().any(|cone| is_cone_missed(cone, x))
