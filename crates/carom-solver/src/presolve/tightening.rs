@@ -434,7 +434,10 @@ pub(super) fn worthwhile(
     } else {
         1e-3 * value.abs().max(1.0)
     };
-    if gain.is_nan() || gain <= worth {
+    // If an open side runs away, the domain is empty, and no bound says so.
+    let away = if is_upper { -value } else { value };
+    let runs_away = width.is_infinite() && away > tolerance::FREE_RADIUS;
+    if gain.is_nan() || gain <= worth || runs_away {
         return None;
     }
     Some(Tightening { column, is_upper, value })
