@@ -73,12 +73,18 @@ impl ConeCut {
     ///
     /// * `z`: one multiplier for each entry of `|tail| <= head`, or of
     ///   `|(first - second, 2 tail)| <= first + second` for a rotated cone, within the same cone.
-    pub(crate) fn of_multipliers(cone: &ReducedCone, z: &[f64]) -> Option<(ConeCut, f64)> {
+    /// * `slight`: the share of the largest multiplier below which one of a norm counts as 0. A
+    ///   point that leaves for infinity has multipliers that are ever closer to 0.
+    pub(super) fn of_multipliers(
+        cone: &ReducedCone,
+        z: &[f64],
+        slight: f64,
+    ) -> Option<(ConeCut, f64)> {
         let size = largest_magnitude(z);
         if !(size > 0.0 && size.is_finite()) {
             return None;
         }
-        let scaled = |v: &f64| -v / size;
+        let scaled = |v: &f64| if v.abs() <= slight * size { 0.0 } else { -v / size };
         let cut = match cone.shape {
             ConeShape::Norm => {
                 let weights: Vec<f64> = z[1..].iter().map(scaled).collect();
@@ -90,8 +96,11 @@ impl ConeCut {
             }
             ConeShape::Rotated => {
                 let (p, q) = ((z[0] + z[1]) / size, (z[0] - z[1]) / size);
-                let weights = z[2..].iter().map(scaled).collect();
-                ConeCut::in_rotated(cone, p.max(0.0), q.max(0.0), weights)?
+                let weights: Vec<f64> = z[2..].iter().map(scaled).collect();
+                let is_flat = slight > 0.0 && weights.iter().all(|w| *w == 0.0);
+                // Without weights, factors that only weights need are 0 as well.
+                let [p, q] = [p, q].map(|v| if is_flat && v <= slight { 0.0 } else { v.max(0.0) });
+                ConeCut::in_rotated(cone, p, q, weights)?
             }
         };
         Some((cut, size))
@@ -99,7 +108,11 @@ impl ConeCut {
 
     /// The cut `weights.tail <= |weights| head`, as large as the weights are.
     fn in_norm(cone: &ReducedCone, weights: &[f64]) -> Option<ConeCut> {
-        let head = rounded_up(length(weights), weights.len());
+        // The length of a single weight is exact.
+        let head = match weights.iter().filter(|w| **w != 0.0).count() {
+            1 => largest_magnitude(weights),
+            _ => rounded_up(length(weights), weights.len()),
+        };
         if !(head > 0.0 && head.is_finite()) {
             return None;
         }

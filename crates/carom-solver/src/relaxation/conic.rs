@@ -4,6 +4,10 @@
 //! Multipliers `z` of a cone lie in the cone, and `z.s >= 0` for all `s` of the cone: a row that
 //! holds in it (see [`ConeCut`]). The rows of all cones, each with its multiplier, and the
 //! multipliers of the other rows prove the bound of the conic program.
+//!
+//! Where the objective falls towards a value that no point has, points leave for infinity, and some
+//! multipliers vanish. Whatever is left of them is a slope along columns without bounds, which
+//! proves nothing. So such a program is tried without small multipliers as well.
 
 use super::cone_cut::ConeCut;
 use super::conic_form::ConicForm;
@@ -60,6 +64,10 @@ const fn conic_attempts(purpose: Purpose) -> &'static [ConicAttempt] {
 const MULTIPLIER_ATTEMPTS: [ConicAttempt; 2] =
     [(ConicMethod::Clarabel, 100, 1e-8, 2), (ConicMethod::Clarabel, 300, 1e-6, 10)];
 
+/// The shares of the largest multiplier of a cone below which others are taken for 0, one after the
+/// other: they vanish where a point leaves for infinity (no unit).
+const VANISHING: [f64; 3] = [0.0, 1e-3, 0.1];
+
 /// The best result so far.
 struct Best {
     bound: f64,
@@ -85,6 +93,9 @@ impl MethodCascade {
         let rows = program.rows.len();
         let place = program.places();
         let mut best: Option<Best> = None;
+        let mut ends = program.lower.iter().chain(&program.upper);
+        let is_open = ends.any(|end| end.is_infinite());
+        let shares = if is_open { &VANISHING[..] } else { &VANISHING[..1] };
         // Threads of a deterministic search must not differ in what they have seen.
         let learns = !question.options.deterministic;
         for &attempt in conic_attempts(question.purpose) {
@@ -92,32 +103,42 @@ impl MethodCascade {
             if !self.asks_conic(attempt.0, program, question) {
                 continue;
             }
-            let (mut result, cuts) = self.attempt_conic(program, attempt, question);
+            let (result, multipliers) = self.attempt_conic(program, attempt, question);
             if result.claim == RelaxationClaim::Unknown && question.token.is_over() {
                 return RelaxationVerdict::Stopped;
             }
-            for (cut, multiplier) in &cuts {
-                program.append_row(&cut.terms, &place, FIXED);
-                result.y.push(*multiplier);
+            let mut is_enough = false;
+            for &slight in shares {
+                let cuts = cuts_of(program, &multipliers, slight);
+                let mut result = result.clone();
+                for (cut, multiplier) in &cuts {
+                    program.append_row(&cut.terms, &place, FIXED);
+                    result.y.push(*multiplier);
+                }
+                let cutoff = f64::INFINITY;
+                let own = RelaxationQuestion { cutoff, ..*question };
+                let mut findings = Findings::new(program, &own);
+                let outcome = findings.verify(result, self.prover());
+                is_enough =
+                    matches!(outcome, AttemptOutcome::Sufficient | AttemptOutcome::Decided(_))
+                        || findings.bound >= question.cutoff
+                        || question.purpose == Purpose::Trial && findings.converged;
+                if let AttemptOutcome::Decided(verdict) = outcome {
+                    self.cone_cuts = cuts;
+                    return verdict;
+                }
+                let Findings { bound, x, y, converged, warm, .. } = findings;
+                if best.as_ref().is_none_or(|best| bound > best.bound || is_enough) && !x.is_empty()
+                {
+                    best = Some(Best { bound, x, y, converged, warm, cuts });
+                }
+                program.truncate_rows(rows);
+                if is_enough {
+                    break;
+                }
             }
-            let cutoff = f64::INFINITY;
-            let own = RelaxationQuestion { cutoff, ..*question };
-            let mut findings = Findings::new(program, &own);
-            let outcome = findings.verify(result, self.prover());
-            let is_enough =
-                matches!(outcome, AttemptOutcome::Sufficient | AttemptOutcome::Decided(_))
-                    || findings.bound >= question.cutoff
-                    || question.purpose == Purpose::Trial && findings.converged;
             if let Some(record) = record_of(attempt.0).filter(|_| learns) {
                 self.records[record].note(!is_enough);
-            }
-            if let AttemptOutcome::Decided(verdict) = outcome {
-                self.cone_cuts = cuts;
-                return verdict;
-            }
-            let Findings { bound, x, y, converged, warm, .. } = findings;
-            if best.as_ref().is_none_or(|best| bound > best.bound || is_enough) && !x.is_empty() {
-                best = Some(Best { bound, x, y, converged, warm, cuts });
             }
             if is_enough {
                 break;
@@ -165,11 +186,11 @@ impl MethodCascade {
         program: &Reduced,
         attempt: ConicAttempt,
         question: &RelaxationQuestion<'_>,
-    ) -> (RelaxationResult, Vec<(ConeCut, f64)>) {
+    ) -> (RelaxationResult, Vec<Vec<f64>>) {
         let RelaxationQuestion { cutoff, token, warm, .. } = *question;
         if attempt.0 != ConicMethod::SequentialQuadratic {
-            let (result, cuts) = self.solve_conic_once(program, attempt, cutoff, token, None);
-            return (RelaxationResult { warm: None, ..result }, cuts);
+            let (result, z) = self.solve_conic_once(program, attempt, cutoff, token, None);
+            return (RelaxationResult { warm: None, ..result }, z);
         }
         let last = self.last_quadratics.take().filter(|_| !question.options.deterministic);
         let own = warm.filter(|warm| SequentialQuadratic::knows(warm));
@@ -178,6 +199,12 @@ impl MethodCascade {
         self.last_quadratics = found.0.warm.clone().or(last);
         found
     }
+}
+
+/// The cuts that the multipliers of the cones are, each with its own multiplier.
+fn cuts_of(program: &Reduced, multipliers: &[Vec<f64>], slight: f64) -> Vec<(ConeCut, f64)> {
+    let pairs = program.cones.iter().zip(multipliers);
+    pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z, slight)).collect()
 }
 
 /// The record of a method; Clarabel, which is always asked, has none.
@@ -202,10 +229,10 @@ impl MethodCascade {
         mut accept: impl FnMut(ConicMultipliers) -> Option<T>,
     ) -> Option<T> {
         MULTIPLIER_ATTEMPTS.iter().find_map(|&attempt| {
-            let (result, cuts) =
+            let (result, multipliers) =
                 self.solve_conic_once(program, attempt, f64::INFINITY, token, None);
             // The claim of an attempt does not matter, because the multipliers are checked.
-            accept((result.x, result.y, cuts))
+            accept((result.x, result.y, cuts_of(program, &multipliers, 0.0)))
         })
     }
 
@@ -230,7 +257,7 @@ impl MethodCascade {
         cutoff: f64,
         token: &StopToken,
         warm: Option<&WarmState>,
-    ) -> (RelaxationResult, Vec<(ConeCut, f64)>) {
+    ) -> (RelaxationResult, Vec<Vec<f64>>) {
         let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm };
         let began = Instant::now();
         let form = match method {
@@ -245,10 +272,7 @@ impl MethodCascade {
             }
         };
         self.note_conic(method, result.iterations, began.elapsed());
-        let (result, multipliers) = form.lift(result, z);
-        let pairs = program.cones.iter().zip(&multipliers);
-        let cuts = pairs.filter_map(|(cone, z)| ConeCut::of_multipliers(cone, z)).collect();
-        (result, cuts)
+        form.lift(result, z)
     }
 }
 
