@@ -50,7 +50,7 @@ pub mod relaxation {
     pub use crate::relaxation::{
         ActiveSet, CascadePool, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint,
         MethodCascade, Prover, Record, Relaxation, RelaxationClaim, RelaxationResult, WarmState,
-        polish,
+        loosened, polish,
     };
 }
 

@@ -48,7 +48,7 @@ fn magnitude(program: &Reduced, x: &[f64], j: usize) -> f64 {
 }
 
 /// The sum of the magnitudes of a row's terms and of its limit.
-fn size(program: &Reduced, x: &[f64], row: usize, limit: f64) -> f64 {
+pub(super) fn size(program: &Reduced, x: &[f64], row: usize, limit: f64) -> f64 {
     let (columns, values) = program.rows.vector(row);
     let terms = columns.iter().zip(values).map(|(&j, a)| a.abs() * magnitude(program, x, j));
     terms.sum::<f64>() + finite_size(limit)

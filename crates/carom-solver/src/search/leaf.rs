@@ -96,6 +96,14 @@ fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f
     gain > 0.5 * ctx.options().allowed_gap(value, program.constant)
 }
 
+/// As [`offer_leaf`], for a leaf that was loosened.
+pub(super) fn offer_loosened(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
+    let activity = ctx.clock.switch(Activity::Verification);
+    let found = offer_verified(ctx, reduced, x);
+    ctx.clock.switch(activity);
+    found
+}
+
 fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
     let mut polished = x.to_vec();
     polish(reduced, &mut polished, &ctx.token);

@@ -74,6 +74,7 @@ mod indifferent_binaries;
 mod leaf;
 mod leaf_reduction;
 mod local_bounds;
+mod loosened_leaf;
 mod node;
 mod node_cut_pool;
 mod node_cuts;

@@ -7,6 +7,7 @@ use super::context::Context;
 use super::heuristics::{HeuristicAccounts, look_for_points, look_for_settled_point};
 use super::indifferent_binaries::{round_groups, shift_to_integers};
 use super::leaf::offer_leaf;
+use super::loosened_leaf::settle_loosened;
 use super::node::{Decision, KnownRelaxation, Node};
 use super::node_probing::NodeProbing;
 use super::node_relaxation::{
@@ -302,11 +303,18 @@ fn close_leaf(
 ) {
     ctx.tree.count(|s| s.leaves += 1);
     let before = ctx.tree.begin(Heuristic::Leaf);
-    let mut bound = bound;
-    if offer_leaf(ctx, reduced, x, y) {
-        if bound < ctx.tree.cutoff() && !reduced.cones.is_empty() {
-            bound = bound.max(bound_below_cutoff(ctx));
-        }
+    let (mut bound, mut is_settled) = (bound, offer_leaf(ctx, reduced, x, y));
+    let has_cones = !reduced.cones.is_empty();
+    if is_settled && bound < ctx.tree.cutoff() && has_cones {
+        bound = bound.max(bound_below_cutoff(ctx));
+    }
+    // A log holds the multipliers of the program itself.
+    if bound < ctx.tree.cutoff() && has_cones && ctx.options().proof_path().is_none() {
+        let loosened = settle_loosened(ctx, x);
+        bound = bound.max(loosened.bound);
+        is_settled |= loosened.is_settled;
+    }
+    if is_settled {
         ctx.tree.close(bound);
     } else {
         ctx.tree.stall(bound);

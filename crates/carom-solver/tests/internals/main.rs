@@ -10,6 +10,7 @@ mod conic_propagation;
 mod convex_forms;
 mod extended;
 mod linear_programs;
+mod loosened;
 mod open_columns;
 mod presolve;
 mod propagation;
